@@ -1,0 +1,9 @@
+"""Shapes in space: meshes, curves, placements, and what downstream programs want of them."""
+
+from __future__ import annotations
+
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.placement import Placement
+from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+
+__all__ = ["Curve", "Mesh", "Placement", "Shapes", "Skeleton", "Solid", "Surface"]

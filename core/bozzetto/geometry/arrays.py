@@ -1,0 +1,45 @@
+"""Arrays that stay as they are: copies backed by immutable memory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+__all__ = ["frozen"]
+
+
+def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> NDArray[Any]:
+    """Return values as an array nobody can write to, copying only where needed.
+
+    Parameters
+    ----------
+    values : array_like
+    dtype : dtype
+        float32, float64, int32, uint32 or uint8.
+    columns : int, optional
+        The shape is (n, columns) then.
+
+    Raises
+    ------
+    ValueError
+        If the shape does not fit, or a float is not finite.
+    """
+    array = np.asarray(values)
+    if columns is not None:
+        array = array.reshape(-1, columns) if array.size else np.zeros((0, columns), dtype)
+    kind = np.dtype(dtype)
+    if array.dtype == kind and isinstance(_root(array), bytes) and array.flags.c_contiguous:
+        return array
+    made = np.frombuffer(np.ascontiguousarray(array, kind).tobytes(), kind).reshape(array.shape)
+    if kind.kind == "f" and not np.isfinite(made).all():
+        raise ValueError("an array holds values that are not finite")
+    return made
+
+
+def _root(array: NDArray[Any]) -> object:
+    owner: object = array
+    while isinstance(owner, np.ndarray):
+        owner = owner.base
+    return owner

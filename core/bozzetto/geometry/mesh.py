@@ -1,0 +1,96 @@
+"""The triangle mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.arrays import frozen
+from bozzetto.geometry.placement import Placement
+
+__all__ = ["Mesh"]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles over shared vertices; arrays are read-only.
+
+    Parameters
+    ----------
+    vertices : (v, 3) float32
+        mm, in the model's own frame.
+    faces : (f, 3) int32
+        Counter-clockwise seen from outside.
+    normals : (v, 3) float32, optional
+        Unit vertex normals.
+    colors : (v, 4) uint8, optional
+        RGBA per vertex, sRGB.
+
+    Raises
+    ------
+    ValueError
+        If an array has the wrong shape, is not finite, or a face names a missing vertex.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float32] | None = None
+    colors: NDArray[np.uint8] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", frozen(self.vertices, np.float32, 3))
+        object.__setattr__(self, "faces", frozen(self.faces, np.int32, 3))
+        count = len(self.vertices)
+        if len(self.faces) and (self.faces.min() < 0 or self.faces.max() >= count):
+            raise ValueError("a face names a vertex that does not exist")
+        if self.normals is not None:
+            object.__setattr__(self, "normals", frozen(self.normals, np.float32, 3))
+            if len(self.normals) != count:
+                raise ValueError("a mesh needs as many normals as vertices")
+        if self.colors is not None:
+            object.__setattr__(self, "colors", frozen(self.colors, np.uint8, 4))
+            if len(self.colors) != count:
+                raise ValueError("a mesh needs as many colours as vertices")
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Corners of the bounding box, shape (2, 3), mm; NaN for an empty mesh."""
+        if not len(self.vertices):
+            return np.full((2, 3), np.nan)
+        return np.stack((self.vertices.min(0), self.vertices.max(0))).astype(np.float64)
+
+    @property
+    def nbytes(self) -> int:
+        """Size of the arrays in bytes."""
+        arrays = (self.vertices, self.faces, self.normals, self.colors)
+        return sum(array.nbytes for array in arrays if array is not None)
+
+    def placed(self, placement: Placement) -> Mesh:
+        """The mesh moved by a placement; turned over if the placement mirrors."""
+        if placement.is_identity:
+            return self
+        faces = self.faces[:, ::-1] if placement.mirrors else self.faces
+        normals = None if self.normals is None else placement.directions(self.normals)
+        return Mesh(
+            placement.points(self.vertices).astype(np.float32),
+            faces,
+            None if normals is None else normals.astype(np.float32),
+            self.colors,
+        )
+
+    def vertex_normals(self) -> NDArray[np.float32]:
+        """Unit normals: the given ones, or the area-weighted mean of the faces around."""
+        if self.normals is not None:
+            return self.normals
+        corners = self.vertices[self.faces].astype(np.float64)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        total = np.zeros((len(self.vertices), 3))
+        for axis in range(3):
+            total[:, axis] = np.bincount(
+                self.faces.ravel(), np.repeat(across[:, axis], 3), len(self.vertices)
+            )
+        length = np.linalg.norm(total, axis=1, keepdims=True)
+        length[length == 0] = 1.0
+        return (total / length).astype(np.float32)

@@ -1,0 +1,73 @@
+"""Where a model stands: a rigid motion with one scale."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+
+__all__ = ["Placement"]
+
+UNIT_TOLERANCE: float = 1e-6
+"""Largest departure from orthonormality accepted in a rotation."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Rotation, then uniform scale, then translation: ``p -> scale * R p + offset``.
+
+    Parameters
+    ----------
+    rotation : tuple of 9 floats
+        Rows of R; may include a mirror (determinant −1).
+    scale : float
+        Positive.
+    offset : (x, y, z)
+        mm.
+    """
+
+    rotation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    scale: float = 1.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if len(self.rotation) != 9 or len(self.offset) != 3:
+            raise UserError("A placement needs nine numbers of rotation and three of offset.")
+        if not np.isfinite((*self.rotation, self.scale, *self.offset)).all() or self.scale <= 0:
+            raise UserError("A placement needs finite numbers and a scale above zero.")
+        rows = np.reshape(self.rotation, (3, 3))
+        if np.abs(rows @ rows.T - np.eye(3)).max() > UNIT_TOLERANCE:
+            raise UserError("A placement's rotation must be orthonormal.")
+
+    @property
+    def is_identity(self) -> bool:
+        """Whether nothing moves."""
+        return self == Placement()
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether left and right are exchanged (triangles must be turned over)."""
+        return float(np.linalg.det(np.reshape(self.rotation, (3, 3)))) < 0
+
+    def points(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Move points, shape (n, 3), mm."""
+        rows = np.reshape(self.rotation, (3, 3))
+        return self.scale * (np.reshape(np.asarray(points, float), (-1, 3)) @ rows.T) + self.offset
+
+    def directions(self, vectors: ArrayLike) -> NDArray[np.float64]:
+        """Turn directions, shape (n, 3); lengths are kept."""
+        rows = np.reshape(self.rotation, (3, 3))
+        return np.asarray(np.reshape(np.asarray(vectors, float), (-1, 3)) @ rows.T, np.float64)
+
+    def inverse(self) -> Placement:
+        """The placement that undoes this one."""
+        rows = np.reshape(self.rotation, (3, 3))
+        back = -(rows.T @ np.asarray(self.offset)) / self.scale
+        return Placement(
+            tuple(float(v) for v in rows.T.ravel()),
+            1.0 / self.scale,
+            (float(back[0]), float(back[1]), float(back[2])),
+        )

@@ -1,0 +1,140 @@
+"""What a modeler hands over to downstream programs: exact where they want it exact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.arrays import frozen
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.placement import Placement
+
+__all__ = ["Curve", "Shapes", "Skeleton", "Solid", "Surface"]
+
+Color = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A closed triangle mesh that bounds a volume; exporters refuse it where it does not."""
+
+    mesh: Mesh
+    name: str = "solid"
+    color: Color | None = None
+
+
+@dataclass(frozen=True)
+class Surface:
+    """An open triangle mesh: a skin without an inside."""
+
+    mesh: Mesh
+    name: str = "surface"
+    color: Color | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A B-spline curve, rational where weights are given; or a polyline (degree 1).
+
+    Parameters
+    ----------
+    degree : int
+    knots : (m + degree + 1,) float64
+        Full knot vector, not decreasing.
+    control_points : (m, 3) float64
+        mm.
+    weights : (m,) float64, optional
+    closed : bool
+        Whether the curve returns to its start.
+    """
+
+    degree: int
+    knots: NDArray[np.float64]
+    control_points: NDArray[np.float64]
+    weights: NDArray[np.float64] | None = None
+    closed: bool = False
+    name: str = "curve"
+    color: Color | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "knots", frozen(self.knots, np.float64))
+        object.__setattr__(self, "control_points", frozen(self.control_points, np.float64, 3))
+        if self.weights is not None:
+            object.__setattr__(self, "weights", frozen(self.weights, np.float64))
+        count = len(self.control_points)
+        if self.degree < 1 or count <= self.degree:
+            raise ValueError("a curve needs more control points than its degree")
+        if len(self.knots) != count + self.degree + 1 or (np.diff(self.knots) < 0).any():
+            raise ValueError("a curve's knots must not decrease and must fit its control points")
+        if self.weights is not None and (len(self.weights) != count or (self.weights <= 0).any()):
+            raise ValueError("a curve needs one positive weight per control point")
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Joints and bones of a shape.
+
+    Parameters
+    ----------
+    joints : (n, 3) float64
+        mm.
+    radii : (n,) float64
+        Thickness of the shape around each joint, mm.
+    bones : (m, 2) int32
+        Pairs of joints.
+    """
+
+    joints: NDArray[np.float64]
+    radii: NDArray[np.float64]
+    bones: NDArray[np.int32]
+    name: str = "skeleton"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joints", frozen(self.joints, np.float64, 3))
+        object.__setattr__(self, "radii", frozen(self.radii, np.float64))
+        object.__setattr__(self, "bones", frozen(self.bones, np.int32, 2))
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Everything one or several models hand over, each part named and coloured."""
+
+    solids: tuple[Solid, ...] = ()
+    surfaces: tuple[Surface, ...] = ()
+    curves: tuple[Curve, ...] = ()
+    skeletons: tuple[Skeleton, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.solids or self.surfaces or self.curves or self.skeletons)
+
+    def __add__(self, other: Shapes) -> Shapes:
+        return Shapes(
+            self.solids + other.solids,
+            self.surfaces + other.surfaces,
+            self.curves + other.curves,
+            self.skeletons + other.skeletons,
+        )
+
+    def meshes(self) -> Iterator[Solid | Surface]:
+        """Solids, then surfaces: all that is made of triangles."""
+        yield from self.solids
+        yield from self.surfaces
+
+    def placed(self, placement: Placement) -> Shapes:
+        """All parts moved by a placement."""
+        if placement.is_identity:
+            return self
+        return Shapes(
+            tuple(replace(s, mesh=s.mesh.placed(placement)) for s in self.solids),
+            tuple(replace(s, mesh=s.mesh.placed(placement)) for s in self.surfaces),
+            tuple(
+                replace(c, control_points=placement.points(c.control_points)) for c in self.curves
+            ),
+            tuple(
+                replace(s, joints=placement.points(s.joints), radii=s.radii * placement.scale)
+                for s in self.skeletons
+            ),
+        )

@@ -1,0 +1,298 @@
+"""The stroke: read-only columns of samples, with the camera they were drawn through."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.view.camera import Camera
+
+__all__ = ["COLUMNS", "Stroke", "StrokeTool", "Strokes", "frozen_column"]
+
+StrokeTool = Literal["pen", "eraser", "mouse", "imported"]
+Column = NDArray[np.float32]
+
+COLUMNS: Final = ("x", "y", "pressure", "t", "tilt_x", "tilt_y", "twist")
+"""Names of the sample columns, in the order in which files store them."""
+
+MAX_SAMPLES: Final = 1_000_000
+"""Longest stroke accepted (samples): an hour of a 250 Hz tablet without lifting the pen."""
+
+
+def frozen_column(values: ArrayLike) -> Column:
+    """Copy values into a float32 column that nobody can make writable again.
+
+    The copy is backed by an immutable ``bytes`` object, so a plugin cannot change ink
+    behind the document's back even on purpose.
+    """
+    return np.frombuffer(np.ascontiguousarray(values, np.float32).tobytes(), np.float32)
+
+
+class Stroke:
+    """One pen-down to pen-up, raw, as the device gave it.
+
+    Parameters
+    ----------
+    x, y : (n,) array_like
+        Canvas pixels, y down. ``n >= 1``.
+    camera : Camera
+        The camera through which the sheet was seen; its viewport is the canvas.
+    pressure : (n,) array_like, optional
+        0 … 1. Where absent the stroke says so (`has_pressure`) and the column holds 0.5.
+    t : (n,) array_like, optional
+        Seconds since the first sample, not decreasing. Absent: zeros, `has_time` false.
+    tilt_x, tilt_y, twist : (n,) array_like, optional
+        Degrees; zeros where absent.
+    tool : {"pen", "eraser", "mouse", "imported"}
+    color : (r, g, b), optional
+        0 … 255; None means the theme's ink.
+    group : str
+        Which curve this stroke belongs to, where a drawing says so; else "".
+
+    Raises
+    ------
+    UserError
+        If columns differ in length, are empty, too long or not finite.
+    """
+
+    __slots__ = (
+        "camera",
+        "color",
+        "group",
+        "has_pressure",
+        "has_time",
+        "pressure",
+        "t",
+        "tilt_x",
+        "tilt_y",
+        "tool",
+        "twist",
+        "x",
+        "y",
+    )
+
+    x: Column
+    y: Column
+    pressure: Column
+    t: Column
+    tilt_x: Column
+    tilt_y: Column
+    twist: Column
+    camera: Camera
+    tool: StrokeTool
+    color: tuple[int, int, int] | None
+    group: str
+    has_pressure: bool
+    has_time: bool
+
+    def __init__(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        camera: Camera,
+        *,
+        pressure: ArrayLike | None = None,
+        t: ArrayLike | None = None,
+        tilt_x: ArrayLike | None = None,
+        tilt_y: ArrayLike | None = None,
+        twist: ArrayLike | None = None,
+        tool: StrokeTool = "pen",
+        color: tuple[int, int, int] | None = None,
+        group: str = "",
+    ) -> None:
+        given = {
+            "x": x,
+            "y": y,
+            "pressure": pressure,
+            "t": t,
+            "tilt_x": tilt_x,
+            "tilt_y": tilt_y,
+            "twist": twist,
+        }
+        count = len(np.atleast_1d(np.asarray(x)))
+        if not 1 <= count <= MAX_SAMPLES:
+            raise UserError(
+                f"A stroke needs between 1 and {MAX_SAMPLES} samples; this one has {count}."
+            )
+        for name, values in given.items():
+            if values is None:
+                fill = 0.5 if name == "pressure" else 0.0
+                column = frozen_column(np.full(count, fill, np.float32))
+            else:
+                column = frozen_column(np.atleast_1d(np.asarray(values)))
+            if column.shape != (count,):
+                raise UserError(
+                    f"The columns of a stroke must be of one length; "
+                    f"{name} has {column.size} samples and x has {count}."
+                )
+            if not np.isfinite(column).all():
+                raise UserError(f"A stroke's {name} holds a value that is not a finite number.")
+            object.__setattr__(self, name, column)
+        object.__setattr__(self, "camera", camera)
+        object.__setattr__(self, "tool", tool)
+        object.__setattr__(self, "color", color)
+        object.__setattr__(self, "group", group)
+        object.__setattr__(self, "has_pressure", pressure is not None)
+        object.__setattr__(self, "has_time", t is not None)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a stroke is read-only: {name}")
+
+    def __len__(self) -> int:
+        return int(self.x.size)
+
+    def __repr__(self) -> str:
+        return f"Stroke({len(self)} samples, {self.tool})"
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, Stroke):
+            return NotImplemented
+        return self._facts() == other._facts() and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in COLUMNS
+        )
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def _facts(self) -> tuple[object, ...]:
+        return (
+            self.camera,
+            self.tool,
+            self.color,
+            self.group,
+            self.has_pressure,
+            self.has_time,
+        )
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Canvas positions, shape (n, 2), pixels, y down."""
+        return np.column_stack((self.x, self.y)).astype(np.float64)
+
+    @property
+    def nbytes(self) -> int:
+        """Size of the columns in bytes."""
+        return sum(getattr(self, name).nbytes for name in COLUMNS)
+
+    @property
+    def digest(self) -> bytes:
+        """16 bytes that name this stroke's content."""
+        state = hashlib.blake2b(repr(self._facts()).encode(), digest_size=16)
+        for name in COLUMNS:
+            state.update(getattr(self, name).tobytes())
+        return state.digest()
+
+
+class Strokes(Sequence[Stroke]):
+    """An immutable sequence of strokes that is cheap to extend.
+
+    Kept as a tuple of tuples of at most `CHUNK` strokes, so that a new snapshot with one
+    more stroke shares all but one chunk with the old one: the step costs a kilobyte, not
+    one pointer for every stroke drawn before.
+
+    Parameters
+    ----------
+    strokes : iterable of Stroke
+    """
+
+    CHUNK: Final = 64
+
+    __slots__ = ("_chunks", "_length")
+
+    _chunks: tuple[tuple[Stroke, ...], ...]
+    _length: int
+
+    def __init__(self, strokes: Iterable[Stroke] = ()) -> None:
+        items = tuple(strokes)
+        size = self.CHUNK
+        chunks = tuple(items[i : i + size] for i in range(0, len(items), size))
+        object.__setattr__(self, "_chunks", chunks)
+        object.__setattr__(self, "_length", len(items))
+
+    @classmethod
+    def _of(cls, chunks: tuple[tuple[Stroke, ...], ...]) -> Strokes:
+        made = cls.__new__(cls)
+        object.__setattr__(made, "_chunks", chunks)
+        object.__setattr__(made, "_length", sum(map(len, chunks)))
+        return made
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"strokes are read-only: {name}")
+
+    def __len__(self) -> int:
+        return self._length
+
+    def __iter__(self) -> Iterator[Stroke]:
+        for chunk in self._chunks:
+            yield from chunk
+
+    @overload
+    def __getitem__(self, index: int) -> Stroke: ...
+    @overload
+    def __getitem__(self, index: slice) -> Strokes: ...
+    def __getitem__(self, index: int | slice) -> Stroke | Strokes:
+        if isinstance(index, slice):
+            return Strokes(tuple(self)[index])
+        position = index + self._length if index < 0 else index
+        if not 0 <= position < self._length:
+            raise IndexError(index)
+        for chunk in self._chunks:
+            if position < len(chunk):
+                return chunk[position]
+            position -= len(chunk)
+        raise IndexError(index)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Strokes):
+            return NotImplemented
+        if self._chunks is other._chunks:
+            return True
+        return len(self) == len(other) and all(
+            a is b or a == b for a, b in zip(self, other, strict=True)
+        )
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
+
+    def __repr__(self) -> str:
+        return f"Strokes({len(self)})"
+
+    def extended(self, strokes: Iterable[Stroke]) -> Strokes:
+        """Return a new sequence with further strokes at the end."""
+        chunks = self._chunks
+        for stroke in strokes:
+            if chunks and len(chunks[-1]) < self.CHUNK:
+                chunks = (*chunks[:-1], (*chunks[-1], stroke))
+            else:
+                chunks = (*chunks, (stroke,))
+        return self._of(chunks)
+
+    def without(self, index: int) -> Strokes:
+        """Return a new sequence without the stroke at a position."""
+        position = range(self._length)[index]
+        chunks = list(self._chunks)
+        for place, chunk in enumerate(chunks):
+            if position < len(chunk):
+                rest = chunk[:position] + chunk[position + 1 :]
+                chunks[place : place + 1] = [rest] if rest else []
+                break
+            position -= len(chunk)
+        return self._of(tuple(chunks))
+
+    def replaced(self, index: int, stroke: Stroke) -> Strokes:
+        """Return a new sequence with the stroke at a position exchanged."""
+        position = range(self._length)[index]
+        chunks = list(self._chunks)
+        for place, chunk in enumerate(chunks):
+            if position < len(chunk):
+                chunks[place] = (*chunk[:position], stroke, *chunk[position + 1 :])
+                break
+            position -= len(chunk)
+        return self._of(tuple(chunks))

@@ -1,0 +1,38 @@
+"""The public contract: everything that a plugin may use beside the other rooms of the core.
+
+A plugin imports from here, from `bozzetto.ink`, `bozzetto.view`, `bozzetto.geometry`,
+`bozzetto.scene` and `bozzetto.errors`; nothing else of the program is promised to stay.
+"""
+
+from __future__ import annotations
+
+from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.plugin.context import Context, PenSettings
+from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
+from bozzetto.plugin.hooks import hookimpl
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.modeler import Modeler, ReadsDrawings, Reports, Tool
+from bozzetto.plugin.parameters import Parameter
+
+__all__ = [
+    "API_VERSION",
+    "Cancelled",
+    "Context",
+    "Drag",
+    "Gesture",
+    "Ink",
+    "Job",
+    "Modeler",
+    "Parameter",
+    "PenSettings",
+    "ReadsDrawings",
+    "Reports",
+    "Tap",
+    "Tool",
+    "Unfinished",
+    "UserError",
+    "hookimpl",
+]
+
+API_VERSION = (1, 0)
+"""Version of this contract: a plugin's manifest names the range it was written for."""

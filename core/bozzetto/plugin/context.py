@@ -1,0 +1,53 @@
+"""What a tool may ask of the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from bozzetto.scene.display_list import Image, Scene
+from bozzetto.scene.picking import Hits, cast_rays
+from bozzetto.view.camera import Camera, Rays
+
+__all__ = ["Context", "PenSettings"]
+
+
+@dataclass(frozen=True)
+class PenSettings:
+    """How the hand at the tablet draws.
+
+    Parameters
+    ----------
+    tolerance : float
+        Distance (pixels) below which two places on the sheet count as the same.
+    """
+
+    tolerance: float = 6.0
+
+
+@dataclass(frozen=True)
+class Context:
+    """The world around a gesture, frozen at the moment it was made.
+
+    Parameters
+    ----------
+    camera : Camera
+        The view now (a gesture carries its own).
+    scene : Scene
+        All that is visible, in world coordinates.
+    pen : PenSettings
+    symmetry_point, symmetry_normal : (x, y, z)
+        The plane of bilateral symmetry, mm.
+    underlay : Image, optional
+        The picture under the sheet, if any.
+    """
+
+    camera: Camera = field(default_factory=Camera)
+    scene: Scene = field(default_factory=Scene)
+    pen: PenSettings = field(default_factory=PenSettings)
+    symmetry_point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    symmetry_normal: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    underlay: Image | None = None
+
+    def surface_hit(self, rays: Rays) -> Hits:
+        """Where rays first meet a visible surface, whoever made it."""
+        return cast_rays(self.scene, rays)

@@ -1,0 +1,69 @@
+"""The three things a hand can do on the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bozzetto.ink.stroke import Stroke
+from bozzetto.view.camera import Camera
+
+__all__ = ["Drag", "Gesture", "Ink", "Tap"]
+
+
+@dataclass(frozen=True)
+class Ink:
+    """One or several strokes, committed together.
+
+    Parameters
+    ----------
+    strokes : tuple of Stroke
+        In the order drawn; at least one. Each carries its own camera.
+    committed : bool
+        False while the person may still add strokes: a tool that needs more raises
+        `Unfinished` then. True once they said that this is all (Enter, the command line).
+    """
+
+    strokes: tuple[Stroke, ...]
+    committed: bool = False
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of the first stroke."""
+        return self.strokes[0].camera
+
+
+@dataclass(frozen=True)
+class Tap:
+    """A short touch at a canvas position (pixels)."""
+
+    x: float
+    y: float
+    camera: Camera
+    shift: bool = False
+    ctrl: bool = False
+
+
+@dataclass(frozen=True)
+class Drag:
+    """A named handle taken from one place to another.
+
+    Parameters
+    ----------
+    handle : str
+        The `Handle.id` of the scene.
+    path : Stroke
+        Where the pen went; its last sample is where the handle is now.
+    """
+
+    handle: str
+    path: Stroke
+    shift: bool = False
+    ctrl: bool = False
+
+    @property
+    def camera(self) -> Camera:
+        """The camera through which the handle was dragged."""
+        return self.path.camera
+
+
+Gesture = Ink | Tap | Drag

@@ -1,0 +1,39 @@
+"""The hooks: this file is the public API of the plugin system.
+
+A plugin package implements any of them as functions decorated with `hookimpl`. All
+arguments are passed by keyword; an implementation may leave out those it does not need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pluggy
+
+from bozzetto.plugin.modeler import Modeler
+
+__all__ = ["PROJECT", "hookimpl", "hookspec"]
+
+PROJECT = "bozzetto"
+
+hookspec = pluggy.HookspecMarker(PROJECT)
+hookimpl = pluggy.HookimplMarker(PROJECT)
+
+
+@hookspec
+def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:  # type: ignore[empty-body]
+    """The modelers of this plugin.
+
+    Called once, when the first of them is used. The ids must be those that the plugin's
+    manifest announces under ``[[modeler]]``; others are refused.
+    """
+
+
+@hookspec
+def bozzetto_panel(modeler_id: str, parent: object) -> object:
+    """A Qt widget of the plugin's own for one of its modelers, or None.
+
+    Only called where the manifest says ``panel = true``. `parent` is a QWidget; the
+    returned widget is shown in a dock and destroyed with it.
+    """

@@ -1,0 +1,50 @@
+"""The job: how well to solve, who is waiting, and whether anyone still is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from bozzetto.errors import Cancelled
+
+__all__ = ["Job"]
+
+
+def _nobody(fraction: float, step: str) -> None:
+    """Progress that no one watches."""
+
+
+def _never() -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a solve may know about the one who asked.
+
+    Parameters
+    ----------
+    quality : {"preview", "final"}
+        "preview" must be fast (tens of milliseconds) and may be coarse.
+    progress : callable
+        Called with the fraction done (0 … 1) and the step's name.
+    cancelled : callable
+        True once the answer is no longer wanted.
+    """
+
+    quality: Literal["preview", "final"] = "final"
+    progress: Callable[[float, str], None] = _nobody
+    cancelled: Callable[[], bool] = _never
+
+    def checkpoint(self, fraction: float, step: str) -> None:
+        """Report progress; call it between steps.
+
+        Raises
+        ------
+        Cancelled
+            If the answer is no longer wanted. Let it pass.
+        """
+        if self.cancelled():
+            raise Cancelled(step)
+        self.progress(fraction, step)

@@ -1,0 +1,136 @@
+"""The modeler's contract, in the spirit of model, update, view.
+
+A modeler is a set of pure functions over its state. The state is a frozen dataclass made
+of numbers, texts, tuples, `Strokes`, `Camera`, read-only arrays and further frozen
+dataclasses: the *recipe* of a shape. The host keeps it, saves it, undoes it, and calls the
+functions in a worker; the modeler owns nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
+
+from bozzetto.geometry.shapes import Shapes
+from bozzetto.ink.drawing import Drawing
+from bozzetto.plugin.context import Context
+from bozzetto.plugin.gesture import Gesture
+from bozzetto.plugin.job import Job
+from bozzetto.scene.display_list import Scene
+
+__all__ = ["Modeler", "ReadsDrawings", "Reports", "Tool"]
+
+State = TypeVar("State")
+Result = TypeVar("Result")
+
+
+class Tool(Protocol[State]):
+    """What the pen can do: one gesture makes one new state.
+
+    Attributes
+    ----------
+    id : str
+        Unique within the modeler; part of shortcuts and scripts.
+    title : str
+        Name on hover.
+    icon : str
+        File name of an SVG in the plugin's package (20 px grid, 1.5 px strokes,
+        ``currentColor``), or "" for a letter.
+    hint : str
+        The next expected gesture, in plain words, for the status line.
+    gesture : {"ink", "tap", "drag"}
+        The kind of gesture it takes. Drags of handles always reach the tool whose
+        `gesture` is "drag".
+    """
+
+    id: str
+    title: str
+    icon: str
+    hint: str
+    gesture: Literal["ink", "tap", "drag"]
+
+    def preview(self, state: State, gesture: Gesture, context: Context) -> Scene:
+        """What to show while the pen is down: cheap, and never fails on odd ink."""
+        ...
+
+    def apply(self, state: State, gesture: Gesture, context: Context) -> State:
+        """The new state, on release.
+
+        Raises
+        ------
+        Unfinished
+            If an `Ink` gesture that is not yet committed needs further strokes.
+        UserError
+            If the gesture cannot be understood; the message says what to do instead.
+        """
+        ...
+
+
+class Modeler(Protocol[State, Result]):
+    """A way to turn ink into shape.
+
+    Attributes
+    ----------
+    id : str
+        Unique; "author.name".
+    title : str
+    state_type : type
+        The frozen dataclass of its states; documents are read through it.
+    state_version : int
+        Raised when stored states change shape; see `upgrade`.
+    """
+
+    id: str
+    title: str
+    state_type: type[State]
+    state_version: int
+
+    def create(self, context: Context) -> State:
+        """A new, empty model."""
+        ...
+
+    def tools(self) -> Sequence[Tool[State]]:
+        """The tools, most used first; the first one is active at the start."""
+        ...
+
+    def solve(self, state: State, job: Job) -> Result:
+        """The mathematics; may be slow.
+
+        Call ``job.checkpoint`` between steps. An empty state must give an empty result.
+
+        Raises
+        ------
+        UserError
+            If this recipe has no solution; the message says what to change.
+        """
+        ...
+
+    def scene(self, state: State, result: Result | None) -> Scene:
+        """What to show; `result` is None while the first solve is still running."""
+        ...
+
+    def shapes(self, state: State, result: Result) -> Shapes:
+        """What to hand over to other programs, mm, in the model's own frame."""
+        ...
+
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Turn the stored form of an older version's state into today's."""
+        ...
+
+
+@runtime_checkable
+class ReadsDrawings(Protocol):
+    """A modeler that knows better than "apply my first tool to all the ink"."""
+
+    def read_drawing(self, drawing: Drawing, context: Context) -> Any:
+        """A state from a whole drawing; used by the command line and by drag and drop."""
+        ...
+
+
+@runtime_checkable
+class Reports(Protocol):
+    """A modeler that can say how good its result is."""
+
+    def report(self, state: Any, result: Any) -> Mapping[str, Any]:
+        """Plain JSON values with readable keys; shown in a panel and written by ``--report``."""
+        ...

@@ -1,0 +1,186 @@
+"""Parameters: annotated fields of a state, from which the shell builds its form.
+
+A modeler writes ``softness: Annotated[float, Parameter("Blend softness", 1.25, 2.0)] = 1.4``;
+the form, the ``--set`` option of the command line and the checks on both come from that.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from bozzetto.errors import UserError
+
+__all__ = ["Field", "Parameter", "parameter_fields", "parse_parameter", "set_parameters"]
+
+State = TypeVar("State")
+Kind = Literal["number", "integer", "switch", "choice", "text"]
+
+LONGEST_TEXT = 1000
+"""Longest text parameter accepted, characters."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """How a field of the state is shown and what it accepts.
+
+    Parameters
+    ----------
+    label : str
+        Words a designer would use.
+    minimum, maximum : float, optional
+        Inclusive range of a number.
+    step : float, optional
+        Sensible increment.
+    unit : str
+        "mm", "°", "cells" …; empty for a pure number.
+    help : str
+        One sentence: what it does to the shape.
+    advanced : bool
+        Folded away at first.
+    choices : tuple of (value, label)
+        Readable names for a ``Literal`` field's values.
+    """
+
+    label: str
+    minimum: float | None = None
+    maximum: float | None = None
+    step: float | None = None
+    unit: str = ""
+    help: str = ""
+    advanced: bool = False
+    choices: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Field:
+    """A parameter as found on a state type.
+
+    Attributes
+    ----------
+    name : str
+        Of the field.
+    kind : {"number", "integer", "switch", "choice", "text"}
+    default : object
+    values : tuple of str
+        Of a choice.
+    """
+
+    name: str
+    parameter: Parameter
+    kind: Kind
+    default: Any
+    values: tuple[str, ...] = ()
+
+    def check(self, value: object) -> Any:
+        """Return the value as the field wants it.
+
+        Raises
+        ------
+        UserError
+            If it is of the wrong kind or out of range.
+        """
+        label = self.parameter.label
+        if self.kind == "switch":
+            if not isinstance(value, bool):
+                raise UserError(f"{label} is on or off.")
+            return value
+        if self.kind == "choice":
+            if value not in self.values:
+                raise UserError(f"{label} is one of {', '.join(self.values)}; not {value!r}.")
+            return value
+        if self.kind == "text":
+            if not isinstance(value, str) or len(value) > LONGEST_TEXT:
+                raise UserError(f"{label} is a text of at most {LONGEST_TEXT} characters.")
+            return value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise UserError(f"{label} is a number, not {value!r}.")
+        if not math.isfinite(value):
+            raise UserError(f"{label} must be a finite number.")
+        if self.kind == "integer" and value != int(value):
+            raise UserError(f"{label} is a whole number, not {value}.")
+        low, high = self.parameter.minimum, self.parameter.maximum
+        if (low is not None and value < low) or (high is not None and value > high):
+            shown = f"{'' if low is None else low:g}" if low is not None else "…"
+            until = f"{high:g}" if high is not None else "…"
+            unit = f" {self.parameter.unit}" if self.parameter.unit else ""
+            raise UserError(f"{label} goes from {shown} to {until}{unit}; {value:g} is outside.")
+        return int(value) if self.kind == "integer" else float(value)
+
+
+def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
+    """The parameters of a state type, in the order of its fields."""
+    hints = get_type_hints(state_type, include_extras=True)
+    found = []
+    for entry in dataclasses.fields(state_type):
+        hint = hints[entry.name]
+        notes = [n for n in getattr(hint, "__metadata__", ()) if isinstance(n, Parameter)]
+        if not notes:
+            continue
+        plain = get_args(hint)[0]
+        values: tuple[str, ...] = ()
+        kind: Kind
+        if get_origin(plain) is Literal:
+            kind, values = "choice", get_args(plain)
+        elif plain is bool:
+            kind = "switch"
+        elif plain is int:
+            kind = "integer"
+        elif plain is float:
+            kind = "number"
+        elif plain is str:
+            kind = "text"
+        else:
+            raise TypeError(f"{state_type.__name__}.{entry.name}: {plain} cannot be a parameter")
+        if entry.default is not dataclasses.MISSING:
+            default = entry.default
+        elif entry.default_factory is not dataclasses.MISSING:
+            default = entry.default_factory()
+        else:
+            raise TypeError(f"{state_type.__name__}.{entry.name}: a parameter needs a default")
+        found.append(Field(entry.name, notes[0], kind, default, values))
+    return tuple(found)
+
+
+def set_parameters(state: State, values: dict[str, object]) -> State:
+    """Return a state with parameters changed.
+
+    Raises
+    ------
+    UserError
+        If a name is unknown or a value not accepted; the message lists what there is.
+    """
+    fields = {field.name: field for field in parameter_fields(type(state))}
+    checked = {}
+    for name, value in values.items():
+        if name not in fields:
+            known = ", ".join(fields) or "none"
+            raise UserError(f"There is no parameter {name!r}; this modeler has: {known}.")
+        checked[name] = fields[name].check(value)
+    changed: State = dataclasses.replace(state, **checked)  # type: ignore[type-var]
+    return changed
+
+
+def parse_parameter(field: Field, text: str) -> object:
+    """Read a parameter's value from what a person typed.
+
+    Raises
+    ------
+    UserError
+        If the text does not name a value of the field's kind.
+    """
+    if field.kind == "switch":
+        words = {"on": True, "true": True, "yes": True, "1": True}
+        words |= {"off": False, "false": False, "no": False, "0": False}
+        if text.strip().lower() not in words:
+            raise UserError(f"{field.parameter.label} is on or off, not {text!r}.")
+        return words[text.strip().lower()]
+    if field.kind in ("choice", "text"):
+        return field.check(text)
+    try:
+        number = float(text)
+    except ValueError:
+        raise UserError(f"{field.parameter.label} is a number, not {text!r}.") from None
+    return field.check(number)

@@ -1,0 +1,284 @@
+"""The display list: what to show, without saying how it is drawn.
+
+Modelers return a `Scene`; viewports and the software renderer draw it. Colours are roles
+of the theme ("ink", "accent", "second" …) or (r, g, b). Sizes on the sheet are pixels,
+positions are mm in the model's own frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import count
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.arrays import frozen
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.placement import Placement
+from bozzetto.scene.palette import ROLES, Color
+
+__all__ = [
+    "Handle",
+    "Image",
+    "Item",
+    "Label",
+    "Layer",
+    "Lines",
+    "Paint",
+    "Points",
+    "Scene",
+    "Shaded",
+]
+
+Paint = str | Color
+Hidden = Literal["hide", "faint", "dashed", "show"]
+
+_revisions = count(1)
+
+
+def _check_paint(paint: Paint) -> None:
+    if isinstance(paint, str):
+        if paint not in ROLES:
+            raise ValueError(f"no colour role {paint!r}; there are {', '.join(ROLES)}")
+    elif len(paint) != 3 or not all(0 <= part <= 255 for part in paint):
+        raise ValueError(f"a colour needs three parts from 0 to 255, not {paint!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class Shaded:
+    """A triangle mesh under the viewport's light.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Its vertex colours, where present, take the place of `color`.
+    opacity : float
+        0 … 1; below 1 the inside shows through (see-through boxes).
+    pickable : bool
+        Whether ink can be laid on it.
+    """
+
+    mesh: Mesh
+    color: Paint = "clay"
+    opacity: float = 1.0
+    pickable: bool = True
+
+    def __post_init__(self) -> None:
+        _check_paint(self.color)
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """One or several polylines.
+
+    Parameters
+    ----------
+    points : (n, 3) float32
+        All points, one polyline after the other.
+    starts : (k,) int32, optional
+        Index of each polyline's first point; default one polyline.
+    width : float or (n,) float32
+        Pixels; one value per point makes ink of varying width.
+    hidden : {"hide", "faint", "dashed", "show"}
+        How parts behind surfaces appear.
+    """
+
+    points: NDArray[np.float32]
+    starts: NDArray[np.int32] | None = None
+    color: Paint = "ink"
+    width: float | NDArray[np.float32] = 1.5
+    opacity: float = 1.0
+    hidden: Hidden = "faint"
+
+    def __post_init__(self) -> None:
+        _check_paint(self.color)
+        object.__setattr__(self, "points", frozen(self.points, np.float32, 3))
+        if self.starts is not None:
+            object.__setattr__(self, "starts", frozen(self.starts, np.int32))
+        if not isinstance(self.width, int | float):
+            object.__setattr__(self, "width", frozen(self.width, np.float32))
+            if np.shape(self.width) != (len(self.points),):
+                raise ValueError("lines need one width, or one per point")
+
+    def pieces(self) -> Iterator[slice]:
+        """The index range of every polyline."""
+        begins = [0] if self.starts is None else [int(i) for i in self.starts]
+        for begin, end in zip(begins, [*begins[1:], len(self.points)], strict=True):
+            if end > begin:
+                yield slice(begin, end)
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Dots of a fixed size on the sheet, shape (n, 3) mm, size in pixels (diameter)."""
+
+    points: NDArray[np.float32]
+    color: Paint = "ink"
+    size: float = 6.0
+    opacity: float = 1.0
+    hidden: Hidden = "faint"
+
+    def __post_init__(self) -> None:
+        _check_paint(self.color)
+        object.__setattr__(self, "points", frozen(self.points, np.float32, 3))
+
+
+@dataclass(frozen=True)
+class Label:
+    """A short text beside a point (mm); `size` in pixels."""
+
+    point: tuple[float, float, float]
+    text: str
+    color: Paint = "ink"
+    size: float = 12.0
+
+    def __post_init__(self) -> None:
+        _check_paint(self.color)
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A picture on a rectangle in space.
+
+    Parameters
+    ----------
+    pixels : (h, w, 4) uint8
+        RGBA, sRGB, straight alpha; first row on top.
+    corner : (x, y, z)
+        World place of the top left corner, mm.
+    across, down : (x, y, z)
+        Edges from that corner along the first row and the first column, mm.
+    """
+
+    pixels: NDArray[np.uint8]
+    corner: tuple[float, float, float]
+    across: tuple[float, float, float]
+    down: tuple[float, float, float]
+    opacity: float = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pixels", frozen(self.pixels, np.uint8))
+        if self.pixels.ndim != 3 or self.pixels.shape[2] != 4:
+            raise ValueError("an image needs the shape (height, width, 4)")
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A named place that can be dragged; drawn as a disc with a dark rim.
+
+    Dragging it makes a `Drag` gesture that carries this `id`.
+    """
+
+    id: str
+    point: tuple[float, float, float]
+    color: Paint = "accent"
+    tip: str = ""
+
+    def __post_init__(self) -> None:
+        _check_paint(self.color)
+
+
+Item = Shaded | Lines | Points | Label | Image | Handle
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Items that change together.
+
+    Parameters
+    ----------
+    name : str
+    items : tuple of Item
+    owner : str
+        Id of the model that shows it; filled in by the host.
+    revision : int
+        Fresh for every layer made; equal revisions mean equal content, so a viewport may
+        keep what it has uploaded.
+    """
+
+    name: str
+    items: tuple[Item, ...] = ()
+    owner: str = ""
+    revision: int = field(default_factory=lambda: next(_revisions))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Layers, drawn in order where depth does not decide."""
+
+    layers: tuple[Layer, ...] = ()
+
+    def __add__(self, other: Scene) -> Scene:
+        return Scene(self.layers + other.layers)
+
+    def items(self) -> Iterator[tuple[Layer, Item]]:
+        """Every item with its layer."""
+        for layer in self.layers:
+            for item in layer.items:
+                yield layer, item
+
+    def owned(self, owner: str) -> Scene:
+        """The same layers, marked as one model's."""
+        return Scene(tuple(replace(layer, owner=owner) for layer in self.layers))
+
+    def placed(self, placement: Placement) -> Scene:
+        """The scene moved by a placement; itself where nothing moves."""
+        if placement.is_identity:
+            return self
+        return Scene(
+            tuple(
+                Layer(layer.name, tuple(_moved(i, placement) for i in layer.items), layer.owner)
+                for layer in self.layers
+            )
+        )
+
+    def bounds(self) -> NDArray[np.float64]:
+        """Corners of the bounding box of meshes, lines, points and images, shape (2, 3), mm.
+
+        NaN where the scene is empty.
+        """
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for _, item in self.items():
+            points = _extent(item)
+            if len(points):
+                low, high = np.minimum(low, points.min(0)), np.maximum(high, points.max(0))
+        if not np.isfinite(low).all():
+            return np.full((2, 3), np.nan)
+        return np.stack((low, high))
+
+
+EMPTY: Final = Scene()
+
+
+def _extent(item: Item) -> NDArray[np.float64]:
+    if isinstance(item, Shaded):
+        return item.mesh.bounds if len(item.mesh.vertices) else np.zeros((0, 3))
+    if isinstance(item, Lines | Points):
+        return np.asarray(item.points, np.float64)
+    if isinstance(item, Image):
+        corner, across, down = (np.asarray(v) for v in (item.corner, item.across, item.down))
+        return np.array([corner, corner + across, corner + down, corner + across + down])
+    return np.zeros((0, 3))
+
+
+def _triple(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in np.ravel(values))
+    return x, y, z
+
+
+def _moved(item: Item, placement: Placement) -> Item:
+    if isinstance(item, Shaded):
+        return replace(item, mesh=item.mesh.placed(placement))
+    if isinstance(item, Lines | Points):
+        return replace(item, points=placement.points(item.points).astype(np.float32))
+    if isinstance(item, Image):
+        return replace(
+            item,
+            corner=_triple(placement.points(item.corner)),
+            across=_triple(placement.scale * placement.directions(item.across)),
+            down=_triple(placement.scale * placement.directions(item.down)),
+        )
+    return replace(item, point=_triple(placement.points(item.point)))

@@ -1,0 +1,300 @@
+"""The workbench: documents, modelers and pictures brought together, without a window.
+
+The shell and the command line both do their work through these functions, so whatever the
+pen can do can be done from a script or a test. Every call into a plugin goes through the
+registry's guard.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import OrderedDict
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bozzetto.document.codec import OpaqueState
+from bozzetto.document.model import Document, Model, new_id
+from bozzetto.errors import UserError
+from bozzetto.geometry.shapes import Shapes
+from bozzetto.ink.drawing import Drawing
+from bozzetto.plugin.context import Context
+from bozzetto.plugin.gesture import Gesture, Ink
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.modeler import Modeler, ReadsDrawings, Reports, Tool
+from bozzetto.plugin.parameters import set_parameters
+from bozzetto.plugin.registry import Registry
+from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
+
+__all__ = ["Workbench"]
+
+KEPT_RESULTS = 64
+"""How many solved results are kept; they can always be made again."""
+
+
+class Workbench:
+    """Runs modelers on documents.
+
+    Parameters
+    ----------
+    registry : Registry
+        Where modelers come from, and the guard that every call passes.
+
+    Notes
+    -----
+    Results are derived: they are cached by the identity of the (immutable) state and may
+    be dropped at any time. All methods may be called from any thread.
+    """
+
+    def __init__(self, registry: Registry) -> None:
+        self.registry = registry
+        self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    # -- making and changing models ---------------------------------------------------------
+
+    def create(self, modeler_id: str, context: Context, *, name: str | None = None) -> Model:
+        """A new, empty model of a modeler."""
+        modeler = self.registry.modeler(modeler_id)
+        state = self.registry.guard.call(modeler_id, "create", modeler.create, context)
+        return Model(new_id(), name or modeler.title, modeler_id, state)
+
+    def tool(self, modeler_id: str, tool_id: str) -> Tool[Any]:
+        """A tool of a modeler by its id.
+
+        Raises
+        ------
+        UserError
+            If the modeler has no such tool.
+        """
+        for tool in self.tools(modeler_id):
+            if tool.id == tool_id:
+                return tool
+        raise UserError(f"The modeler {modeler_id} has no tool {tool_id!r}.")
+
+    def tools(self, modeler_id: str) -> tuple[Tool[Any], ...]:
+        """All tools of a modeler."""
+        modeler = self.registry.modeler(modeler_id)
+        return tuple(self.registry.guard.call(modeler_id, "tools", modeler.tools))
+
+    def apply(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Model:
+        """The model after a gesture with one of its tools.
+
+        Raises
+        ------
+        UserError, Unfinished
+            As the tool says.
+        PluginFault
+            If the tool fails otherwise.
+        """
+        self._refuse_closed(model)
+        state = self.registry.guard.call(
+            model.modeler, f"{tool.id}.apply", tool.apply, model.state, gesture, context
+        )
+        modeler = self.registry.modeler(model.modeler)
+        self.registry.guard.check_state(model.modeler, modeler.state_type, state)
+        return replace(model, state=state)
+
+    def preview(
+        self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context
+    ) -> Scene:
+        """What to show while the pen is down, in the world."""
+        scene = self.registry.guard.call(
+            model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
+        )
+        return self.registry.guard.check_scene(model.modeler, scene).placed(model.placement)
+
+    def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
+        """The model with parameters changed.
+
+        Raises
+        ------
+        UserError
+            If a name is unknown or a value out of range.
+        """
+        self._refuse_closed(model)
+        return replace(model, state=set_parameters(model.state, dict(values)))
+
+    def from_drawing(
+        self,
+        modeler_id: str,
+        drawing: Drawing,
+        values: Mapping[str, object],
+        context: Context | None = None,
+    ) -> Model:
+        """A model made from a whole drawing, as if it had been drawn by hand."""
+        context = context or Context(camera=drawing.camera)
+        model = self.create(modeler_id, context, name=drawing.name)
+        modeler = self.registry.modeler(modeler_id)
+        if isinstance(modeler, ReadsDrawings):
+            state = self.registry.guard.call(
+                modeler_id, "read_drawing", modeler.read_drawing, drawing, context
+            )
+            self.registry.guard.check_state(modeler_id, modeler.state_type, state)
+            model = replace(model, state=state)
+        else:
+            first = self.tools(modeler_id)[0]
+            gesture = Ink(tuple(drawing.strokes), committed=True)
+            model = self.apply(model, first, gesture, context)
+        return self.set_parameters(model, values) if values else model
+
+    # -- solving ------------------------------------------------------------------------------
+
+    def solve(self, model: Model, job: Job) -> Any:
+        """The result of a model's recipe: remembered, or solved now."""
+        known = self.result(model, job.quality)
+        if known is not None:
+            return known
+        modeler = self._modeler_of(model)
+        result = self.registry.guard.call(model.modeler, "solve", modeler.solve, model.state, job)
+        with self._lock:
+            self._results[id(model.state), job.quality] = (model.state, result)
+            while len(self._results) > KEPT_RESULTS:
+                self._results.popitem(last=False)
+        return result
+
+    def result(self, model: Model, quality: str = "final") -> Any | None:
+        """The remembered result of exactly this state, or None."""
+        with self._lock:
+            entry = self._results.get((id(model.state), quality))
+            if entry is None or entry[0] is not model.state:
+                return None
+            self._results.move_to_end((id(model.state), quality))
+            return entry[1]
+
+    def best_result(self, model: Model) -> Any | None:
+        """The final result where it is known, else the preview's, else None."""
+        final = self.result(model, "final")
+        return final if final is not None else self.result(model, "preview")
+
+    # -- what to show and to hand over ----------------------------------------------------------
+
+    def model_scene(self, model: Model, result: Any | None) -> Scene:
+        """One model's scene in the world, marked as its own."""
+        modeler = self._modeler_of(model)
+        scene = self.registry.guard.call(
+            model.modeler, "scene", modeler.scene, model.state, result
+        )
+        scene = self.registry.guard.check_scene(model.modeler, scene)
+        if model.color is not None:
+            scene = _tinted(scene, model.color)
+        return scene.placed(model.placement).owned(model.id)
+
+    def scene(self, document: Document, job: Job | None = None) -> Scene:
+        """All visible models and underlays of a document.
+
+        Parameters
+        ----------
+        job : Job, optional
+            Solves what is not yet solved; without it unsolved models show what they can.
+        """
+        layers: list[Layer] = []
+        for underlay in document.underlays:
+            if underlay.visible:
+                image = Image(
+                    underlay.pixels,
+                    underlay.corner,
+                    underlay.across,
+                    underlay.down,
+                    underlay.opacity,
+                )
+                layers.append(Layer(underlay.name, (image,)))
+        for model in document:
+            if model.visible and not isinstance(model.state, OpaqueState):
+                result = self.best_result(model) if job is None else self.solve(model, job)
+                layers.extend(self.model_scene(model, result).layers)
+        return Scene(tuple(layers))
+
+    def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
+        """What models hand over, in the world, named and coloured as in the document."""
+        total = Shapes()
+        for model in models:
+            if isinstance(model.state, OpaqueState):
+                continue
+            modeler = self._modeler_of(model)
+            result = self.solve(model, job)
+            shapes = self.registry.guard.call(
+                model.modeler, "shapes", modeler.shapes, model.state, result
+            )
+            self.registry.guard.check_shapes(model.modeler, shapes)
+            total += _named(shapes, model).placed(model.placement)
+        return total
+
+    def report(self, model: Model, job: Job) -> dict[str, Any]:
+        """How good a model's result is, in plain JSON values; empty if it does not say."""
+        modeler = self._modeler_of(model)
+        result = self.solve(model, job)
+        if not isinstance(modeler, Reports):
+            return {}
+        said = self.registry.guard.call(
+            model.modeler, "report", modeler.report, model.state, result
+        )
+        return {str(key): _plain(value) for key, value in said.items()}
+
+    def _modeler_of(self, model: Model) -> Modeler[Any, Any]:
+        self._refuse_closed(model)
+        return self.registry.modeler(model.modeler)
+
+    @staticmethod
+    def _refuse_closed(model: Model) -> None:
+        if isinstance(model.state, OpaqueState):
+            raise UserError(
+                f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
+                "installed or switched off. Install it to change this object."
+            )
+
+
+def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
+    """Shaded parts in the model's colour, unless they carry colours of their own."""
+
+    def tint(item: Any) -> Any:
+        plain = isinstance(item, Shaded) and item.mesh.colors is None and item.color == "clay"
+        return replace(item, color=color) if plain else item
+
+    return Scene(
+        tuple(
+            replace(layer, items=tuple(tint(item) for item in layer.items))
+            for layer in scene.layers
+        )
+    )
+
+
+def _named(shapes: Shapes, model: Model) -> Shapes:
+    """Parts named after the model, numbered where there are several, in its colour."""
+
+    def named(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+        made = []
+        for number, part in enumerate(parts, 1):
+            name = model.name if len(parts) == 1 else f"{model.name} {number}"
+            changes: dict[str, Any] = {"name": name}
+            if hasattr(part, "color") and part.color is None:
+                changes["color"] = model.color
+            made.append(replace(part, **changes))
+        return tuple(made)
+
+    return Shapes(
+        named(shapes.solids),
+        named(shapes.surfaces),
+        named(shapes.curves),
+        named(shapes.skeletons),
+    )
+
+
+def _plain(value: Any) -> Any:
+    """A JSON value from what a modeler reported; numbers that are not finite become None."""
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    return str(value)
