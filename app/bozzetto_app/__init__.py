@@ -1,0 +1,1 @@
+"""The Qt shell of Bozzetto: one window around the core."""

@@ -1,0 +1,194 @@
+"""Work beside the window: threads that answer by signal, newest request first.
+
+A channel carries one kind of work ("preview", "solve", "apply"). At most one request of a
+channel runs; while it runs only the newest waiting request is kept (or all of them, in
+order, where a channel says so). An answer is delivered on the window's thread, and only if
+its request was not overtaken. A request that overruns its time limit is abandoned together
+with its thread: the window never waits.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
+
+from bozzetto.errors import Cancelled
+from bozzetto.plugin.job import Job
+
+__all__ = ["Channel", "Request"]
+
+log = logging.getLogger(__name__)
+
+PROGRESS_INTERVAL = 0.05
+"""Seconds between two progress messages to the window."""
+
+_tickets = itertools.count(1)
+
+
+@dataclass(eq=False)
+class Request:
+    """One piece of work and what becomes of it.
+
+    Parameters
+    ----------
+    work : callable
+        Called with a `Job` in the worker.
+    done, failed : callable
+        Called on the window's thread with the answer, or with the exception.
+    quality : {"preview", "final"}
+    """
+
+    work: Callable[[Job], Any]
+    done: Callable[[Any], None]
+    failed: Callable[[BaseException], None]
+    quality: str = "final"
+    ticket: int = field(default_factory=lambda: next(_tickets))
+    started: float = 0.0
+    abandoned: bool = False
+
+    def abandon(self) -> None:
+        """Say that nobody wants the answer any more."""
+        self.abandoned = True
+
+
+class Channel(QObject):
+    """A queue of requests with one worker thread at a time.
+
+    Parameters
+    ----------
+    name : str
+        For thread names and the log.
+    keep_all : bool
+        Run every request in order; otherwise only the newest waiting one survives.
+    time_limit : float, optional
+        Seconds after which a running request counts as hung: it fails with
+        `TimeoutError` and its thread is left behind.
+    """
+
+    progressed = Signal(float, str)
+    busy_changed = Signal(bool)
+    _answered = Signal(object, object, object)
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        keep_all: bool = False,
+        time_limit: float | None = None,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.name = name
+        self.keep_all = keep_all
+        self.time_limit = time_limit
+        self._waiting: deque[Request] = deque()
+        self._running: Request | None = None
+        self._last_progress = 0.0
+        self._thread: threading.Thread | None = None
+        self._answered.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
+        self._watch = QTimer(self)
+        self._watch.setInterval(100)
+        self._watch.timeout.connect(self._look_at_the_clock)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a request is running or waiting."""
+        return self._running is not None or bool(self._waiting)
+
+    @property
+    def running(self) -> Request | None:
+        """The request being worked on."""
+        return self._running
+
+    def submit(self, request: Request) -> Request:
+        """Queue a request; on a newest-only channel it replaces the waiting one."""
+        if not self.keep_all:
+            self._waiting.clear()
+        self._waiting.append(request)
+        self._start_next()
+        return request
+
+    def cancel(self) -> None:
+        """Drop what waits and abandon what runs; its answer will not be delivered."""
+        self._waiting.clear()
+        if self._running is not None:
+            self._running.abandon()
+
+    def _start_next(self) -> None:
+        if self._running is not None or not self._waiting:
+            return
+        request = self._waiting.popleft()
+        self._running = request
+        request.started = time.monotonic()
+        self._thread = threading.Thread(
+            target=self._work, args=(request,), name=f"bozzetto-{self.name}", daemon=True
+        )
+        if self.time_limit is not None:
+            self._watch.start()
+        self.busy_changed.emit(True)
+        self._thread.start()
+
+    def _work(self, request: Request) -> None:
+        def progress(fraction: float, step: str) -> None:
+            now = time.monotonic()
+            if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
+                self._last_progress = now
+                self.progressed.emit(float(fraction), str(step))
+
+        job = Job(
+            quality="preview" if request.quality == "preview" else "final",
+            progress=progress,
+            cancelled=lambda: request.abandoned,
+        )
+        answer: Any = None
+        error: BaseException | None = None
+        try:
+            answer = request.work(job)
+        except BaseException as problem:
+            error = problem
+        try:
+            self._answered.emit(request, answer, error)
+        except RuntimeError:
+            log.debug("the window closed before %s answered", self.name)
+
+    def _deliver(self, request: Request, answer: Any, error: BaseException | None) -> None:
+        if request is not self._running:
+            return
+        self._finish()
+        if not request.abandoned and not isinstance(error, Cancelled):
+            if error is None:
+                request.done(answer)
+            else:
+                request.failed(error)
+        self._start_next()
+        if not self.busy:
+            self.busy_changed.emit(False)
+
+    def _look_at_the_clock(self) -> None:
+        request = self._running
+        if request is None or self.time_limit is None:
+            self._watch.stop()
+            return
+        if time.monotonic() - request.started < self.time_limit:
+            return
+        log.warning("%s did not answer within %.1f s", self.name, self.time_limit)
+        abandoned = request.abandoned
+        request.abandon()
+        self._finish()
+        if not abandoned:
+            request.failed(TimeoutError(f"no answer within {self.time_limit:g} s"))
+        self._start_next()
+        if not self.busy:
+            self.busy_changed.emit(False)
+
+    def _finish(self) -> None:
+        self._running = None
+        self._watch.stop()
