@@ -1,0 +1,70 @@
+"""The modeler of imported meshes: it keeps them, shows them and hands them on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.plugin import Context, Job, Tool
+from bozzetto.scene import Layer, Scene, Shaded
+
+__all__ = ["ImportedMesh", "MeshState"]
+
+
+@dataclass(frozen=True)
+class MeshState:
+    """Meshes as they were read.
+
+    Parameters
+    ----------
+    meshes : tuple of Mesh
+    closed : tuple of bool
+        For each, whether its file said that it bounds a volume.
+    """
+
+    meshes: tuple[Mesh, ...] = ()
+    closed: tuple[bool, ...] = ()
+
+
+class ImportedMesh:
+    """A mesh from a file. There is nothing to draw and nothing to solve."""
+
+    id = "bozzetto.mesh"
+    title = "Mesh"
+    state_type = MeshState
+    state_version = 1
+
+    def create(self, context: Context) -> MeshState:
+        """No mesh."""
+        return MeshState()
+
+    def tools(self) -> Sequence[Tool[MeshState]]:
+        """None: a mesh is a given thing."""
+        return ()
+
+    def read_shapes(self, shapes: Shapes) -> MeshState:
+        """A state from what a file held."""
+        meshes = tuple(part.mesh for part in shapes.meshes())
+        return MeshState(meshes, (True,) * len(shapes.solids) + (False,) * len(shapes.surfaces))
+
+    def solve(self, state: MeshState, job: Job) -> MeshState:
+        """The recipe is the result."""
+        return state
+
+    def scene(self, state: MeshState, result: MeshState | None) -> Scene:
+        """The meshes in clay."""
+        return Scene((Layer("mesh", tuple(Shaded(mesh) for mesh in state.meshes)),))
+
+    def shapes(self, state: MeshState, result: MeshState) -> Shapes:
+        """The meshes as they came."""
+        pairs = list(zip(state.meshes, state.closed, strict=True))
+        return Shapes(
+            solids=tuple(Solid(mesh) for mesh, closed in pairs if closed),
+            surfaces=tuple(Surface(mesh) for mesh, closed in pairs if not closed),
+        )
+
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """There is no older form yet."""
+        return state

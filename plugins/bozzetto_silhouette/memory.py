@@ -1,0 +1,34 @@
+"""A memory for pure functions whose answers are dear."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import Generic, TypeVar
+
+__all__ = ["Memory"]
+
+Answer = TypeVar("Answer")
+
+
+class Memory(Generic[Answer]):
+    """The last `limit` answers by their question; usable from any thread."""
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._answers: OrderedDict[Hashable, Answer] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def recall(self, question: Hashable, work: Callable[[], Answer]) -> Answer:
+        """The remembered answer, or the one that `work` gives now."""
+        with self._lock:
+            if question in self._answers:
+                self._answers.move_to_end(question)
+                return self._answers[question]
+        answer = work()
+        with self._lock:
+            self._answers[question] = answer
+            while len(self._answers) > self._limit:
+                self._answers.popitem(last=False)
+        return answer
