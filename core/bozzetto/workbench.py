@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import threading
 from collections import OrderedDict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -24,7 +24,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture, Ink
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Modeler, ReadsDrawings, Reports, Tool
+from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.parameters import set_parameters
 from bozzetto.plugin.registry import Registry
 from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
@@ -98,9 +98,7 @@ class Workbench:
         self.registry.guard.check_state(model.modeler, modeler.state_type, state)
         return replace(model, state=state)
 
-    def preview(
-        self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context
-    ) -> Scene:
+    def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
         """What to show while the pen is down, in the world."""
         scene = self.registry.guard.call(
             model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
@@ -141,6 +139,21 @@ class Workbench:
             model = self.apply(model, first, gesture, context)
         return self.set_parameters(model, values) if values else model
 
+    def from_shapes(self, modeler_id: str, shapes: Shapes, name: str) -> Model:
+        """A model that starts from what another program made.
+
+        Raises
+        ------
+        UserError
+            If the modeler cannot start from shapes.
+        """
+        modeler = self.registry.modeler(modeler_id)
+        if not isinstance(modeler, ReadsShapes):
+            raise UserError(f"{modeler.title} cannot start from a mesh. Choose another modeler.")
+        state = self.registry.guard.call(modeler_id, "read_shapes", modeler.read_shapes, shapes)
+        self.registry.guard.check_state(modeler_id, modeler.state_type, state)
+        return Model(new_id(), name, modeler_id, state)
+
     # -- solving ------------------------------------------------------------------------------
 
     def solve(self, model: Model, job: Job) -> Any:
@@ -175,9 +188,7 @@ class Workbench:
     def model_scene(self, model: Model, result: Any | None) -> Scene:
         """One model's scene in the world, marked as its own."""
         modeler = self._modeler_of(model)
-        scene = self.registry.guard.call(
-            model.modeler, "scene", modeler.scene, model.state, result
-        )
+        scene = self.registry.guard.call(model.modeler, "scene", modeler.scene, model.state, result)
         scene = self.registry.guard.check_scene(model.modeler, scene)
         if model.color is not None:
             scene = _tinted(scene, model.color)
@@ -191,7 +202,16 @@ class Workbench:
         job : Job, optional
             Solves what is not yet solved; without it unsolved models show what they can.
         """
-        layers: list[Layer] = []
+        layers = list(self.underlay_layers(document))
+        for model in document:
+            if model.visible and not self.is_foreign(model):
+                result = self.best_result(model) if job is None else self.solve(model, job)
+                layers.extend(self.model_scene(model, result).layers)
+        return Scene(tuple(layers))
+
+    @staticmethod
+    def underlay_layers(document: Document) -> Iterator[Layer]:
+        """The visible underlays, each as a layer."""
         for underlay in document.underlays:
             if underlay.visible:
                 image = Image(
@@ -201,18 +221,18 @@ class Workbench:
                     underlay.down,
                     underlay.opacity,
                 )
-                layers.append(Layer(underlay.name, (image,)))
-        for model in document:
-            if model.visible and not isinstance(model.state, OpaqueState):
-                result = self.best_result(model) if job is None else self.solve(model, job)
-                layers.extend(self.model_scene(model, result).layers)
-        return Scene(tuple(layers))
+                yield Layer(underlay.name, (image,))
+
+    @staticmethod
+    def is_foreign(model: Model) -> bool:
+        """Whether a model belongs to a plugin that is not here."""
+        return isinstance(model.state, OpaqueState)
 
     def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
         """What models hand over, in the world, named and coloured as in the document."""
         total = Shapes()
         for model in models:
-            if isinstance(model.state, OpaqueState):
+            if self.is_foreign(model):
                 continue
             modeler = self._modeler_of(model)
             result = self.solve(model, job)
@@ -238,9 +258,8 @@ class Workbench:
         self._refuse_closed(model)
         return self.registry.modeler(model.modeler)
 
-    @staticmethod
-    def _refuse_closed(model: Model) -> None:
-        if isinstance(model.state, OpaqueState):
+    def _refuse_closed(self, model: Model) -> None:
+        if self.is_foreign(model):
             raise UserError(
                 f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
                 "installed or switched off. Install it to change this object."

@@ -11,7 +11,7 @@ from bozzetto.plugin.context import Context, PenSettings
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Modeler, ReadsDrawings, Reports, Tool
+from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.parameters import Parameter
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "Parameter",
     "PenSettings",
     "ReadsDrawings",
+    "ReadsShapes",
     "Reports",
     "Tap",
     "Tool",

@@ -18,7 +18,7 @@ from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 
-__all__ = ["Modeler", "ReadsDrawings", "Reports", "Tool"]
+__all__ = ["Modeler", "ReadsDrawings", "ReadsShapes", "Reports", "Tool"]
 
 State = TypeVar("State")
 Result = TypeVar("Result")
@@ -124,6 +124,15 @@ class ReadsDrawings(Protocol):
 
     def read_drawing(self, drawing: Drawing, context: Context) -> Any:
         """A state from a whole drawing; used by the command line and by drag and drop."""
+        ...
+
+
+@runtime_checkable
+class ReadsShapes(Protocol):
+    """A modeler that can start from what another program made."""
+
+    def read_shapes(self, shapes: Shapes) -> Any:
+        """A state from the meshes and curves of a file."""
         ...
 
 
