@@ -51,9 +51,7 @@ class DrawOutline:
         mesh = Mesh(sheet.to_world(vertices), faces)
         return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
 
-    def apply(
-        self, state: SilhouetteState, gesture: Gesture, context: Context
-    ) -> SilhouetteState:
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add a part or a hole.
 
         Raises

@@ -1,0 +1,69 @@
+"""Weights of the skeleton segments, so that the surface passes through the outline.
+
+Non-negative least squares on samples of the outline, with rows that ask for the right
+height above the skeleton (the paper leaves the height free) and rows that hold the
+weights near 1, so that no limb vanishes and the answer is unique.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.kernel import Segments, iso_value, pairs_within_reach, segment_integrals
+from bozzetto_silhouette.skeleton import Skeleton
+
+__all__ = ["design_matrix", "fit_weights"]
+
+Points = NDArray[np.float64]
+
+LOWEST = 0.2
+"""No weight is smaller: a limb must not vanish."""
+
+HOLD = 1e-2
+"""Pull of the weights towards 1, relative to the iso-value."""
+
+
+def design_matrix(segments: Segments, xy: Points, height2: Points) -> Points:
+    """Field of each segment alone at each point: (n, s) for points (n, 2) at heights^2 (n,)."""
+    pairs = pairs_within_reach(xy, segments)
+    value, _ = segment_integrals(segments, pairs, height2)
+    matrix = np.zeros((len(xy), len(segments)))
+    matrix[pairs.point, pairs.segment] = value
+    return matrix
+
+
+def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Points:
+    """Solve for one weight per segment.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+        Its nodes give the height rows.
+    segments : Segments
+        Packed from the same skeleton.
+    samples : (n, 2) float array
+        Points on the outline, spread evenly over all rings.
+
+    Returns
+    -------
+    (s,) float array
+        Each at least `LOWEST`.
+    """
+    from scipy.optimize import nnls
+
+    level = iso_value(segments.sigma)
+    tops = skeleton.nodes[:, :2]
+    heights = skeleton.heights(tops)
+    rows = np.vstack([samples, tops])
+    matrix = design_matrix(segments, rows, np.concatenate([np.zeros(len(samples)), heights**2]))
+    importance = np.concatenate([
+        np.ones(len(samples)), np.full(len(tops), np.sqrt(len(samples) / len(tops)))
+    ])  # fmt: skip
+    hold = HOLD * level * np.sqrt(len(samples))
+    count = len(segments)
+    left = np.vstack([matrix * importance[:, None], hold * np.eye(count)])
+    right = np.concatenate([level * importance, np.full(count, hold)])
+    # Substituting weight = LOWEST + more turns the lower bound into non-negativity.
+    more, _ = nnls(left, right - LOWEST * left.sum(axis=1), maxiter=20 * count + 100)
+    return LOWEST + more
