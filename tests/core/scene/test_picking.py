@@ -1,0 +1,234 @@
+"""Ray casting against closed forms, and against a slow cast by signed volumes."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+
+import numpy as np
+import pytest
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
+from bozzetto.scene.picking import HANDLE_TARGET, cast_rays, nearest_item
+from bozzetto.view.camera import Camera, Rays
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+BOX_FACES = [
+    (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4),
+    (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7),
+]  # fmt: skip
+
+
+def box(size=(2.0, 2.0, 2.0), center=(0.0, 0.0, 0.0)):
+    ring = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    unit = np.array([(x, y, z) for z in (-1, 1) for x, y in ring], float)
+    return Mesh((unit * np.array(size) / 2 + center).astype(np.float32), BOX_FACES)
+
+
+def scene_of(*items, owner="m"):
+    return Scene((Layer("l", tuple(items), owner),))
+
+
+def soup(seed, count):
+    random = np.random.default_rng(seed)
+    center = random.uniform(-10, 10, (count, 1, 3))
+    corners = center + random.normal(0, 2, (count, 3, 3))
+    return Mesh(corners.reshape(-1, 3).astype(np.float32), np.arange(3 * count).reshape(-1, 3))
+
+
+def rays_of(seed, count, spread=12.0):
+    random = np.random.default_rng(seed)
+    directions = random.normal(size=(count, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return Rays(random.uniform(-spread, spread, (count, 3)), directions)
+
+
+def cast_by_volumes(mesh, rays):
+    """Distance by orientation tests on tetrahedra: no formula shared with the program."""
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces].astype(float), 1, 0)
+    found = []
+    for origin, direction in zip(*rays, strict=True):
+        tip = origin + direction * 1000.0
+
+        def volume(p, q, r, s):
+            return np.linalg.det(np.stack(np.broadcast_arrays(q - p, r - p, s - p), 1))
+
+        sides = [volume(origin, tip, a, b), volume(origin, tip, b, c), volume(origin, tip, c, a)]
+        through = (np.min(sides, 0) >= 0) | (np.max(sides, 0) <= 0)
+        above, below = volume(origin, a, b, c), volume(tip, a, b, c)
+        through &= above * below < 0
+        at = above[through] / (above[through] - below[through]) * 1000.0
+        found.append(at.min() if len(at) else np.inf)
+    return np.array(found)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 400))
+@settings(max_examples=20, deadline=None)
+def test_agrees_with_a_cast_by_signed_volumes(seed, count):
+    mesh, rays = soup(seed, count), rays_of(seed + 1, 60)
+    hits = cast_rays(scene_of(Shaded(mesh)), rays)
+    np.testing.assert_allclose(hits.distance, cast_by_volumes(mesh, rays), rtol=1e-7)
+
+
+def test_a_box_is_hit_where_its_planes_are():
+    scene = scene_of(Shaded(box()))
+    hits = cast_rays(scene, Rays(np.array([[0.3, -5.0, 0.4]]), np.array([[0.0, 1.0, 0.0]])))
+    assert hits.distance[0] == pytest.approx(4.0)
+    np.testing.assert_allclose(hits.points[0], (0.3, -1.0, 0.4), atol=1e-12)
+    np.testing.assert_allclose(hits.normals[0], (0.0, -1.0, 0.0), atol=1e-12)
+    assert hits.owners == ("m",)
+
+
+def test_from_inside_the_far_side_is_hit_and_its_normal_faces_the_eye():
+    hits = cast_rays(
+        scene_of(Shaded(box())), Rays(np.zeros((2, 3)), np.array([[0, 0, 1.0], [1.0, 0, 0]]))
+    )
+    np.testing.assert_allclose(hits.distance, 1.0)
+    np.testing.assert_allclose(hits.normals, [(0, 0, -1), (-1, 0, 0)], atol=1e-12)
+
+
+def test_no_ray_slips_through_shared_edges_and_corners():
+    """Rays at every lattice place of a fine sheet: on edges, on vertices, and between."""
+    side = np.linspace(-1, 1, 21)
+    x, y = np.meshgrid(side, side)
+    vertices = np.column_stack((x.ravel(), y.ravel(), 0.1 * np.sin(3 * x.ravel()))).astype("f4")
+    i = (np.arange(20)[:, None] * 21 + np.arange(20)).ravel()
+    faces = np.concatenate((np.c_[i, i + 1, i + 22], np.c_[i, i + 22, i + 21]))
+    x, y = np.meshgrid(*[vertices[:21, 0].astype(float)[1:-1]] * 2)
+    fine = np.column_stack((x.ravel(), y.ravel(), np.full(x.size, 5.0)))
+    middle = fine + np.array((0.05, 0.0, 0.0))
+    origins = np.concatenate((fine, middle, fine + np.array((0.05, 0.05, 0.0))))
+    hits = cast_rays(
+        scene_of(Shaded(Mesh(vertices, faces))),
+        Rays(origins, np.tile((0.0, 0.0, -1.0), (len(origins), 1))),
+    )
+    assert hits.hit.all()
+
+
+def test_rays_in_a_plane_and_broken_rays_and_flat_faces_hit_nothing():
+    flat = Mesh([(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 0, 0)], [(0, 1, 2), (0, 3, 0)])
+    sheet = Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    rays = Rays(
+        np.array([[-1, 0.2, 0], [0.2, 0.2, 1], [np.nan, 0, 0], [0.2, 0.2, 1], [0.5, 0, 1.0]]),
+        np.array([[1, 0, 0], [0, 0, 0], [0, 0, 1], [0, 0, np.inf], [0, 0, 1.0]]),
+    )
+    hits = cast_rays(scene_of(Shaded(flat), Shaded(sheet)), rays)
+    assert not hits.hit.any()
+    assert np.isnan(hits.points).all()
+    assert hits.owners == ("",) * 5
+
+
+def test_what_cannot_be_picked_is_looked_through():
+    near, far = box(center=(0, -10, 0)), box(center=(0, 10, 0))
+    ray = Rays(np.array([[0.0, -50.0, 0.0]]), np.array([[0.0, 1.0, 0.0]]))
+    for ghost in (Shaded(near, pickable=False), Shaded(near, opacity=0.0)):
+        assert cast_rays(scene_of(ghost, Shaded(far)), ray).distance[0] == pytest.approx(59)
+    both = Scene(
+        (Layer("a", (Shaded(far),), "far"), Layer("b", (Shaded(near, opacity=0.3),), "near"))
+    )
+    hits = cast_rays(both, ray)
+    assert hits.owners == ("near",)
+    assert hits.distance[0] == pytest.approx(39)
+
+
+def test_nothing_to_hit():
+    empty = Mesh(np.zeros((0, 3)), np.zeros((0, 3)))
+    rays = rays_of(0, 3)
+    assert not cast_rays(Scene(), rays).hit.any()
+    assert not cast_rays(scene_of(Shaded(empty)), rays).hit.any()
+    assert cast_rays(scene_of(Shaded(box())), Rays(np.zeros((0, 3)), np.zeros((0, 3)))).owners == ()
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e6])
+def test_distance_to_a_sphere_at_any_scale(scale):
+    u, v = np.meshgrid(np.linspace(0, np.pi, 65), np.linspace(0, 2 * np.pi, 129), indexing="ij")
+    x, y, z = np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)
+    i = (np.arange(64)[:, None] * 129 + np.arange(128)).ravel()
+    faces = np.concatenate((np.c_[i, i + 129, i + 1], np.c_[i + 1, i + 129, i + 130]))
+    vertices = scale * np.column_stack((x.ravel(), y.ravel(), z.ravel()))
+    rays = rays_of(3, 200, 0.3)
+    origins = rays.origins * scale
+    along = np.einsum("ij,ij->i", origins, rays.directions)
+    exact = -along + np.sqrt(along**2 - (origins**2).sum(1) + scale**2)
+    hits = cast_rays(
+        scene_of(Shaded(Mesh(vertices.astype("f4"), faces))), Rays(origins, rays.directions)
+    )
+    np.testing.assert_allclose(hits.distance, exact, rtol=3e-3)
+    assert (hits.distance <= exact * (1 + 1e-6)).all(), "chords lie inside the sphere"
+
+
+def test_the_tree_of_a_mesh_dies_with_it():
+    mesh = soup(1, 20)
+    cast_rays(scene_of(Shaded(mesh)), rays_of(1, 5))
+    gone = weakref.ref(mesh)
+    del mesh
+    gc.collect()
+    assert gone() is None
+
+
+# -- things that are not surfaces --------------------------------------------------------------
+
+FRONT = Camera("orthographic", eye=(0, -100, 0), height=100, viewport=(400, 400))  # 4 px per mm
+
+
+def test_a_handle_is_found_within_its_touch_target_only():
+    handle = Handle("h", (10.0, 0.0, 5.0))
+    scene = scene_of(handle)
+    x, y = 240.0, 180.0
+    assert nearest_item(scene, FRONT, x, y).pixels == pytest.approx(0)
+    assert nearest_item(scene, FRONT, x + HANDLE_TARGET - 0.1, y).item is handle
+    assert nearest_item(scene, FRONT, x + HANDLE_TARGET + 0.1, y) is None
+
+
+def test_handles_win_over_points_and_points_over_lines():
+    line = Lines([(-20, 0, 0), (20, 0, 0)])
+    dots = Points([(0, 0, 1)])
+    handle = Handle("h", (0, 0, 3))
+    pen = (200.0, 200.0)
+    assert nearest_item(scene_of(line), FRONT, *pen).item is line
+    assert nearest_item(scene_of(line, dots), FRONT, *pen).item is dots
+    assert nearest_item(scene_of(line, dots, handle), FRONT, *pen).item is handle
+
+
+def test_a_line_gives_its_segment_and_its_foot_point():
+    line = Lines([(-20, 0, 0), (0, 0, 0), (20, 0, 0), (0, 5, 9), (9, 5, 9)], starts=[0, 3])
+    near = nearest_item(scene_of(line), FRONT, 200 + 4 * 7.0, 203.0, radius=4)
+    assert near.index == 1
+    np.testing.assert_allclose(near.point, (7, 0, 0), atol=1e-9)
+    assert near.pixels == pytest.approx(3.0)
+    # between two polylines there is no segment
+    assert nearest_item(scene_of(line), FRONT, 200 + 4 * 10, 200 - 4 * 4.5, radius=4) is None
+
+
+@given(st.floats(0, 1), st.floats(-40, 40), st.floats(-40, 40))
+@settings(max_examples=50, deadline=None)
+def test_in_perspective_the_foot_point_is_seen_under_the_pen(t, depth_a, depth_b):
+    camera = Camera(eye=(0, -100, 0), viewport=(500, 400))
+    ends = np.array([(-10, depth_a, -3), (12, depth_b, 8.0)])
+    place = ends[0] + t * (ends[1] - ends[0])
+    pixel = camera.project(place)[0][0]
+    near = nearest_item(scene_of(Lines(ends.astype("f4"))), camera, *pixel, radius=2)
+    np.testing.assert_allclose(near.point, place, atol=1e-3)
+
+
+def test_what_is_in_front_of_the_surface_is_preferred():
+    hidden = Points([(0.0, 10.0, 0.0)])
+    shown = Points([(1.0, -10.0, 0.0)])
+    wall = Shaded(box((50, 2, 50)))
+    for order in ((hidden, shown), (shown, hidden)):
+        assert nearest_item(scene_of(wall, *order), FRONT, 200.0, 200.0).item is shown
+    assert nearest_item(scene_of(wall, hidden), FRONT, 200.0, 200.0).item is hidden
+
+
+def test_a_line_on_a_surface_is_not_covered_by_it():
+    wall = Shaded(box((50, 2, 50)))
+    on = Lines([(-20, -1, 0.5), (20, -1, 0.5)])
+    behind = Lines([(-20, 5, 0), (20, 5, 0)])
+    assert nearest_item(scene_of(wall, behind, on), FRONT, 200.0, 200.0).item is on
+
+
+def test_nothing_behind_the_eye_is_found():
+    camera = Camera(eye=(0, -100, 0), viewport=(500, 400))
+    scene = scene_of(Handle("h", (0, -200, 0)), Points([(0, -200, 0)]))
+    assert nearest_item(scene, camera, 250, 200) is None
