@@ -3,8 +3,8 @@
 A channel carries one kind of work ("preview", "solve", "apply"). At most one request of a
 channel runs; while it runs only the newest waiting request is kept (or all of them, in
 order, where a channel says so). An answer is delivered on the window's thread, and only if
-its request was not overtaken. A request that overruns its time limit is abandoned together
-with its thread: the window never waits.
+its request was not overtaken. A request that overruns its time limit, or does not listen
+when it is cancelled, is left behind together with its thread: the window never waits.
 """
 
 from __future__ import annotations
@@ -30,6 +30,9 @@ log = logging.getLogger(__name__)
 PROGRESS_INTERVAL = 0.05
 """Seconds between two progress messages to the window."""
 
+GRACE = 1.0
+"""Seconds that abandoned work gets to notice it, before its thread is left behind."""
+
 _tickets = itertools.count(1)
 
 
@@ -52,11 +55,17 @@ class Request:
     quality: str = "final"
     ticket: int = field(default_factory=lambda: next(_tickets))
     started: float = 0.0
-    abandoned: bool = False
+    abandoned_at: float | None = None
+
+    @property
+    def abandoned(self) -> bool:
+        """Whether nobody wants the answer any more."""
+        return self.abandoned_at is not None
 
     def abandon(self) -> None:
         """Say that nobody wants the answer any more."""
-        self.abandoned = True
+        if self.abandoned_at is None:
+            self.abandoned_at = time.monotonic()
 
 
 class Channel(QObject):
@@ -92,10 +101,9 @@ class Channel(QObject):
         self._waiting: deque[Request] = deque()
         self._running: Request | None = None
         self._last_progress = 0.0
-        self._thread: threading.Thread | None = None
         self._answered.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
         self._watch = QTimer(self)
-        self._watch.setInterval(100)
+        self._watch.setInterval(50)
         self._watch.timeout.connect(self._look_at_the_clock)
 
     @property
@@ -128,13 +136,12 @@ class Channel(QObject):
         request = self._waiting.popleft()
         self._running = request
         request.started = time.monotonic()
-        self._thread = threading.Thread(
+        thread = threading.Thread(
             target=self._work, args=(request,), name=f"bozzetto-{self.name}", daemon=True
         )
-        if self.time_limit is not None:
-            self._watch.start()
+        self._watch.start()
         self.busy_changed.emit(True)
-        self._thread.start()
+        thread.start()
 
     def _work(self, request: Request) -> None:
         def progress(fraction: float, step: str) -> None:
@@ -173,17 +180,19 @@ class Channel(QObject):
             self.busy_changed.emit(False)
 
     def _look_at_the_clock(self) -> None:
-        request = self._running
-        if request is None or self.time_limit is None:
+        request, now = self._running, time.monotonic()
+        if request is None:
             self._watch.stop()
             return
-        if time.monotonic() - request.started < self.time_limit:
+        deaf = request.abandoned_at is not None and now - request.abandoned_at > GRACE
+        late = self.time_limit is not None and now - request.started > self.time_limit
+        if not (deaf or late):
             return
-        log.warning("%s did not answer within %.1f s", self.name, self.time_limit)
-        abandoned = request.abandoned
+        log.warning("%s did not stop or answer in time; its thread is left behind", self.name)
+        wanted = not request.abandoned
         request.abandon()
         self._finish()
-        if not abandoned:
+        if wanted:
             request.failed(TimeoutError(f"no answer within {self.time_limit:g} s"))
         self._start_next()
         if not self.busy:

@@ -159,7 +159,7 @@ class Session(QObject):
         self._showing.progressed.connect(self.progressed)
         self._showing.busy_changed.connect(self.busy_changed)
 
-    # -- reading --------------------------------------------------------------------------------
+    # -- reading --
 
     @property
     def document(self) -> Document:
@@ -219,7 +219,7 @@ class Session(QObject):
         """The world around a gesture made now."""
         return Context(camera=self.camera, scene=self.scene)
 
-    # -- modelers and tools ---------------------------------------------------------------------
+    # -- modelers and tools --
 
     def activate_modeler(self, modeler_id: str) -> None:
         """Draw with another modeler; pending ink stays."""
@@ -264,7 +264,7 @@ class Session(QObject):
         self.hint = text
         self.noticed.emit(Notice("hint", text))
 
-    # -- the pen ----------------------------------------------------------------------------------
+    # -- the pen --
 
     def pen_moved(self, stroke: Stroke) -> None:
         """Show what the stroke so far would make."""
@@ -432,7 +432,7 @@ class Session(QObject):
                 ).format(hint=tool.hint)
         return self.hint
 
-    # -- editing ----------------------------------------------------------------------------------
+    # -- editing --
 
     def _commit(self, label: str, document: Document, merge_key: str | None = None) -> None:
         """Make a new snapshot the document, as one undo step."""
@@ -554,7 +554,7 @@ class Session(QObject):
 
         self.edit(lambda document: edit.reorder(document, model_id, index))
 
-    # -- the view -----------------------------------------------------------------------------------
+    # -- the view --
 
     def set_camera(self, camera: Camera) -> None:
         """Look from elsewhere."""
@@ -579,7 +579,7 @@ class Session(QObject):
         self.view_style_changed.emit()
         self.scene_changed.emit()
 
-    # -- another document ---------------------------------------------------------------------------
+    # -- another document --
 
     def show_document(self, document: Document, path: Path | None, *, modified: bool) -> None:
         """Make another document the one on the sheet."""
@@ -608,7 +608,7 @@ class Session(QObject):
         self.history.mark_saved()
         self.document_changed.emit()
 
-    # -- solving and showing --------------------------------------------------------------------------
+    # -- solving and showing --
 
     def cancel_work(self) -> None:
         """Stop what is being solved; what was shown stays."""
@@ -642,7 +642,7 @@ class Session(QObject):
             self.report = report
             self.report_changed.emit()
 
-    # -- saying things --------------------------------------------------------------------------------
+    # -- saying things --
 
     def _complain(self, problem: BaseException) -> None:
         """Tell the person about a problem, each kind in its own way."""

@@ -126,7 +126,7 @@ def _workbench() -> Any:
     return Workbench(Registry())
 
 
-# -- build ------------------------------------------------------------------------------------
+# -- build --
 
 
 def _build(options: argparse.Namespace) -> int:
@@ -250,7 +250,7 @@ def _write_text(path: Path, text: str) -> None:
     atomic_write(path, lambda file: file.write(text.encode()))
 
 
-# -- documents ----------------------------------------------------------------------------------
+# -- documents --
 
 
 def _open_document(bench: Any, path: Path) -> Any:
@@ -362,7 +362,7 @@ def _facts(path: Path) -> dict[str, Any]:
     }
 
 
-# -- samples and plugins --------------------------------------------------------------------------
+# -- samples and plugins --
 
 SAMPLE_FORMATS = ("stl", "3mf", "glb", "bozz", "png")
 

@@ -54,7 +54,7 @@ class Workbench:
         self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
         self._lock = threading.Lock()
 
-    # -- making and changing models ---------------------------------------------------------
+    # -- making and changing models --
 
     def create(self, modeler_id: str, context: Context, *, name: str | None = None) -> Model:
         """A new, empty model of a modeler."""
@@ -154,7 +154,7 @@ class Workbench:
         self.registry.guard.check_state(modeler_id, modeler.state_type, state)
         return Model(new_id(), name, modeler_id, state)
 
-    # -- solving ------------------------------------------------------------------------------
+    # -- solving --
 
     def solve(self, model: Model, job: Job) -> Any:
         """The result of a model's recipe: remembered, or solved now."""
@@ -183,7 +183,7 @@ class Workbench:
         final = self.result(model, "final")
         return final if final is not None else self.result(model, "preview")
 
-    # -- what to show and to hand over ----------------------------------------------------------
+    # -- what to show and to hand over --
 
     def model_scene(self, model: Model, result: Any | None) -> Scene:
         """One model's scene in the world, marked as its own."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -128,7 +128,7 @@ class Silhouette:
         """How truly every part keeps its outline."""
         return {
             "parts": [
-                measure(solid, outline_of(part)).as_dict()
+                asdict(measure(solid, outline_of(part)))
                 for part, solid in zip(state.parts, result.solids, strict=True)
             ]
         }

@@ -68,17 +68,8 @@ class DrawOutline:
         if not gesture.committed and not _meets_itself(gesture.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(Strokes(gesture.strokes), sheet_under(gesture.strokes[0], context))
-        outline = outline_of(part)
-        around = _part_around(state, part)
-        if around is None:
-            return replace(state, parts=(*state.parts, part))
-        widened = replace(
-            state.parts[around], strokes=state.parts[around].strokes.extended(part.strokes)
-        )
-        if len(outline_of(widened).rings) <= len(outline.rings):
-            raise UserError("The hole touches the outline. Draw it a little further inside.")
-        parts = (*state.parts[:around], widened, *state.parts[around + 1 :])
-        return replace(state, parts=parts)
+        outline_of(part)
+        return replace(state, parts=_nested(state.parts, part))
 
 
 def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
@@ -90,15 +81,28 @@ def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
     return len(points) > 2 and gap <= OPEN_GAP * diagonal
 
 
-def _part_around(state: SilhouetteState, part: Part) -> int | None:
-    """Index of the part on a parallel sheet within whose outline this one was drawn."""
-    for index, other in enumerate(state.parts):
-        if not part.sheet.faces_as(other.sheet):
+def _nested(parts: tuple[Part, ...], new: Part) -> tuple[Part, ...]:
+    """The parts with a new one: inside another on its sheet it is a hole, around one it takes
+    it in, anywhere else it stands for itself.
+    """
+    for index, old in enumerate(parts):
+        if not new.sheet.faces_as(old.sheet):
             continue
-        points = points_on_sheet(tuple(part.strokes), other.sheet)
-        if surrounds(outline_of(other), np.concatenate(points)):
-            return index
-    return None
+        if _lies_within(new, old):
+            whole = replace(old, strokes=old.strokes.extended(new.strokes))
+        elif _lies_within(old, new):
+            whole = replace(new, strokes=new.strokes.extended(old.strokes))
+        else:
+            continue
+        outline_of(whole)
+        return (*parts[:index], whole, *parts[index + 1 :])
+    return (*parts, new)
+
+
+def _lies_within(inner: Part, outer: Part) -> bool:
+    """Whether all of one part's ink lies inside the outline of the other."""
+    points = points_on_sheet(tuple(inner.strokes), outer.sheet)
+    return surrounds(outline_of(outer), np.concatenate(points))
 
 
 def _erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:

@@ -71,26 +71,28 @@ class Camera:
     viewport: tuple[float, float] = (1200.0, 900.0)
 
     def __post_init__(self) -> None:
-        for name in ("eye", "target", "up", "viewport"):
-            object.__setattr__(self, name, tuple(float(v) for v in getattr(self, name)))
+        for name, size in (("eye", 3), ("target", 3), ("up", 3), ("viewport", 2)):
+            values = tuple(float(v) for v in getattr(self, name))
+            if len(values) != size:
+                raise UserError(f"A camera's {name} needs {size} numbers.")
+            object.__setattr__(self, name, values)
         numbers = (*self.eye, *self.target, *self.up, *self.viewport, self.fov_y, self.height)
-        if len(self.eye) != 3 or len(self.target) != 3 or len(self.up) != 3:
-            raise UserError("A camera's eye, target and up need three numbers each.")
         if not np.isfinite(numbers).all():
             raise UserError("A camera holds a number that is not finite.")
         if self.kind not in ("perspective", "orthographic"):
             raise UserError(f"A camera is perspective or orthographic, not {self.kind!r}.")
         if min(self.viewport) <= 0 or self.height <= 0 or not 0 < self.fov_y < 180:
             raise UserError("A camera needs a canvas, a height and an opening angle above zero.")
-        if self.distance <= 0:
-            raise UserError("A camera's eye must not sit on its target.")
+        if not 0 < self.distance < np.inf:
+            raise UserError("A camera's eye must not sit on its target, nor beyond all bounds.")
 
-    # -- frame ---------------------------------------------------------------------------
+    # -- frame --
 
     @cached_property
     def distance(self) -> float:
         """Distance from eye to target, mm."""
-        return float(np.linalg.norm(np.subtract(self.target, self.eye)))
+        with np.errstate(over="ignore"):
+            return float(np.linalg.norm(np.subtract(self.target, self.eye)))
 
     @cached_property
     def axes(self) -> Array:
@@ -124,7 +126,7 @@ class Camera:
             return self.height
         return float(2.0 * self.distance * np.tan(np.radians(self.fov_y) / 2.0))
 
-    # -- between world and canvas -----------------------------------------------------------
+    # -- between world and canvas --
 
     def view_space(self, points: ArrayLike) -> Array:
         """World points in the camera's own frame: right, up, depth; shape (n, 3), mm."""
