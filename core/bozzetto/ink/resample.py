@@ -1,0 +1,151 @@
+"""Points at equal steps along a curve."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.ink.stroke import COLUMNS, Stroke
+
+__all__ = ["arc_length", "distinct", "resample", "resample_stroke"]
+
+Array = NDArray[np.float64]
+
+
+def arc_length(points: ArrayLike) -> Array:
+    """Length of the polyline up to each point.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+
+    Returns
+    -------
+    (n,) float
+        Starts at 0, does not decrease; the last value is the whole length.
+    """
+    place = np.asarray(points, float)
+    steps = np.linalg.norm(np.diff(place, axis=0), axis=1)
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def distinct(points: ArrayLike, *, closed: bool = False) -> NDArray[np.intp]:
+    """Indices of the points that differ from the one before.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+    closed : bool
+        The last point is followed by the first: trailing copies of the first are left out.
+
+    Returns
+    -------
+    (m,) int
+        Increasing; holds 0 where there is a point at all.
+    """
+    place = np.asarray(points, float)
+    if not len(place):
+        return np.zeros(0, np.intp)
+    kept = np.flatnonzero(np.append(True, (place[1:] != place[:-1]).any(axis=1)))
+    if closed and len(kept) > 1 and (place[kept[-1]] == place[0]).all():
+        kept = kept[:-1]
+    return kept
+
+
+def resample(
+    points: ArrayLike,
+    *,
+    spacing: float | None = None,
+    count: int | None = None,
+    closed: bool = False,
+) -> Array:
+    """Points at equal arc length along a polyline.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+        ``n >= 1``. A closed curve may repeat its first point at the end or not.
+    spacing : float, optional
+        Wanted distance between points, along the curve. It is rounded so that a whole
+        number of steps fits.
+    count : int, optional
+        Wanted number of points; exactly one of the two is given.
+    closed : bool
+        The curve goes on from its last point to its first.
+
+    Returns
+    -------
+    (m, 2) float
+        Both ends of an open curve are kept. A closed result starts at the first point and
+        does not repeat it. A curve without length gives copies of its point (one, where a
+        spacing was asked).
+    """
+    place = np.asarray(points, float)
+    place = place[distinct(place, closed=closed)]
+    if closed:
+        place = np.vstack((place, place[:1]))
+    along = arc_length(place)
+    stations = _stations(float(along[-1]), spacing, count, closed)
+    return np.column_stack([np.interp(stations, along, place[:, axis]) for axis in (0, 1)])
+
+
+def _stations(length: float, spacing: float | None, count: int | None, closed: bool) -> Array:
+    if (spacing is None) == (count is None):
+        raise ValueError("resampling needs either a spacing or a count")
+    if count is None:
+        assert spacing is not None
+        if not spacing > 0:
+            raise ValueError("a spacing must be above zero")
+        steps = max(1, round(length / spacing)) if length > 0 else 0
+        count = max(1, steps if closed else steps + 1)
+    if count < 1:
+        raise ValueError("resampling needs at least one point")
+    return np.linspace(0.0, length, count, endpoint=not closed)
+
+
+def resample_stroke(
+    stroke: Stroke, *, spacing: float | None = None, count: int | None = None
+) -> Stroke:
+    """Resample all columns of a stroke at equal steps along its path on the canvas.
+
+    Where the pen rested, the samples of the rest melt into one; its time is kept at both
+    ends of the stroke. Twist turns the short way round.
+
+    Parameters
+    ----------
+    stroke : Stroke
+    spacing, count
+        As in `resample`; pixels.
+
+    Returns
+    -------
+    Stroke
+        With the camera, tool, colour and group of the given one.
+    """
+    kept = distinct(stroke.points)
+    along = arc_length(stroke.points[kept])
+    stations = _stations(float(along[-1]), spacing, count, closed=False)
+
+    def at_stations(name: str) -> Array:
+        column = np.asarray(getattr(stroke, name), float)
+        if name == "twist":
+            column = np.unwrap(column, period=360.0)
+        values = np.interp(stations, along, column[kept])
+        if name == "t" and len(values) > 1:
+            values[-1] = column[-1]
+        return np.asarray(np.mod(values, 360.0) if name == "twist" else values)
+
+    columns = {name: at_stations(name) for name in COLUMNS}
+    return Stroke(
+        columns["x"],
+        columns["y"],
+        stroke.camera,
+        pressure=columns["pressure"] if stroke.has_pressure else None,
+        t=columns["t"] if stroke.has_time else None,
+        tilt_x=columns["tilt_x"],
+        tilt_y=columns["tilt_y"],
+        twist=columns["twist"],
+        tool=stroke.tool,
+        color=stroke.color,
+        group=stroke.group,
+    )
