@@ -1,0 +1,113 @@
+"""The colours of widgets, mixed from the few roles of the sheet's palette."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bozzetto.scene.palette import Color, Palette
+
+__all__ = ["LEGIBLE", "Tones", "contrast", "luminance", "mixed", "readable", "tones_of"]
+
+LEGIBLE = 4.5
+"""Smallest contrast of text against its ground (WCAG 2.2, success criterion 1.4.3, AA)."""
+
+MIXING_STEPS = 40
+"""How finely `readable` searches between a colour and the ink."""
+
+
+def luminance(color: Color) -> float:
+    """Relative luminance of an sRGB colour, 0 … 1 (WCAG 2.2, "relative luminance")."""
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+        for part in (value / 255.0 for value in color)
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: Color, other: Color) -> float:
+    """Contrast ratio of two colours, 1 … 21 (WCAG 2.2, "contrast ratio")."""
+    dark, light = sorted((luminance(one), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def mixed(one: Color, other: Color, share: float) -> Color:
+    """A share (0 … 1) of `one` over `other`."""
+    red, green, blue = (
+        round(share * a + (1.0 - share) * b) for a, b in zip(one, other, strict=True)
+    )
+    return red, green, blue
+
+
+def readable(color: Color, ink: Color, *grounds: Color) -> Color:
+    """`color`, moved towards the ink just until it is legible on every ground."""
+    for step in range(MIXING_STEPS):
+        candidate = mixed(ink, color, step / MIXING_STEPS)
+        if all(contrast(candidate, ground) >= LEGIBLE for ground in grounds):
+            return candidate
+    return ink
+
+
+@dataclass(frozen=True)
+class Tones:
+    """What widgets are painted with.
+
+    ``panel`` the docks, ``field`` what can be typed into, ``raised`` menus and pop-ups;
+    ``text`` and ``quiet`` (second in rank) are legible on all three. ``hairline`` parts
+    things, ``edge`` outlines what can be touched, ``hover`` and ``press`` lie under the
+    pointer, ``chosen`` under what is selected. ``accent`` marks; ``accent_text`` is its
+    legible form, ``on_accent`` is written on ``accent_fill``. ``second`` is the slate blue,
+    ``warning`` and ``good`` accompany a mark and a word, never stand alone.
+    """
+
+    name: str
+    panel: Color
+    field: Color
+    raised: Color
+    text: Color
+    quiet: Color
+    disabled: Color
+    hairline: Color
+    edge: Color
+    hover: Color
+    press: Color
+    chosen: Color
+    accent: Color
+    accent_text: Color
+    accent_fill: Color
+    on_accent: Color
+    second: Color
+    warning: Color
+    good: Color
+
+
+def tones_of(palette: Palette) -> Tones:
+    """Mix the widgets' colours from a palette."""
+    ink, panel, paper = palette.ink, palette.panel, palette.paper
+    light = luminance(paper) > luminance(ink)
+    raised = mixed((255, 255, 255), paper, 0.5) if light else mixed(ink, panel, 0.06)
+    chosen = mixed(palette.accent, panel, 0.16)
+    grounds = (panel, paper, raised, chosen)
+    black: Color = (0, 0, 0)
+    on_accent = paper
+    accent_fill = readable(palette.accent, black if light else (255, 255, 255), on_accent)
+    return Tones(
+        name=palette.name,
+        panel=panel,
+        field=paper,
+        raised=raised,
+        text=ink,
+        quiet=readable(mixed(ink, panel, 0.5), ink, *grounds),
+        disabled=mixed(ink, panel, 0.36),
+        hairline=mixed(ink, panel, 0.12),
+        edge=mixed(ink, panel, 0.24),
+        hover=mixed(ink, panel, 0.06),
+        press=mixed(ink, panel, 0.12),
+        chosen=chosen,
+        accent=palette.accent,
+        accent_text=readable(palette.accent, ink, *grounds),
+        accent_fill=accent_fill,
+        on_accent=on_accent,
+        second=readable(palette.second, ink, *grounds),
+        warning=readable(palette.warning, ink, *grounds),
+        good=readable(palette.second, ink, *grounds),
+    )
