@@ -1,0 +1,67 @@
+"""Every test runs without a screen and away from the person's own settings."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+# Before anything imports Qt: the X11 platform aborts the process where no X server is.
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+OUTSIDE: Mapping[str, str] = dict(os.environ)
+"""The environment as we found it: what a test hands to pip needs its caches and indexes."""
+
+HOMES = {
+    "HOME": ".",
+    "USERPROFILE": ".",
+    "XDG_CONFIG_HOME": "config",
+    "XDG_DATA_HOME": "data",
+    "XDG_STATE_HOME": "state",
+    "APPDATA": "config",
+    "LOCALAPPDATA": "data",
+}
+"""Where programs look for a person's files, and what stands in for it below a folder."""
+
+
+def move_home(folder: Path) -> dict[str, str]:
+    """Return the variables that make `folder` the home; the folders exist afterwards."""
+    moved = {name: str(folder / place) for name, place in HOMES.items()}
+    for place in moved.values():
+        Path(place).mkdir(parents=True, exist_ok=True)
+    return moved
+
+
+# Qt remembers the settings folder of its first question, perhaps one asked while a
+# test module is imported: so there is a home of our own from the start.
+_first_home = tempfile.TemporaryDirectory(prefix="bozzetto-tests-")
+os.environ.update(move_home(Path(_first_home.name)))
+
+# Wall-clock limits say more about the machine than about the program.
+settings.register_profile("bozzetto", deadline=None, print_blob=True)
+settings.load_profile("bozzetto")
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Give each test an empty home, with no settings, recovery data or recent files in it."""
+    folder = tmp_path_factory.mktemp("home")
+    for name, place in move_home(folder).items():
+        monkeypatch.setenv(name, place)
+    if "PySide6.QtCore" in sys.modules:
+        from PySide6.QtCore import QSettings
+
+        for kind in (QSettings.Format.NativeFormat, QSettings.Format.IniFormat):
+            QSettings.setPath(kind, QSettings.Scope.UserScope, str(folder / "config"))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def outside() -> dict[str, str]:
+    """Return the environment of the person who runs the tests, for children that install."""
+    return dict(OUTSIDE)

@@ -1,0 +1,95 @@
+"""What starting the program may load: the slow libraries wait for their first use."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SLOW = {"scipy", "skimage", "manifold3d", "shapely", "pyqtgraph", "OpenGL"}
+QT = {"PySide6", "shiboken6"}
+
+REPORT = """
+import json, pathlib, sys
+packages = sorted({name.partition(".")[0] for name in sys.modules})
+pathlib.Path(sys.argv[-1]).write_text(json.dumps(packages))
+"""
+
+CALL_MAIN = """
+import sys
+report, sys.argv = sys.argv[-1], ["bozzetto", *sys.argv[1:-1]]
+from bozzetto_app.__main__ import main
+try:
+    code = main()
+except SystemExit as exit:
+    code = exit.code
+assert not code, f"bozzetto ended with {code}"
+sys.argv.append(report)
+"""
+
+OPEN_WINDOW = """
+import time
+from PySide6.QtWidgets import QApplication
+
+def look_a_while(*_):
+    application = QApplication.instance()
+    end = time.monotonic() + 1.0
+    while time.monotonic() < end:
+        application.processEvents()
+    assert any(w.isVisible() for w in application.topLevelWidgets()), "no window was opened"
+    return 0
+
+QApplication.exec = look_a_while
+"""
+
+
+def loaded(folder: Path, code: str, *arguments: str) -> set[str]:
+    """Return the top-level packages that a fresh Python has loaded after `code`."""
+    report = folder / "loaded.json"
+    done = subprocess.run(
+        [sys.executable, "-c", code + REPORT, *arguments, str(report)],
+        env={**os.environ, "QT_QPA_PLATFORM": "offscreen"},
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return set(json.loads(report.read_text()))
+
+
+def bundled_plugins(packages: set[str]) -> set[str]:
+    return {name for name in packages if name.startswith("bozzetto_")} - {"bozzetto_app"}
+
+
+def test_the_entry_point_imports_next_to_nothing(tmp_path: Path) -> None:
+    packages = loaded(tmp_path, "import bozzetto_app.__main__")
+    assert not packages & (SLOW | QT)
+    assert not bundled_plugins(packages)
+
+
+def test_the_core_imports_no_slow_library(tmp_path: Path) -> None:
+    packages = loaded(tmp_path, "import bozzetto, bozzetto.plugin, bozzetto.cli")
+    assert "bozzetto" in packages
+    assert not packages & (SLOW | QT)
+
+
+@pytest.mark.parametrize("arguments", [["plugins"], ["--help"]], ids=" ".join)
+def test_the_command_line_does_without_qt_and_plugin_code(
+    tmp_path: Path, arguments: list[str]
+) -> None:
+    packages = loaded(tmp_path, CALL_MAIN, *arguments)
+    assert "bozzetto" in packages
+    assert not packages & (SLOW | QT)
+    assert not bundled_plugins(packages)
+
+
+def test_opening_the_window_imports_no_slow_library(tmp_path: Path) -> None:
+    packages = loaded(tmp_path, OPEN_WINDOW + CALL_MAIN)
+    assert "PySide6" in packages
+    assert not packages & SLOW
