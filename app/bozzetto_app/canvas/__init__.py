@@ -1,0 +1,1 @@
+"""The canvas: the viewport where people draw."""

@@ -1,0 +1,38 @@
+"""What OpenGL needs to know before the application object exists."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Final
+
+from PySide6.QtCore import QCoreApplication, Qt
+from PySide6.QtGui import QSurfaceFormat
+
+__all__ = ["prepare"]
+
+DEPTH_BITS: Final = 24
+SAMPLES: Final = 4
+"""Samples per pixel against jagged edges."""
+
+
+def prepare() -> None:
+    """Set the surface format and share contexts; call before making the QApplication.
+
+    Contexts are shared because pyqtgraph keeps one set of shader programs for the whole
+    process: without it a second viewport raises a GL error. macOS gives modern OpenGL only
+    as a core profile; elsewhere the driver's default is the most compatible.
+    """
+    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
+    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_CompressTabletEvents, False)
+    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents, False)
+    wanted = QSurfaceFormat()
+    wanted.setDepthBufferSize(DEPTH_BITS)
+    wanted.setSamples(SAMPLES)
+    if sys.platform == "darwin":
+        wanted.setVersion(3, 3)
+        wanted.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
+    QSurfaceFormat.setDefaultFormat(wanted)
+    if os.environ.get("WAYLAND_DISPLAY") and not os.environ.get("DISPLAY"):
+        # PyOpenGL would look for GLX, which a Wayland session without X does not have.
+        os.environ.setdefault("PYOPENGL_PLATFORM", "egl")

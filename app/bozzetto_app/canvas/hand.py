@@ -1,0 +1,453 @@
+"""The hand on the sheet: from events of pen, mouse and fingers to calls of the session.
+
+One machine (`gestures`) decides what is meant. While ink flows the handlers only copy the
+event; everything else happens once per round of the event loop in `_drain`.
+"""
+
+from __future__ import annotations
+
+import math
+from time import perf_counter
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
+from PySide6.QtGui import QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
+
+from bozzetto.ink.stroke import Stroke, StrokeTool
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import orbit, pan, zoom
+from bozzetto_app.canvas.gestures import (
+    Button,
+    GestureMachine,
+    Mode,
+    Motion,
+    Outcome,
+    Pointer,
+    Press,
+)
+from bozzetto_app.canvas.handles import HANDLE_REACH, INKING_REACH, HandleTargets
+from bozzetto_app.canvas.ink_overlay import InkOverlay
+from bozzetto_app.canvas.pen import (
+    button_of,
+    is_echo,
+    is_eraser,
+    keys_of,
+    mouse_sample,
+    tablet_sample,
+)
+from bozzetto_app.canvas.samples import PressureCurve, RawSample, SampleColumns
+
+__all__ = ["Hand"]
+
+REPORT_INTERVAL: Final = 1.0 / 30.0
+"""Least time between two reports of the stroke so far, seconds."""
+
+ZOOM_PER_PIXEL: Final = 0.01
+"""Natural logarithm of the enlargement for a pixel of drag."""
+
+ZOOM_PER_NOTCH: Final = 1.2
+"""Enlargement for one notch of the wheel."""
+
+NOTCH: Final = 120.0
+"""Qt's angle of one notch, eighths of a degree."""
+
+_MOVE: Final = QEvent.Type.TabletMove
+
+
+class Hand(QObject):
+    """Turns input into gestures, and gestures into what the session does.
+
+    Parameters
+    ----------
+    session : Session
+    overlay : InkOverlay
+        Where wet ink, the ring and the hot handle are shown.
+    """
+
+    menu_pressed = Signal(QPointF)
+    menu_moved = Signal(QPointF)
+    menu_released = Signal(bool)
+    ink_began = Signal()
+    mode_changed = Signal()
+
+    def __init__(self, session: Any, overlay: InkOverlay) -> None:
+        super().__init__(overlay)
+        self.machine = GestureMachine()
+        self.curve = PressureCurve()
+        self.space_held = False
+        self._session = session
+        self._overlay = overlay
+        self._targets: HandleTargets | None = None
+        self._columns: SampleColumns | None = None
+        self._camera: Camera = session.camera
+        self._pivot: NDArray[np.float64] = np.zeros(3)
+        self._recording = False
+        self._fresh: list[RawSample] = []
+        self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
+        self._tool: StrokeTool = "pen"
+        self._fingers: tuple[int, QPointF, float] | None = None
+        self._reported = -math.inf
+        self._due = False
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._drain)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._report)
+
+    # -- pen ----------------------------------------------------------------------------------
+
+    def tablet(self, event: QTabletEvent) -> None:
+        """Take a tablet event; it is always accepted, or Qt would send a mouse event too."""
+        event.accept()
+        if self._recording and event.type() == _MOVE and self._tool != "mouse":
+            self._fresh.append(tablet_sample(event))
+            if not self._due:
+                self._due = True
+                self._soon.start()
+            return
+        self.machine.see_pen(perf_counter())
+        kind = event.type()
+        button = button_of(event.button())
+        if kind == QEvent.Type.TabletPress and button is not None:
+            self._press("pen", button, tablet_sample(event), event, eraser=is_eraser(event))
+        elif kind == QEvent.Type.TabletRelease and button is not None:
+            self._release("pen", button, tablet_sample(event), event)
+        elif kind == _MOVE:
+            self._move("pen", event.position(), event, eraser=is_eraser(event))
+
+    def pen_came(self) -> None:
+        """The pen is near: fingers are a palm from now on."""
+        self.machine.see_pen(perf_counter())
+        if self.machine.owns("touch"):
+            self.cancel()
+
+    def pen_left(self) -> None:
+        """The pen has gone; a stroke that was not lifted ends here."""
+        self.machine.lose_pen(perf_counter())
+        self._overlay.set_hover(None)
+        if self.machine.owns("pen") and self.machine.press is not None:
+            self._conclude("pen", self.machine.press.button)
+
+    # -- mouse --------------------------------------------------------------------------------
+
+    def mouse_pressed(self, event: QMouseEvent) -> None:
+        """Take a press of the mouse's own, not an echo of the pen."""
+        event.accept()
+        button = button_of(event.button())
+        if button is not None and self._is_mouse(event):
+            self._press("mouse", button, mouse_sample(event), event)
+
+    def mouse_moved(self, event: QMouseEvent) -> None:
+        """Take a movement of the mouse."""
+        event.accept()
+        if not self._is_mouse(event):
+            return
+        if self._recording and self.machine.owns("mouse"):
+            self._fresh.append(mouse_sample(event))
+            self._keys = keys_of(event.modifiers(), space=self.space_held)
+            if not self._due:
+                self._due = True
+                self._soon.start()
+            return
+        self._move("mouse", event.position(), event)
+
+    def mouse_released(self, event: QMouseEvent) -> None:
+        """Take a release of the mouse."""
+        event.accept()
+        button = button_of(event.button())
+        if button is not None and not is_echo(event):
+            self._release("mouse", button, mouse_sample(event), event)
+
+    def _is_mouse(self, event: QMouseEvent) -> bool:
+        if is_echo(event):
+            return False
+        return self.machine.owns("mouse") or self.machine.listens_to_mouse(perf_counter())
+
+    def wheel(self, event: QWheelEvent) -> None:
+        """Zoom to the place under the cursor."""
+        event.accept()
+        turned = event.angleDelta().y() or event.angleDelta().x()
+        if self.machine.mode is not Mode.IDLE or not turned:
+            return
+        place = event.position()
+        factor = ZOOM_PER_NOTCH ** (turned / NOTCH)
+        at = self._under(place.x(), place.y())
+        self._session.set_camera(zoom(self._session.camera, factor, at=at))
+
+    # -- fingers ------------------------------------------------------------------------------
+
+    def touch(self, event: QTouchEvent) -> None:
+        """One finger turns, two move and zoom; fingers never ink."""
+        event.accept()
+        now = perf_counter()
+        points = [p for p in event.points() if p.state() != p.state().Released]
+        if not self.machine.owns("touch"):
+            began = event.type() == QEvent.Type.TouchBegin and points
+            if not began or not self.machine.listens_to_touch(now):
+                return
+            place = points[0].position()
+            press = Press("touch", Button.TIP, place.x(), place.y(), now)
+            if not self.machine.begin(press):
+                return
+            self._fingers = None
+        if not points or event.type() == QEvent.Type.TouchCancel:
+            self.machine.release("touch", Button.TIP, now)
+            self._fingers = None
+            return
+        places = [p.position() for p in points]
+        middle = QPointF(
+            sum(p.x() for p in places) / len(places), sum(p.y() for p in places) / len(places)
+        )
+        spread = max(math.hypot(p.x() - middle.x(), p.y() - middle.y()) for p in places)
+        if self._fingers is None or self._fingers[0] != len(points):
+            self._pivot = self._under(middle.x(), middle.y())
+        else:
+            _, before, last_spread = self._fingers
+            dx, dy = middle.x() - before.x(), middle.y() - before.y()
+            camera = self._session.camera
+            if len(points) == 1:
+                camera = orbit(camera, dx, dy, self._pivot)
+            else:
+                camera = pan(camera, dx, dy, self._pivot)
+                if last_spread > 1.0 and spread > 1.0:
+                    place = (middle.x(), middle.y())
+                    camera = zoom(camera, spread / last_spread, place)
+            self._session.set_camera(camera)
+        self._fingers = (len(points), middle, spread)
+
+    # -- gestures -----------------------------------------------------------------------------
+
+    def cancel(self) -> bool:
+        """Drop the gesture under way (Esc); say whether there was one."""
+        mode = self.machine.cancel()
+        if mode is Mode.NAVIGATING and self._fingers is None:
+            self._session.set_camera(self._camera)
+        self._fingers = None
+        if mode.records:
+            self._forget()
+            self._session.pen_cancelled()
+        self.mode_changed.emit()
+        return mode is not Mode.IDLE
+
+    def scene_or_view_changed(self) -> None:
+        """Handles may stand elsewhere now."""
+        self._targets = None
+
+    def leave(self) -> None:
+        """The pointer has left the canvas."""
+        self._overlay.set_hover(None)
+        self._overlay.set_hot_handle(None)
+
+    def _press(
+        self,
+        pointer: Pointer,
+        button: Button,
+        sample: RawSample,
+        event: QTabletEvent | QMouseEvent,
+        *,
+        eraser: bool = False,
+    ) -> None:
+        takes = self._takes()
+        found = self._handle_under(sample.x, sample.y)
+        press = Press(
+            pointer,
+            button,
+            sample.x,
+            sample.y,
+            sample.received,
+            keys_of(event.modifiers(), space=self.space_held),
+            eraser,
+            found[0].id if found is not None else "",
+            takes,
+        )
+        if not self.machine.begin(press):
+            return
+        self._keys = press.keys
+        self._camera = self._session.camera
+        mode = self.machine.mode
+        if mode.records:
+            self._tool = "mouse" if pointer == "mouse" else "eraser" if eraser else "pen"
+            self._columns = SampleColumns(self.curve, has_pressure=pointer == "pen")
+            self._recording = True
+            self._reported = -math.inf
+            if mode is not Mode.DRAGGING:
+                self._overlay.begin(erasing=mode is Mode.ERASING)
+                self.ink_began.emit()
+            self._fresh.append(sample)
+            self._drain()
+        elif mode is Mode.NAVIGATING:
+            self._pivot = self._under(sample.x, sample.y)
+        elif mode is Mode.CHOOSING:
+            self.menu_pressed.emit(QPointF(sample.x, sample.y))
+        if mode is not Mode.DRAGGING:
+            self._overlay.set_hover(None)
+        self.mode_changed.emit()
+
+    def _move(
+        self,
+        pointer: Pointer,
+        place: QPointF,
+        event: QTabletEvent | QMouseEvent,
+        *,
+        eraser: bool = False,
+    ) -> None:
+        mode = self.machine.mode
+        if mode is Mode.IDLE:
+            self._hover(place.x(), place.y(), eraser=eraser)
+            return
+        if not self.machine.owns(pointer):
+            return
+        self.machine.move(place.x(), place.y())
+        if mode is Mode.NAVIGATING:
+            self._turn(place.x(), place.y())
+        elif mode is Mode.CHOOSING:
+            self.menu_moved.emit(place)
+
+    def _release(
+        self,
+        pointer: Pointer,
+        button: Button,
+        sample: RawSample,
+        event: QTabletEvent | QMouseEvent,
+    ) -> None:
+        if not self.machine.owns(pointer, button):
+            return
+        if self._recording:
+            self._keys = keys_of(event.modifiers(), space=self.space_held)
+            last = self._fresh[-1] if self._fresh else None
+            if last is None or (last.x, last.y) != (sample.x, sample.y):
+                self._fresh.append(self._as_lifted(sample))
+        else:
+            self.machine.move(sample.x, sample.y)
+            if self.machine.mode is Mode.NAVIGATING:
+                self._turn(sample.x, sample.y)
+        self._conclude(pointer, button)
+
+    def _conclude(self, pointer: Pointer, button: Button) -> None:
+        if self._recording:
+            self._drain()
+        press, columns = self.machine.press, self._columns
+        outcome = self.machine.release(pointer, button, perf_counter())
+        stroke = self._stroke(columns) if columns is not None and self._recording else None
+        was_recording = self._recording
+        self._forget(keep_wet=outcome is Outcome.STROKE)
+        if outcome is Outcome.STROKE and stroke is not None:
+            self._session.pen_lifted(stroke)
+            self._overlay.clear_wet()
+        elif outcome is Outcome.DROP and stroke is not None and press is not None:
+            self._session.handle_released(
+                press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
+            )
+        elif outcome is Outcome.TAP and press is not None:
+            self._session.tapped(press.x, press.y, shift=press.keys.shift, ctrl=press.keys.ctrl)
+        elif outcome in (Outcome.FLICK, Outcome.MENU):
+            self.menu_released.emit(outcome is Outcome.FLICK)
+        elif was_recording:
+            self._session.pen_cancelled()
+        self.mode_changed.emit()
+
+    def _forget(self, *, keep_wet: bool = False) -> None:
+        self._recording = False
+        self._fresh.clear()
+        self._columns = None
+        self._soon.stop()
+        self._later.stop()
+        self._due = False
+        if not keep_wet:
+            self._overlay.clear_wet()
+
+    # -- ink ----------------------------------------------------------------------------------
+
+    def _drain(self) -> None:
+        """Paint and keep the samples that came since the last round."""
+        self._due = False
+        columns = self._columns
+        if columns is None or not self._fresh:
+            return
+        fresh, self._fresh = self._fresh, []
+        painted = []
+        for raw in fresh:
+            pressure = columns.append(raw)
+            self.machine.move(raw.x, raw.y)
+            painted.append((raw.x, raw.y, pressure))
+        if self.machine.mode is not Mode.DRAGGING:
+            self._overlay.extend(painted)
+        wait = REPORT_INTERVAL - (perf_counter() - self._reported)
+        if wait <= 0:
+            self._report()
+        elif not self._later.isActive():
+            self._later.start(math.ceil(1000.0 * wait))
+
+    def _report(self) -> None:
+        """Tell the session how the stroke stands, at most 30 times a second."""
+        press, columns = self.machine.press, self._columns
+        if columns is None or press is None or not len(columns):
+            return
+        self._reported = perf_counter()
+        stroke = self._stroke(columns)
+        if self.machine.mode is Mode.DRAGGING:
+            self._session.handle_moved(
+                press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
+            )
+        else:
+            self._session.pen_moved(stroke)
+
+    def _stroke(self, columns: SampleColumns) -> Stroke:
+        return columns.stroke(self._camera, self._tool)
+
+    def _as_lifted(self, sample: RawSample) -> RawSample:
+        """A release reports no pressure; the line ends as wide as it was."""
+        if self._fresh:
+            return sample._replace(pressure=self._fresh[-1].pressure)
+        return sample
+
+    # -- view ---------------------------------------------------------------------------------
+
+    def _turn(self, x: float, y: float) -> None:
+        press = self.machine.press
+        if press is None:
+            return
+        dx, dy = x - press.x, y - press.y
+        if self.machine.motion is Motion.ORBIT:
+            camera = orbit(self._camera, dx, dy, self._pivot)
+        elif self.machine.motion is Motion.PAN:
+            camera = pan(self._camera, dx, dy, self._pivot)
+        else:
+            camera = zoom(self._camera, math.exp(-ZOOM_PER_PIXEL * dy), at=self._pivot)
+        self._session.set_camera(camera)
+
+    def _under(self, x: float, y: float) -> NDArray[np.float64]:
+        """The place in the world under a canvas position: on a surface, else on the sheet."""
+        camera: Camera = self._session.camera
+        hits = cast_rays(self._session.scene, camera.rays([(x, y)]))
+        if hits.hit[0]:
+            return np.asarray(hits.points[0])
+        return np.asarray(camera.on_plane([(x, y)], camera.target, camera.axes[2])[0])
+
+    # -- hovering -----------------------------------------------------------------------------
+
+    def _hover(self, x: float, y: float, *, eraser: bool) -> None:
+        found = None if eraser else self._handle_under(x, y)
+        if found is None:
+            self._overlay.set_hot_handle(None)
+            inks = eraser or self._takes() == "ink"
+            self._overlay.set_hover((x, y) if inks else None, erasing=eraser)
+        else:
+            handle, hx, hy = found
+            self._overlay.set_hover(None)
+            self._overlay.set_hot_handle((hx, hy), handle.color)
+
+    def _handle_under(self, x: float, y: float) -> Any:
+        if self._targets is None:
+            self._targets = HandleTargets(self._session.scene, self._session.camera)
+        reach = INKING_REACH if self._takes() == "ink" else HANDLE_REACH
+        return self._targets.under(x, y, reach)
+
+    def _takes(self) -> Any:
+        active = self._session.active_tool
+        for tool in self._session.tools:
+            if tool.id == active:
+                return tool.gesture
+        return "ink"

@@ -1,0 +1,388 @@
+"""Wet ink: what is painted while the pen is down, and until it is understood.
+
+The stroke under the pen is painted into a backing picture piece by piece: adding a sample
+touches a rectangle around the newest few samples, however long the stroke has become. Only
+the last few pixels of the line, which the next sample may still bend, and one predicted
+segment are painted afresh every time and never kept.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt, QTimer
+from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent, QPen, QResizeEvent
+from PySide6.QtWidgets import QWidget
+
+from bozzetto.ink.stroke import Stroke
+from bozzetto.scene.display_list import Paint
+from bozzetto.scene.palette import LIGHT, Color, Palette
+from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.ribbon import InkPoint, Smoother, ribbon_path, smoothed
+
+__all__ = ["InkOverlay", "Tip", "on_sheet"]
+
+LOOSE_POINTS: Final = 20
+"""Fine points painted afresh with every sample before they go into the backing picture."""
+
+FARTHEST_PREDICTION: Final = 20.0
+"""Longest predicted segment, pixels."""
+
+PREDICTION_LIFE: Final = 40
+"""How long a prediction may stand without a new sample, milliseconds."""
+
+PREDICTION_OPACITY: Final = 0.35
+ERASER_OPACITY: Final = 0.30
+PULSE_TIME: Final = 1400
+"""How long a place stays lit, milliseconds."""
+PULSE_STEP: Final = 33
+RING_MARGIN: Final = 3
+
+
+@dataclass(frozen=True)
+class Tip:
+    """How wide the pen draws.
+
+    Parameters
+    ----------
+    size : float
+        Width at full pressure, pixels.
+    least : float
+        Fraction of it at no pressure at all.
+    """
+
+    size: float = 4.2
+    least: float = 0.28
+
+    def width(self, pressure: float) -> float:
+        """The width at a pressure (0 … 1), pixels."""
+        return self.size * (self.least + (1.0 - self.least) * pressure)
+
+
+PEN_TIP: Final = Tip()
+ERASER_TIP: Final = Tip(36.0, 0.3)
+
+
+def on_sheet(stroke: Stroke, camera: Camera) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """Where the samples of a stroke are seen now, canvas pixels, shape (n, 2).
+
+    A stroke lies on the sheet: the plane through its camera's target that faced the eye.
+    """
+    if stroke.camera == camera:
+        return stroke.points
+    forward = stroke.camera.axes[2]
+    return camera.project(stroke.camera.on_plane(stroke.points, stroke.camera.target, forward))[0]
+
+
+class InkOverlay(QWidget):
+    """A transparent sheet over the viewport for wet ink, the hover ring and lit places."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        self._palette: Palette = LIGHT
+        self._wet = QImage()
+        self._pending = QImage()
+        self._pending_ink: list[list[InkPoint]] = []
+        self._smoother = Smoother()
+        self._loose: list[InkPoint] = []
+        self._settled = False
+        self._samples: list[InkPoint] = []
+        self._prediction: InkPoint | None = None
+        self._area = QRect()
+        self._loose_area = QRect()
+        self._erasing = False
+        self._tip = PEN_TIP
+        self._ring: tuple[float, float, float] | None = None
+        self._hot: tuple[float, float, Color] | None = None
+        self._lit: tuple[tuple[float, float], ...] = ()
+        self._lit_age = 0
+        self._stale = QTimer(self, singleShot=True, interval=PREDICTION_LIFE)
+        self._stale.timeout.connect(self._drop_prediction)
+        self._pulse = QTimer(self, interval=PULSE_STEP)
+        self._pulse.timeout.connect(self._fade_lit)
+
+    # -- the stroke under the pen -------------------------------------------------------------
+
+    @property
+    def has_wet_ink(self) -> bool:
+        """Whether a stroke is being painted."""
+        return bool(self._samples)
+
+    @property
+    def prediction(self) -> tuple[float, float] | None:
+        """Where the predicted segment ends, if there is one."""
+        return None if self._prediction is None else self._prediction[:2]
+
+    def begin(self, *, erasing: bool = False) -> None:
+        """Start a stroke."""
+        self.clear_wet()
+        self._erasing = erasing
+        self._tip = ERASER_TIP if erasing else PEN_TIP
+
+    def extend(self, samples: Iterable[tuple[float, float, float]]) -> QRect:
+        """Add samples (x, y, pressure) to the stroke.
+
+        Returns
+        -------
+        QRect
+            The part of the sheet that must be painted again.
+        """
+        for x, y, pressure in samples:
+            point = (x, y, self._tip.width(pressure))
+            self._samples.append(point)
+            self._loose += self._smoother.push(point)
+        if len(self._loose) > LOOSE_POINTS:
+            self._settle()
+        self._predict()
+        dirty = self._loose_area
+        self._loose_area = self._bounds(self._moving_line())
+        dirty = dirty.united(self._loose_area)
+        self._area = self._area.united(dirty)
+        self.update(dirty)
+        self._stale.start()
+        return dirty
+
+    def clear_wet(self) -> None:
+        """Take the stroke away, whether it was finished or cancelled."""
+        if not self._samples:
+            return
+        if not self._wet.isNull():
+            painter = QPainter(self._wet)
+            painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_Clear)
+            painter.fillRect(self._area, Qt.GlobalColor.transparent)
+            painter.end()
+        self.update(self._area)
+        self._smoother = Smoother()
+        self._loose, self._samples, self._prediction = [], [], None
+        self._settled = False
+        self._area, self._loose_area = QRect(), QRect()
+        self._stale.stop()
+
+    # -- ink that waits -----------------------------------------------------------------------
+
+    def set_pending(self, strokes: Sequence[Stroke], camera: Camera) -> None:
+        """Show strokes that were drawn and not yet understood."""
+        ink = []
+        for stroke in strokes:
+            if stroke.tool == "eraser":
+                continue
+            places = on_sheet(stroke, camera)
+            seen = np.isfinite(places).all(1)
+            widths = PEN_TIP.width(1.0) * (
+                PEN_TIP.least + (1.0 - PEN_TIP.least) * stroke.pressure[seen].astype(float)
+            )
+            if seen.any():
+                ink.append(smoothed(np.column_stack((places[seen], widths)).tolist()))
+        if ink or self._pending_ink:
+            self._pending_ink = ink
+            self._paint_pending()
+            self.update()
+
+    # -- marks beside the ink -----------------------------------------------------------------
+
+    def set_colors(self, palette: Palette) -> None:
+        """Use the colours of a theme."""
+        self._palette = palette
+        self._paint_all()
+
+    def set_hover(self, place: tuple[float, float] | None, *, erasing: bool = False) -> None:
+        """Show the ring of the tip's size at a place, or take it away."""
+        before = self._ring_area()
+        if place is None:
+            self._ring = None
+        else:
+            radius = 0.5 * (ERASER_TIP.size if erasing else max(PEN_TIP.size, 7.0))
+            self._ring = (place[0], place[1], radius)
+        self.update(before.united(self._ring_area()))
+
+    def set_hot_handle(self, place: tuple[float, float] | None, paint: Paint = "accent") -> None:
+        """Show which handle a press would take."""
+        hot = None if place is None else (place[0], place[1], self._palette.color(paint))
+        if hot != self._hot:
+            for mark in (self._hot, hot):
+                if mark is not None:
+                    self.update(_around(mark[0], mark[1], 16))
+            self._hot = hot
+
+    def light_up(self, places: Sequence[tuple[float, float]]) -> None:
+        """Light rings at places, with a short pulse."""
+        self._lit = tuple(places)
+        self._lit_age = 0
+        if places:
+            self._pulse.start()
+        self.update()
+
+    @property
+    def lit_places(self) -> tuple[tuple[float, float], ...]:
+        """The places that are lit now."""
+        return self._lit
+
+    # -- painting -----------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        scale = self.devicePixelRatioF()
+        area = event.rect()
+        source = QRectF(
+            area.x() * scale, area.y() * scale, area.width() * scale, area.height() * scale
+        )
+        if self._pending_ink:
+            painter.drawImage(QRectF(area), self._pending, source)
+        if self._samples:
+            self._paint_wet(painter, area, source)
+        self._paint_marks(painter)
+        painter.end()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        self._paint_all()
+
+    def _paint_wet(self, painter: QPainter, area: QRect, source: QRectF) -> None:
+        painter.setOpacity(ERASER_OPACITY if self._erasing else 1.0)
+        painter.drawImage(QRectF(area), self._wet, source)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self._ink_color())
+        line = self._moving_line()
+        if self._prediction is not None:
+            painter.drawPath(ribbon_path(line[:-1], open_start=self._settled))
+            painter.setOpacity(PREDICTION_OPACITY * painter.opacity())
+            painter.drawPath(ribbon_path(line[-2:], open_start=True))
+        else:
+            painter.drawPath(ribbon_path(line, open_start=self._settled))
+        painter.setOpacity(1.0)
+
+    def _paint_marks(self, painter: QPainter) -> None:
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        if self._hot is not None:
+            x, y, color = self._hot
+            painter.setPen(QPen(QColor(*color), 2.0))
+            painter.drawEllipse(QPointF(x, y), 11.0, 11.0)
+        if self._ring is not None:
+            x, y, radius = self._ring
+            shade = QColor(*self._palette.ink)
+            shade.setAlphaF(0.55)
+            painter.setPen(QPen(shade, 1.2))
+            painter.drawEllipse(QPointF(x, y), radius, radius)
+        if self._lit:
+            age = self._lit_age / PULSE_TIME
+            color = QColor(*self._palette.accent)
+            color.setAlphaF(max(0.0, 1.0 - age**3))
+            painter.setPen(QPen(color, 2.5))
+            radius = 12.0 + 5.0 * abs(math.sin(3.0 * math.pi * age))
+            for x, y in self._lit:
+                painter.drawEllipse(QPointF(x, y), radius, radius)
+
+    # -- how the backing pictures come about ----------------------------------------------------
+
+    def _ink_color(self) -> QColor:
+        return QColor(*(self._palette.accent if self._erasing else self._palette.ink))
+
+    def _settle(self) -> None:
+        """Paint the loose part into the backing picture; its last point stays the joint."""
+        joint = ribbon_path(self._loose, open_start=self._settled, open_end=True)
+        self._paint_into(self._wet, [joint])
+        self._settled = True
+        self._area = self._area.united(self._bounds(self._loose))
+        self._loose = self._loose[-1:]
+
+    def _moving_line(self) -> list[InkPoint]:
+        """The part that is painted afresh: loose points, the newest sample, the prediction."""
+        line = list(self._loose)
+        if self._smoother.tip is not None:
+            line.append(self._smoother.tip)
+        if self._prediction is not None:
+            line.append(self._prediction)
+        return line
+
+    def _predict(self) -> None:
+        """One segment ahead, as long as the last one: the pen keeps its speed for a moment."""
+        self._prediction = None
+        if len(self._samples) < 3 or self._erasing:
+            return
+        (x0, y0, _), (x1, y1, width) = self._samples[-2:]
+        dx, dy = x1 - x0, y1 - y0
+        length = math.hypot(dx, dy)
+        if length < 0.5:
+            return
+        reach = min(1.0, FARTHEST_PREDICTION / length)
+        self._prediction = (x1 + reach * dx, y1 + reach * dy, width)
+
+    def _drop_prediction(self) -> None:
+        self._prediction = None
+        self.update(self._loose_area)
+
+    def _fade_lit(self) -> None:
+        self._lit_age += PULSE_STEP
+        for x, y in self._lit:
+            self.update(_around(x, y, 22))
+        if self._lit_age >= PULSE_TIME:
+            self._lit = ()
+            self._pulse.stop()
+
+    def _ring_area(self) -> QRect:
+        if self._ring is None:
+            return QRect()
+        x, y, radius = self._ring
+        return _around(x, y, radius + RING_MARGIN)
+
+    def _blank(self) -> QImage:
+        scale = self.devicePixelRatioF()
+        image = QImage(
+            math.ceil(self.width() * scale),
+            math.ceil(self.height() * scale),
+            QImage.Format.Format_ARGB32_Premultiplied,
+        )
+        image.setDevicePixelRatio(scale)
+        image.fill(Qt.GlobalColor.transparent)
+        return image
+
+    def _paint_all(self) -> None:
+        """Make the backing pictures again: for another size, scale or theme."""
+        self._wet = self._blank()
+        if self._samples:
+            samples, self._smoother, self._loose = self._samples, Smoother(), []
+            for point in samples:
+                self._loose += self._smoother.push(point)
+            self._settled = False
+            self._settle()
+        self._paint_pending()
+        self.update()
+
+    def _paint_pending(self) -> None:
+        self._pending = self._blank()
+        self._paint_into(self._pending, map(ribbon_path, self._pending_ink))
+
+    def _paint_into(self, image: QImage, paths: Iterable[QPainterPath]) -> None:
+        if image.isNull():
+            return
+        painter = QPainter(image)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self._ink_color())
+        for path in paths:
+            painter.drawPath(path)
+        painter.end()
+
+    @staticmethod
+    def _bounds(line: Sequence[InkPoint]) -> QRect:
+        if not line:
+            return QRect()
+        margin = 0.5 * max(point[2] for point in line) + 2.0
+        xs = [point[0] for point in line]
+        ys = [point[1] for point in line]
+        left, top = math.floor(min(xs) - margin), math.floor(min(ys) - margin)
+        return QRect(
+            left, top, math.ceil(max(xs) + margin) - left, math.ceil(max(ys) + margin) - top
+        )
+
+
+def _around(x: float, y: float, radius: float) -> QRect:
+    left, top = math.floor(x - radius), math.floor(y - radius)
+    size = math.ceil(2.0 * radius) + 2
+    return QRect(left, top, size, size)
