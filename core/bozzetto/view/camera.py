@@ -103,10 +103,11 @@ class Camera:
         forward = np.subtract(self.target, self.eye) / self.distance
         for candidate in (self.up, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
             vector = np.asarray(candidate, float)
-            length = float(np.linalg.norm(vector))
-            if length == 0.0:
+            largest = float(np.abs(vector).max())
+            if largest == 0.0:
                 continue
-            right = np.cross(forward, vector / length)
+            vector = vector / largest  # first, so that no square overflows or vanishes
+            right = np.cross(forward, vector / np.linalg.norm(vector))
             if np.linalg.norm(right) > PARALLEL:
                 break
         right /= np.linalg.norm(right)
