@@ -10,16 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.view.camera import Camera, Point
 
 __all__ = ["POLE", "placed", "slerp", "steepness", "triple", "unit", "upright"]
-    "POLE",
-    "placed",
-    "quaternion",
-    "rotation",
-    "slerp",
-    "steepness",
-    "triple",
-    "unit",
-    "upright",
-]
 
 Array = NDArray[np.float64]
 
