@@ -51,6 +51,9 @@ pruned skeleton does not reach (sharp tips, serifs) there is still a body."""
 CORRECTION_DEPTH = 0.9
 """How deep the correction reaches, in local radii."""
 
+RIPPLE_DEPTH = 0.3
+"""The part of that depth that the quickly varying share of the correction reaches."""
+
 _FAINT = 1e-5
 """Field, in iso-values, below which the level is held constant."""
 
@@ -110,6 +113,7 @@ class ConvolutionField:
     segments: Segments = field(repr=False)
     rim: Rim = field(repr=False)
     excess: Points = field(repr=False)
+    calm_excess: Points = field(repr=False)
     _distance: RimDistance = field(repr=False)
 
     # -- in the object frame ------------------------------------------------------------
@@ -154,8 +158,14 @@ class ConvolutionField:
             return (1.0 - feet.along) * values[feet.segment] + feet.along * values[following]
 
         radius = between(self.rim.radius)
-        fade = np.clip(1.0 - np.square(feet.distance / (CORRECTION_DEPTH * radius)), 0.0, 1.0)
-        return Correction(between(self.excess) * fade**2, feet.distance, radius)
+        depth = np.square(feet.distance / (CORRECTION_DEPTH * radius))
+        calm = between(self.calm_excess)
+        lift = calm * np.square(np.clip(1.0 - depth, 0.0, 1.0))
+        # What varies faster along the outline than the limb is thick stays at the rim.
+        lift += (between(self.excess) - calm) * np.square(
+            np.clip(1.0 - depth / RIPPLE_DEPTH**2, 0.0, 1.0)
+        )
+        return Correction(lift, feet.distance, radius)
 
     def _level(self, xy: Points, height2: Points) -> Points:
         pairs = pairs_within_reach(xy, self.segments)
@@ -263,6 +273,7 @@ def convolution_field(
         segments,
         rim,
         np.zeros(len(rim.points)),
+        np.zeros(len(rim.points)),
         RimDistance(rim.points, rim.after),
     )
     return raw, axis.nodes
@@ -282,9 +293,11 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     level, _ = raw._convolved(pairs, len(rim.points), np.zeros(len(rim.points)), slope=False)
     # Never so much that the body would reach beyond the support of the kernel.
     most = 0.8 * (raw.softness**2 - 1.0)
+    excess = np.minimum(-level, most)
     return replace(
         raw,
         rim=rim,
-        excess=np.minimum(-level, most),
+        excess=excess,
+        calm_excess=rim.averaged(excess),
         _distance=RimDistance(rim.points, rim.after),
     )

@@ -31,6 +31,11 @@ _LAST_ANGLE = np.deg2rad(62.0)
 _FAN_ANGLE = np.deg2rad(24.0)
 """Around a reflex corner the rows get a point at least every so often."""
 
+_ROUNDING = 1e-3
+"""Contraction towards the middle before triangulating. It bends the straight sides of the
+convex hull outwards, by no more than 1e-10 of the size between neighbours, but enough for
+samples on them to be real corners and not the tips of triangles without area."""
+
 _REPAIRS = 5
 """Rounds of mending outline edges that the triangulation does not contain."""
 
@@ -161,8 +166,11 @@ def _tile(points: Points, after: Indices, distance: RimDistance) -> tuple[Indice
     """Delaunay triangles inside, and the rim samples whose outgoing edge is missing."""
     from scipy.spatial import Delaunay
 
-    triangles = Delaunay(points).simplices.astype(np.intp)
-    a, b, c = points[triangles].transpose(1, 0, 2)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    offset = (points - middle) / np.ptp(points, axis=0).max()
+    rounded = offset * (1.0 - _ROUNDING * (offset**2).sum(axis=1, keepdims=True))
+    triangles = Delaunay(rounded).simplices.astype(np.intp)
+    a, b, c = rounded[triangles].transpose(1, 0, 2)
     twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
     triangles = np.where((twice < 0)[:, None], triangles[:, [0, 2, 1]], triangles)
     n, m = len(points), len(after)

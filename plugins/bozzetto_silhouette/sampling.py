@@ -20,6 +20,14 @@ CORNER_TURN = np.deg2rad(18.0)
 GRADATION = 0.35
 """How fast the step may grow along the outline, per unit of length."""
 
+CALM = 0.3
+"""Half width, in local radii, over which what varies along the outline is averaged before
+it acts on the inside."""
+
+_SEPARATION = 0.45
+"""Chord between the two touching points of a ball, in radii, below which it is not shrunk
+any more."""
+
 _SHRINKS = 12
 """Rounds of the shrinking ball; it converges in about five."""
 
@@ -51,6 +59,21 @@ class Rim:
     turn: Points
     step: Points
     radius: Points
+
+    def averaged(self, values: Points) -> Points:
+        """Values at the samples averaged along the outline, over `CALM` radii."""
+        result = np.empty_like(values)
+        ends = np.flatnonzero(self.after <= np.arange(len(values)))
+        first = 0
+        for end in ends.tolist():
+            ring = np.arange(first, end + 1)
+            edge = self.points[self.after[ring]] - self.points[ring]
+            stops = np.cumsum(np.hypot(edge[:, 0], edge[:, 1]))
+            arc = np.concatenate([[0.0], stops[:-1]])
+            width = CALM * self.radius[ring]
+            result[ring] = smoothed(values[ring], arc, float(stops[-1]), width)
+            first = end + 1
+        return result
 
 
 def corner_mask(ring: Points) -> NDArray[np.bool_]:
@@ -98,13 +121,17 @@ def tangent_radii(points: Points, inward: Points, limit: float) -> Points:
         # A hair inside the ball is the point itself, seen through rounding.
         shrinks = (gap < radius[active] * (1.0 - 1e-3)) & (near != active)
         active, near = active[shrinks], near[shrinks]
-        if not len(active):
-            break
         chord = points[near] - points[active]
         height = (chord * inward[active]).sum(axis=1)
         size2 = (chord**2).sum(axis=1)
         smaller = np.where(height > 1e-12, size2 / (2.0 * np.maximum(height, 1e-12)), limit)
-        radius[active] = np.minimum(radius[active], smaller)
+        # Seen from the centre, a touching point right beside the sample itself tells of
+        # noise or of curvature, not of another side.
+        shrinks = (smaller < radius[active]) & (size2 > np.square(_SEPARATION * smaller))
+        active, smaller = active[shrinks], smaller[shrinks]
+        if not len(active):
+            break
+        radius[active] = smaller
     return radius
 
 
@@ -116,6 +143,27 @@ def _graded(values: Points, arc: Points, length: float, slope: float) -> Points:
     back = (np.minimum.accumulate((v + slope * a)[::-1]) - slope * a[::-1])[::-1]
     n = len(values)
     return np.minimum(ahead, back)[n : 2 * n]
+
+
+def smoothed(values: Points, arc: Points, length: float, width: Points) -> Points:
+    """Average of `values` on a closed ring over arcs of half width `width`, three times.
+
+    Parameters
+    ----------
+    values, arc, width : (n,) float arrays
+        Samples, their arc length from the ring's start, and half widths.
+    length : float
+        Of the ring.
+    """
+    n = len(values)
+    width = np.minimum(width, 0.45 * length)
+    position = np.concatenate([arc - length, arc, arc + length, [2.0 * length]])
+    for _ in range(3):
+        v = np.append(np.tile(values, 3), values[0])
+        total = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(position))])
+        ahead, back = (np.interp(arc + s * width, position, total) for s in (1.0, -1.0))
+        values = np.where(width > 0.0, (ahead - back) / np.maximum(2.0 * width, 1e-300), values)
+    return values[:n]
 
 
 def _arc_sample(ring: Points, step: float) -> tuple[Points, Points, Points, float]:
@@ -169,6 +217,7 @@ def sample_rim(
         first += len(own)
         size = _graded(wanted[part], arc, length, GRADATION)
         reach = _graded(np.maximum(inside[part], finest), arc, length, 0.6)
+        reach = smoothed(reach, arc, length, CALM * reach)
         corners = np.flatnonzero((origin >= 0) & corner_mask(ring)[origin])
         if not len(corners):
             corners = np.array([0])

@@ -1,4 +1,4 @@
-"""The skeleton: chordal axis of the triangulated outline, pruned, with exact radii.
+"""The skeleton: axis of the triangulated outline, pruned, with exact radii.
 
 Terminal, sleeve and junction triangles after Prasad, "Morphological analysis of shapes",
 1997, and Igarashi et al., "Teddy", 1999; pruning by covered discs after Kukelova and
@@ -21,13 +21,17 @@ __all__ = ["Skeleton", "chordal_axis", "simplified", "skeleton_of"]
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-COVERED = 0.85
-"""A leaf is pruned when its disc is covered to this share by its neighbour's."""
+STUB = 0.06
+"""A leaf is pruned when its disc sticks out of a larger one by less than this share of the
+larger radius. (The paper compares with the neighbour on the axis; then the outcome hangs on
+how densely the axis is sampled.)"""
 
-STUB = 0.05
-"""A leaf is pruned when it sticks out of its neighbour's disc by less than this share of
-the neighbour's radius; a whole branch when it sticks out of the junction by `TWIG`."""
-TWIG = 0.10
+INSCRIBED = 0.15
+"""A triangle's circumcircle counts as inscribed when its radius agrees with the distance to
+the outline to this share."""
+
+COINCIDENT = 2e-3
+"""Centres closer than this share of the size are one: on a circular arc all are."""
 
 SPLIT = 2.0
 """Edges longer than this many radii are split: the fit needs the freedom."""
@@ -66,63 +70,91 @@ class Skeleton:
         return best
 
 
-def _axis_nodes(mesh: Triangulation) -> tuple[Points, Indices]:
-    """Chord midpoints, terminal incentres and junction centres, with their edges."""
-    p, sides = mesh.points, mesh.sides
-    chord_count = len(mesh.chords)
-    middles = p[mesh.chords].mean(axis=1) if chord_count else np.zeros((0, 2))
-    kind = (sides >= 0).sum(axis=1)
+def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Points, Points]:
+    """One ball for every triangle: centre (t, 2) and radius (t,).
 
-    sleeve = sides[kind == 2]
-    links = [sleeve[sleeve >= 0].reshape(-1, 2)]
-    centres = []
-    number = chord_count
-    corner = p[mesh.triangles]
-    for wanted in (0, 1, 3):
-        rows = np.flatnonzero(kind == wanted)
-        if not len(rows):
-            continue
-        a, b, c = corner[rows].transpose(1, 0, 2)
-        # Side lengths opposite to a, b, c.
-        la, lb, lc = (np.hypot(*(u - v).T)[:, None] for u, v in ((b, c), (c, a), (a, b)))
-        incentre = (la * a + lb * b + lc * c) / (la + lb + lc)
-        if wanted == 3:
-            # Barycentric weights of the circumcentre; outside the triangle the clamped
-            # weights give the nearest sensible point.
-            wa = la**2 * (lb**2 + lc**2 - la**2)
-            wb = lb**2 * (lc**2 + la**2 - lb**2)
-            wc = lc**2 * (la**2 + lb**2 - lc**2)
-            wa, wb, wc = (np.maximum(w, 0.0) for w in (wa, wb, wc))
-            centre = (wa * a + wb * b + wc * c) / np.maximum(wa + wb + wc, 1e-300)
-        else:
-            centre = incentre
-        own = number + np.arange(len(rows))
-        number += len(rows)
-        centres.append(centre)
-        chord = sides[rows]
-        owner = np.broadcast_to(own[:, None], chord.shape)
-        links.append(np.stack([owner[chord >= 0], chord[chord >= 0]], axis=1))
-    nodes = np.concatenate([middles, *centres])
-    return nodes, np.concatenate(links).astype(np.intp)
+    The circumcentre is a point of the medial axis as long as its circle is inscribed. On
+    sparse samples it may not be; then a sleeve takes the middle of its two chords, a
+    terminal triangle its incentre and a junction the circumcentre clamped into it.
+    """
+    p, sides = mesh.points, mesh.sides
+    a, b, c = p[mesh.triangles].transpose(1, 0, 2)
+    # Side lengths opposite to a, b, c.
+    la, lb, lc = (np.hypot(*(u - v).T)[:, None] for u, v in ((b, c), (c, a), (a, b)))
+    weight = np.stack(
+        [
+            la**2 * (lb**2 + lc**2 - la**2),
+            lb**2 * (lc**2 + la**2 - lb**2),
+            lc**2 * (la**2 + lb**2 - lc**2),
+        ],
+        axis=1,
+    )
+
+    def mean(w: Points) -> Points:
+        corners = np.stack([a, b, c], axis=1)
+        share = w / np.where(w.sum(axis=1, keepdims=True) == 0.0, 1.0, w.sum(axis=1, keepdims=True))
+        result: Points = (corners * share).sum(axis=1)
+        return result
+
+    circumcentre = mean(weight)
+    circle = np.hypot(*(circumcentre - a).T)
+    radius = distance(circumcentre).distance
+    good = np.abs(radius - circle) <= INSCRIBED * circle
+
+    incentre = (la * a + lb * b + lc * c) / (la + lb + lc)
+    middle = 0.5 * (p[mesh.triangles] + np.roll(p[mesh.triangles], -1, axis=1))
+    inner = (sides >= 0)[..., None]
+    between = (middle * inner).sum(axis=1) / np.maximum(inner.sum(axis=1), 1)
+    clamped = mean(np.maximum(weight[..., 0], 0.0)[..., None])
+    kind = (sides >= 0).sum(axis=1)[:, None]
+    spare = np.where(kind == 2, between, np.where(kind == 3, clamped, incentre))
+    centre = np.where(good[:, None], circumcentre, spare)
+    exact = distance(centre[~good]).distance
+    radius[~good] = np.maximum(exact, 0.0)
+    return centre, radius
+
+
+def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indices]:
+    """Contract edges shorter than `closer`; the larger ball of each cluster stays."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    a, b = edges.T
+    short = np.hypot(*(nodes[a] - nodes[b])[:, :2].T) < closer
+    graph = coo_array((np.ones(short.sum()), (a[short], b[short])), shape=(len(nodes),) * 2)
+    count, label = connected_components(graph, directed=False)
+    order = np.argsort(nodes[:, 2])
+    keeper = np.zeros(count, dtype=np.intp)
+    keeper[label[order]] = order
+    links = np.sort(label[edges], axis=1)
+    links = np.unique(links[links[:, 0] != links[:, 1]], axis=0)
+    return nodes[keeper], links
+
+
+def _hidden(nodes: Points) -> NDArray[np.bool_]:
+    """Balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
+    gap = np.hypot(
+        nodes[:, 0][:, None] - nodes[:, 0][None], nodes[:, 1][:, None] - nodes[:, 1][None]
+    )
+    radius = nodes[:, 2]
+    # Element (k, i): ball i lies within ball k, grown by the stub.
+    within = gap + radius[None] <= (1.0 + STUB) * radius[:, None]
+    hidden = np.zeros(len(nodes), dtype=bool)
+    for k in np.argsort(-radius, kind="stable").tolist():
+        if not hidden[k]:
+            within[k, k] = False
+            hidden |= within[k]
+    return hidden
 
 
 def _pruned(nodes: Points, edges: Indices) -> Skeleton:
     """Remove leaves and twigs that add nothing to the union of the balls."""
-    x, y, r = (column.tolist() for column in nodes.T)
-    neighbours: list[set[int]] = [set() for _ in x]
+    hidden = _hidden(nodes).tolist()
+    neighbours: list[set[int]] = [set() for _ in nodes]
     for a, b in edges.tolist():
         neighbours[a].add(b)
         neighbours[b].add(a)
-    alive = [True] * len(x)
-
-    def apart(i: int, j: int) -> float:
-        return float(np.hypot(x[i] - x[j], y[i] - y[j]))
-
-    def cut(i: int) -> int:
-        j = neighbours[i].pop()
-        neighbours[j].discard(i)
-        alive[i] = False
-        return j
+    alive = [True] * len(nodes)
 
     leaves = [i for i, n in enumerate(neighbours) if len(n) == 1]
     while leaves:
@@ -130,32 +162,14 @@ def _pruned(nodes: Points, edges: Indices) -> Skeleton:
         if not alive[i] or len(neighbours[i]) != 1:
             continue
         (j,) = neighbours[i]
-        d = apart(i, j)
-        covered = (r[j] + r[i] - d) >= COVERED * 2.0 * r[i]
-        if covered or d + r[i] - r[j] < STUB * r[j]:
-            leaves.append(cut(i))
-
-    changed = True
-    while changed:
-        changed = False
-        for leaf in [i for i, n in enumerate(neighbours) if alive[i] and len(n) == 1]:
-            path, previous, here = [leaf], -1, leaf
-            while len(neighbours[here] - {previous}) == 1 and (
-                here == leaf or len(neighbours[here]) == 2
-            ):
-                (following,) = neighbours[here] - {previous}
-                previous, here = here, following
-                path.append(here)
-            if len(neighbours[here]) < 3:
-                continue
-            out = max(apart(k, here) + r[k] - r[here] for k in path[:-1])
-            if out < TWIG * r[here]:
-                for k in path[:-1]:
-                    cut(k)
-                changed = True
+        if hidden[i]:
+            neighbours[j].discard(i)
+            neighbours[i].clear()
+            alive[i] = False
+            leaves.append(j)
 
     keep = np.flatnonzero(alive)
-    number = np.full(len(x), -1, dtype=np.intp)
+    number = np.full(len(nodes), -1, dtype=np.intp)
     number[keep] = np.arange(len(keep))
     pairs = {(min(a, b), max(a, b)) for a in keep.tolist() for b in neighbours[a]}
     links = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
@@ -163,7 +177,7 @@ def _pruned(nodes: Points, edges: Indices) -> Skeleton:
 
 
 def chordal_axis(outline: Outline) -> Skeleton:
-    """The pruned chordal axis of an outline, one node for each chord.
+    """The pruned axis of an outline, one node for each triangle.
 
     Parameters
     ----------
@@ -174,10 +188,10 @@ def chordal_axis(outline: Outline) -> Skeleton:
     for outer in outline.outers:
         holes = tuple(outline.rings[j] for j in outline.holes_of(outer))
         mesh = constrained_delaunay(outline.rings[outer], holes)
-        nodes, edges = _axis_nodes(mesh)
         after, _ = ring_links([len(r) for r in (outline.rings[outer], *holes)])
-        radius = RimDistance(mesh.points, after)(nodes).distance
-        axis = _pruned(np.column_stack([nodes, np.maximum(radius, 0.0)]), edges)
+        centre, radius = _centres(mesh, RimDistance(mesh.points, after))
+        closer = COINCIDENT * float(np.ptp(mesh.points, axis=0).max())
+        axis = _pruned(*_merged(np.column_stack([centre, radius]), mesh.across, closer))
         parts.append(axis.nodes)
         links.append(axis.edges + offset)
         offset += len(axis.nodes)

@@ -20,7 +20,11 @@ Points = NDArray[np.float64]
 LOWEST = 0.2
 """No weight is smaller: a limb must not vanish."""
 
-HOLD = 1e-2
+HEIGHTS = 1.5
+"""Importance of all height rows together, relative to the outline's: the outline is made
+exact afterwards, the heights are not."""
+
+HOLD = 4e-2
 """Pull of the weights towards 1, relative to the iso-value."""
 
 
@@ -58,7 +62,7 @@ def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Poin
     rows = np.vstack([samples, tops])
     matrix = design_matrix(segments, rows, np.concatenate([np.zeros(len(samples)), heights**2]))
     importance = np.concatenate([
-        np.ones(len(samples)), np.full(len(tops), np.sqrt(len(samples) / len(tops)))
+        np.ones(len(samples)), np.full(len(tops), HEIGHTS * np.sqrt(len(samples) / len(tops)))
     ])  # fmt: skip
     hold = HOLD * level * np.sqrt(len(samples))
     count = len(segments)
