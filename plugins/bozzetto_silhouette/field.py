@@ -54,6 +54,10 @@ CORRECTION_DEPTH = 0.9
 RIPPLE_DEPTH = 0.3
 """The part of that depth that the quickly varying share of the correction reaches."""
 
+SUMMIT_ERROR = 0.06
+"""Above a node of the skeleton the height may differ by this share from its ball; where it
+differs more (many limbs in one place) it is brought there."""
+
 _FAINT = 1e-5
 """Field, in iso-values, below which the level is held constant."""
 
@@ -100,6 +104,10 @@ class ConvolutionField:
         Support of the kernel in radii (sigma).
     inflation : float
         Factor on the depth.
+    rim, excess, calm_excess : Rim, (m,) and (m,) float arrays
+        Samples of the outline, what the level lacks there, and its running average.
+    summits : (k, 4) float array
+        Where the height is corrected: x, y, radius and what the level lacks.
     scale, origin : float, (2,) float array
         The frame in which the sums are done: ``(xy - origin) / scale``.
     """
@@ -114,6 +122,7 @@ class ConvolutionField:
     rim: Rim = field(repr=False)
     excess: Points = field(repr=False)
     calm_excess: Points = field(repr=False)
+    summits: Points = field(repr=False)
     _distance: RimDistance = field(repr=False)
 
     # -- in the object frame ------------------------------------------------------------
@@ -165,6 +174,10 @@ class ConvolutionField:
         lift += (between(self.excess) - calm) * np.square(
             np.clip(1.0 - depth / RIPPLE_DEPTH**2, 0.0, 1.0)
         )
+        if len(self.summits):
+            gap2 = ((xy[:, None, :] - self.summits[None, :, :2]) ** 2).sum(axis=2)
+            bump = np.square(np.clip(1.0 - gap2 / np.square(self.summits[:, 2]), 0.0, 1.0))
+            lift += bump @ self.summits[:, 3] / np.maximum(bump.sum(axis=1), 1.0)
         return Correction(lift, feet.distance, radius)
 
     def _level(self, xy: Points, height2: Points) -> Points:
@@ -274,6 +287,7 @@ def convolution_field(
         rim,
         np.zeros(len(rim.points)),
         np.zeros(len(rim.points)),
+        np.zeros((0, 4)),
         RimDistance(rim.points, rim.after),
     )
     return raw, axis.nodes
@@ -294,10 +308,17 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     # Never so much that the body would reach beyond the support of the kernel.
     most = 0.8 * (raw.softness**2 - 1.0)
     excess = np.minimum(-level, most)
-    return replace(
+    field_ = replace(
         raw,
         rim=rim,
         excess=excess,
         calm_excess=rim.averaged(excess),
         _distance=RimDistance(rim.points, rim.after),
     )
+    nodes = raw.skeleton.transformed(1.0 / raw.scale, -raw.origin / raw.scale)
+    wanted = nodes.heights(nodes.nodes[:, :2])
+    height = field_.heights_inner(nodes.nodes[:, :2])
+    off = np.flatnonzero(np.abs(height - wanted) > SUMMIT_ERROR * wanted)
+    summit = nodes.nodes[off]
+    missing = -field_._level(summit[:, :2], wanted[off] ** 2)
+    return replace(field_, summits=np.column_stack([summit, np.clip(missing, -0.5, 0.5)]))
