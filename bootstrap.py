@@ -76,8 +76,9 @@ def test(arguments: Sequence[str]) -> int:
     """Run every check, all of them even when one fails, pytest last."""
     require_qt({**os.environ, "QT_QPA_PLATFORM": "offscreen"}, sys.platform)
     checks = [] if arguments else ["ruff check", "ruff format --check", "mypy", "lint-imports"]
-    codes = {check: call([str(BIN / check.split()[0]), *check.split()[1:]]) for check in checks}
-    codes["pytest"] = call([str(PYTHON), "-m", "pytest", *arguments])
+    steps = {check: [str(BIN / check.split()[0]), *check.split()[1:]] for check in checks}
+    steps["pytest"] = [str(PYTHON), "-m", "pytest", *arguments]
+    codes = {name: call(step, ROOT) for name, step in steps.items()}
     failed = [name for name, code in codes.items() if code]
     if failed:
         print("Failed: " + ", ".join(failed), file=sys.stderr, flush=True)
@@ -88,10 +89,8 @@ def require_python(version: tuple[int, int]) -> None:
     """Stop on a Python that the project does not support."""
     if not OLDEST <= version <= NEWEST:
         old, new, this = ("{}.{}".format(*each) for each in (OLDEST, NEWEST, version))
-        raise Stop(
-            f"Bozzetto needs Python {old} to {new}; this is Python {this}. "
-            f"Call bootstrap.py with another, for example: python{new} bootstrap.py run"
-        )
+        why = f"Bozzetto needs Python {old} to {new}; this is Python {this}."
+        raise Stop(f"{why} With another it goes, for example: python{new} bootstrap.py run")
 
 
 def install(extra: str) -> None:
@@ -121,7 +120,7 @@ def one_at_a_time() -> Iterator[None]:
         if sys.platform == "win32":
             import msvcrt
 
-            file.seek(1 << 30)  # beyond the text, which stays readable for others
+            file.seek(1 << 30)  # beyond the text, which stays readable
             for _ in range(120):
                 with contextlib.suppress(OSError):  # raised after ten seconds of waiting
                     msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
@@ -230,9 +229,9 @@ def is_root() -> bool:
     return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
-def call(command: Sequence[str]) -> int:
-    """Run a child in the project's folder; its exit code as a shell would give it."""
-    code = subprocess.run(list(command), cwd=ROOT).returncode
+def call(command: Sequence[str], folder: Path | None = None) -> int:
+    """Run a child, here or in a folder; its exit code as a shell would give it."""
+    code = subprocess.run(list(command), cwd=folder).returncode
     return code if code >= 0 else 128 - code
 
 

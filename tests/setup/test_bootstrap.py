@@ -62,7 +62,7 @@ def calls_of(monkeypatch: pytest.MonkeyPatch, module: ModuleType, code: int = 0)
     """Record what the module would run, in place of running it."""
     calls: list[list[str]] = []
 
-    def call(command: list[str]) -> int:
+    def call(command: list[str], folder: Path | None = None) -> int:
         calls.append(list(command))
         return code
 
@@ -387,6 +387,15 @@ class TestExitCodes:
     def test_the_childs_code_comes_through(self, bootstrap: ModuleType) -> None:
         assert bootstrap.call([sys.executable, "-c", "raise SystemExit(7)"]) == 7
 
+    def test_files_are_named_from_where_the_person_stands(
+        self, bootstrap: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "drawing").touch()
+        look = "import pathlib, sys; sys.exit(pathlib.Path('drawing').exists())"
+        assert bootstrap.call([sys.executable, "-c", look]) == 1
+        assert bootstrap.call([sys.executable, "-c", look], bootstrap.ROOT) == 0
+
     @posix
     def test_a_killed_child_counts_as_in_a_shell(self, bootstrap: ModuleType) -> None:
         kill = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
@@ -402,7 +411,8 @@ class TestExitCodes:
     ) -> None:
         ran = []
 
-        def call(command: list[str]) -> int:
+        def call(command: list[str], folder: Path) -> int:
+            assert folder == bootstrap.ROOT
             ran.append(" ".join([Path(command[0]).name, *command[1:]]))
             return 3 if failing in ran[-1] else 0
 

@@ -10,11 +10,14 @@ import sys
 import tomllib
 import venv
 import zipfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -51,6 +54,10 @@ def metadata(unpacked: Path) -> email.message.Message:
     return email.message_from_string(file.read_text("utf-8"))
 
 
+def by_name(requirements: Iterable[Requirement]) -> dict[str, SpecifierSet]:
+    return {canonicalize_name(each.name): each.specifier for each in requirements}
+
+
 def sources() -> set[str]:
     """Return every file below a package folder, named as the wheel should name it."""
     return {
@@ -83,8 +90,8 @@ def test_metadata(unpacked: Path, metadata: email.message.Message) -> None:
     assert metadata["Version"] == __version__
     assert metadata["License-Expression"] == "Apache-2.0"
     required = [Requirement(each) for each in metadata.get_all("Requires-Dist", [])]
-    runtime = {str(each) for each in required if not each.marker}
-    assert runtime == {str(Requirement(each)) for each in PROJECT["dependencies"]}
+    runtime = [each for each in required if not each.marker]
+    assert by_name(runtime) == by_name(Requirement(each) for each in PROJECT["dependencies"])
     (licence,) = unpacked.glob("*.dist-info/licenses/LICENSE")
     assert "Apache License" in licence.read_text("utf-8")
 
