@@ -1,0 +1,108 @@
+"""Importing one plugin and looking at what it delivers."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any, Final
+
+import pluggy
+
+from bozzetto.errors import UserError
+from bozzetto.plugin.modeler import Modeler
+
+__all__ = ["Undelivered", "ask", "import_plugin", "look_over_modelers"]
+
+METHODS: Final = ("create", "tools", "solve", "scene", "shapes", "upgrade")
+"""What a modeler must be able to do; see `Modeler`."""
+
+
+class Undelivered(UserError):
+    """A plugin does not deliver what its manifest announces; tells its author in a sentence."""
+
+
+def import_plugin(plugins: pluggy.PluginManager, package: str, plugin_id: str) -> None:
+    """Import a plugin's package and take in its hooks.
+
+    Raises
+    ------
+    Undelivered
+        If a hook's name or an argument does not exist.
+    BaseException
+        Whatever the import raises.
+    """
+    module: ModuleType = importlib.import_module(package)
+    try:
+        plugins.register(module, plugin_id)
+        plugins.check_pending()
+    except pluggy.PluginValidationError as problem:
+        if plugins.has_plugin(plugin_id):
+            plugins.unregister(name=plugin_id)
+        said = " ".join(str(problem).split()).rstrip(".")
+        raise Undelivered(f"One of its hooks does not exist as written: {said}.") from None
+
+
+def ask(plugins: pluggy.PluginManager, plugin_id: str, hook: str, **arguments: Any) -> list[Any]:
+    """What one plugin answers to a hook, whatever the others would do."""
+    others = [plugin for name, plugin in plugins.list_name_plugin() if name != plugin_id]
+    answers: list[Any] = plugins.subset_hook_caller(hook, others)(**arguments)
+    return answers
+
+
+def look_over_modelers(
+    answers: Sequence[Any], announced: Sequence[str]
+) -> dict[str, Modeler[Any, Any]]:
+    """The modelers that a plugin delivers, by id.
+
+    Parameters
+    ----------
+    answers : sequence
+        What its `bozzetto_modelers` hooks gave.
+    announced : sequence of str
+        Ids in its manifest.
+
+    Raises
+    ------
+    Undelivered
+        If they are not those announced, or one lacks something that `Modeler` asks for.
+    """
+    found: dict[str, Modeler[Any, Any]] = {}
+    for answer in answers:
+        if not isinstance(answer, list | tuple):
+            raise Undelivered(
+                f"bozzetto_modelers gave {type(answer).__name__} where a list of modelers belongs."
+            )
+        for modeler in answer:
+            _look_over(modeler)
+            if modeler.id in found:
+                raise Undelivered(f"It delivers the modeler {modeler.id} twice.")
+            found[modeler.id] = modeler
+    missing = sorted(set(announced) - set(found))
+    if missing:
+        raise Undelivered(
+            f"Its manifest announces {', '.join(missing)}, and bozzetto_modelers does not "
+            "deliver it. Is the function decorated with @hookimpl?"
+        )
+    unannounced = sorted(set(found) - set(announced))
+    if unannounced:
+        raise Undelivered(f"It delivers {', '.join(unannounced)}, which its manifest lacks.")
+    return found
+
+
+def _look_over(modeler: Any) -> None:
+    name = type(modeler).__name__
+    for attribute in ("id", "title"):
+        if not isinstance(getattr(modeler, attribute, None), str):
+            raise Undelivered(f"{name}.{attribute} must be a text.")
+    for method in METHODS:
+        if not callable(getattr(modeler, method, None)):
+            raise Undelivered(f"{name} lacks the method {method}.")
+    state_type = getattr(modeler, "state_type", None)
+    frozen = getattr(getattr(state_type, "__dataclass_params__", None), "frozen", False)
+    if not (isinstance(state_type, type) and dataclasses.is_dataclass(state_type) and frozen):
+        raise Undelivered(f"{name}.state_type must be a frozen dataclass.")
+    version = getattr(modeler, "state_version", None)
+    if type(version) is not int or version < 1:
+        raise Undelivered(f"{name}.state_version must be a whole number from 1.")

@@ -1,0 +1,281 @@
+"""The manifest: what a plugin has to offer, read without importing it.
+
+Beside a plugin's ``__init__.py`` lies ``plugin.toml``::
+
+    id = "author.name"
+    title = "Ribbon"
+    summary = "A stroke becomes a ribbon."
+    version = "1.0.0"
+    api = ">=1,<2"
+
+    [[modeler]]
+    id = "author.ribbon"
+    title = "Ribbon"
+    icon = "icons/ribbon.svg"
+    hint = "Draw a stroke."
+    samples = ["samples/wave.json", { file = "samples/knot.json", title = "A knot" }]
+
+Opening the window must not import scipy, and a broken plugin must not break the list.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Any
+
+import msgspec
+
+from bozzetto.errors import UserError
+
+__all__ = [
+    "MANIFEST",
+    "Manifest",
+    "ManifestError",
+    "ModelerEntry",
+    "Sample",
+    "api_accepts",
+    "find_folder",
+    "read_manifest",
+]
+
+MANIFEST = "plugin.toml"
+
+LARGEST_MANIFEST = 64 * 1024
+"""Bytes; a manifest is a page of text."""
+
+MOST_MODELERS = 64
+"""Modelers that one plugin may announce."""
+
+Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
+Sentence = Annotated[str, msgspec.Meta(max_length=400)]
+Id = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$", max_length=80)]
+
+
+class ManifestError(UserError):
+    """A manifest that cannot be used; the message names the place and what to write there."""
+
+
+class _SampleTable(msgspec.Struct, frozen=True):
+    file: Word
+    title: Word
+
+
+class _ModelerTable(msgspec.Struct, frozen=True):
+    id: Id
+    title: Word
+    icon: Word
+    hint: Sentence
+    samples: list[str | _SampleTable] = []
+    panel: bool = False
+    listed: bool = True
+    order: int = 50
+
+
+class _PluginTable(msgspec.Struct, frozen=True):
+    id: Id
+    title: Word
+    version: Word
+    api: Word
+    modeler: Annotated[list[_ModelerTable], msgspec.Meta(min_length=1, max_length=MOST_MODELERS)]
+    summary: Sentence = ""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A drawing that comes with a modeler: an ink file, and its name for people."""
+
+    file: str
+    title: str
+
+
+@dataclass(frozen=True)
+class ModelerEntry:
+    """One ``[[modeler]]`` of a manifest.
+
+    Attributes
+    ----------
+    id : str
+        "author.name", unique in the program.
+    title : str
+    icon : str
+        SVG file in the package.
+    hint : str
+        The sheet's first line, for example "Draw a closed outline."
+    samples : tuple of Sample
+    panel : bool
+        Whether the plugin has a Qt panel of its own for it (`bozzetto_panel`).
+    listed : bool
+        Whether a person can choose it; false where models are only made from files.
+    order : int
+        Place in the row of modelers, small first.
+    """
+
+    id: str
+    title: str
+    icon: str
+    hint: str
+    samples: tuple[Sample, ...] = ()
+    panel: bool = False
+    listed: bool = True
+    order: int = 50
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a ``plugin.toml`` says.
+
+    Attributes
+    ----------
+    id, title, summary, version : str
+    api : str
+        Versions of the contract that the plugin was written for, such as ">=1,<2".
+    modelers : tuple of ModelerEntry
+    warnings : tuple of str
+        What was ignored.
+    """
+
+    id: str
+    title: str
+    summary: str
+    version: str
+    api: str
+    modelers: tuple[ModelerEntry, ...]
+    warnings: tuple[str, ...] = ()
+
+
+def find_folder(package: str) -> Path:
+    """Find the folder of a top-level package without importing it.
+
+    Raises
+    ------
+    ManifestError
+        If there is no such package, or no manifest in it.
+    """
+    if not package.isidentifier():
+        raise ManifestError(
+            f"{package!r} is not the name of a top-level package. The entry point's value must "
+            "be the import name of the package that holds plugin.toml."
+        )
+    spec = importlib.util.find_spec(package)
+    if spec is None:
+        raise ManifestError(f"There is no package {package!r}. Install it, or mend its name.")
+    for place in spec.submodule_search_locations or ():
+        if (Path(place) / MANIFEST).is_file():
+            return Path(place)
+    raise ManifestError(
+        f"The package {package!r} has no {MANIFEST}. Put one beside its __init__.py, and see "
+        "that it is packed into the wheel."
+    )
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Read and check the manifest in a package's folder.
+
+    Raises
+    ------
+    ManifestError
+        If it cannot be read, or something in it is missing or wrong.
+    """
+    path = folder / MANIFEST
+    try:
+        if path.stat().st_size > LARGEST_MANIFEST:
+            raise ManifestError(f"{MANIFEST} is larger than {LARGEST_MANIFEST} bytes. Shorten it.")
+        said = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as problem:
+        raise ManifestError(f"{MANIFEST} cannot be read: {problem.strerror}.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
+        raise ManifestError(f"{MANIFEST} is not valid TOML: {problem}.") from None
+    try:
+        table = msgspec.convert(said, _PluginTable)
+    except msgspec.ValidationError as problem:
+        raise ManifestError(f"In {MANIFEST}: {problem}.") from None
+    api_accepts(table.api, (0, 0))  # a range that cannot be read is refused here
+    ids = [modeler.id for modeler in table.modeler]
+    for modeler_id in ids:
+        if ids.count(modeler_id) > 1:
+            raise ManifestError(f"In {MANIFEST}: two modelers have the id {modeler_id!r}.")
+    return Manifest(
+        table.id,
+        table.title,
+        table.summary,
+        table.version,
+        table.api,
+        tuple(_entry(modeler) for modeler in table.modeler),
+        tuple(_unknown_keys(said)),
+    )
+
+
+def _entry(table: _ModelerTable) -> ModelerEntry:
+    samples = []
+    for sample in table.samples:
+        if isinstance(sample, str):
+            sample = _SampleTable(sample, PurePosixPath(sample).stem)
+        _check_inside(sample.file, "sample", (".json", ".svg", ".inkml"))
+        samples.append(Sample(sample.file, sample.title))
+    _check_inside(table.icon, "icon", (".svg",))
+    return ModelerEntry(
+        table.id,
+        table.title,
+        table.icon,
+        table.hint,
+        tuple(samples),
+        table.panel,
+        table.listed,
+        table.order,
+    )
+
+
+def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
+    """Refuse file names that lead out of the package."""
+    path = PurePosixPath(name)
+    outside = path.is_absolute() or ".." in path.parts or "\\" in name or ":" in name
+    if outside or path.suffix not in endings:
+        raise ManifestError(
+            f"In {MANIFEST}: the {what} {name!r} must be a file inside the package that ends "
+            f"with {' or '.join(endings)}."
+        )
+
+
+def _unknown_keys(said: dict[str, Any]) -> list[str]:
+    """Warnings about keys that mean nothing to this version."""
+    unknown = [f"“{key}”" for key in said if key not in _PluginTable.__struct_fields__]
+    for modeler in said["modeler"]:
+        for key in modeler:
+            if key not in _ModelerTable.__struct_fields__:
+                unknown.append(f"“{key}” of modeler {modeler['id']}")
+    return [f"{MANIFEST}: {key} is not known and was ignored." for key in unknown]
+
+
+_COMPARISON = re.compile(r"\s*(>=|<=|==|>|<)\s*(\d{1,6})(?:\.(\d{1,6}))?\s*")
+
+
+def api_accepts(wanted: str, version: tuple[int, int]) -> bool:
+    """Whether a version lies in a range such as ">=1,<2" or ">=1.2,<3".
+
+    Raises
+    ------
+    ManifestError
+        If the range cannot be read.
+    """
+    accepted = True
+    for part in wanted.split(","):
+        match = _COMPARISON.fullmatch(part)
+        if match is None:
+            raise ManifestError(
+                f'In {MANIFEST}: api = "{wanted}" is not a range of versions. '
+                'Write for example api = ">=1,<2".'
+            )
+        sign, major, minor = match.groups()
+        bound = (int(major), int(minor or 0))
+        accepted &= {
+            ">=": version >= bound,
+            "<=": version <= bound,
+            ">": version > bound,
+            "<": version < bound,
+            "==": version == bound,
+        }[sign]
+    return accepted

@@ -1,0 +1,241 @@
+"""What the program can show and hand over: checks on what came out of a plugin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.scene.display_list import (
+    Handle,
+    Image,
+    Label,
+    Layer,
+    Lines,
+    Points,
+    Scene,
+    Shaded,
+)
+
+__all__ = ["Unsound", "sound_report", "sound_scene", "sound_shapes", "sound_tools"]
+
+MOST_ITEMS: Final = 20_000
+"""Items of one model's scene; beyond that a viewport crawls. Lines and points hold many."""
+
+MOST_LABELS: Final = 2_000
+"""Labels and handles of one model's scene."""
+
+LONGEST_LABEL: Final = 200
+"""Characters of a label, and of the names within a scene."""
+
+MOST_PARTS: Final = 20_000
+"""Parts that one model hands over."""
+
+HIDDEN: Final = ("hide", "faint", "dashed", "show")
+
+
+class Unsound(ValueError):
+    """Something that a plugin made cannot be used; the message says what."""
+
+
+def sound_scene(scene: Any) -> Scene:
+    """Return the scene if it can be shown.
+
+    Raises
+    ------
+    Unsound
+        If it is no scene, or an item is of a wrong type, not finite or out of bounds.
+    """
+    if type(scene) is not Scene or type(scene.layers) is not tuple:
+        raise Unsound(f"{type(scene).__name__} where a Scene of a tuple of layers belongs")
+    items = labels = 0
+    for layer in scene.layers:
+        if type(layer) is not Layer or type(layer.items) is not tuple:
+            raise Unsound(f"{type(layer).__name__} where a Layer of a tuple of items belongs")
+        _text(layer.name, "the name of a layer")
+        for item in layer.items:
+            check = _ITEM_CHECKS.get(type(item))
+            if check is None:
+                raise Unsound(f"{type(item).__name__} is not a display item")
+            check(item)
+            items += 1
+            labels += isinstance(item, Label | Handle)
+    if items > MOST_ITEMS or labels > MOST_LABELS:
+        raise Unsound(
+            f"{items} items with {labels} labels and handles; "
+            f"at most {MOST_ITEMS} and {MOST_LABELS} can be shown"
+        )
+    return scene
+
+
+def sound_shapes(shapes: Any) -> Shapes:
+    """Return the shapes if other programs can use them.
+
+    Raises
+    ------
+    Unsound
+        If a part is of a wrong type, not finite, or there are too many.
+    """
+    if type(shapes) is not Shapes:
+        raise Unsound(f"{type(shapes).__name__} where Shapes belong")
+    count = 0
+    for entry, kind in zip(fields(Shapes), (Solid, Surface, Curve, Skeleton), strict=True):
+        parts = getattr(shapes, entry.name)
+        if type(parts) is not tuple:
+            raise Unsound(f"Shapes.{entry.name} must be a tuple")
+        count += len(parts)
+        for part in parts:
+            if type(part) is not kind:
+                raise Unsound(f"{type(part).__name__} among Shapes.{entry.name}")
+            _check_part(part)
+    if count > MOST_PARTS:
+        raise Unsound(f"{count} parts; at most {MOST_PARTS} can be handed over")
+    return shapes
+
+
+def sound_tools(tools: Any) -> tuple[Any, ...]:
+    """Return the tools as a tuple if each has what `Tool` asks for.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(tools, list | tuple):
+        raise Unsound(f"{type(tools).__name__} where a list of tools belongs")
+    ids = set()
+    for tool in tools:
+        for name in ("id", "title", "icon", "hint"):
+            if not isinstance(getattr(tool, name, None), str):
+                raise Unsound(f"{type(tool).__name__}.{name} must be a text")
+        if not tool.id or tool.id in ids:
+            raise Unsound(f"two tools with the id {tool.id!r}" if tool.id else "a tool without id")
+        ids.add(tool.id)
+        if getattr(tool, "gesture", None) not in ("ink", "tap", "drag"):
+            raise Unsound(f'{type(tool).__name__}.gesture must be "ink", "tap" or "drag"')
+        if not all(callable(getattr(tool, name, None)) for name in ("preview", "apply")):
+            raise Unsound(f"{type(tool).__name__} needs the methods preview and apply")
+    return tuple(tools)
+
+
+def sound_report(report: Any) -> dict[str, Any]:
+    """Return a report as a dict.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(report, Mapping):
+        raise Unsound(f"{type(report).__name__} where a mapping belongs")
+    return dict(report)
+
+
+# -- items of a scene ---------------------------------------------------------------------------
+
+
+def _expect(condition: bool, what: str) -> None:
+    if not condition:
+        raise Unsound(f"{what} is of a wrong kind or out of range")
+
+
+def _finite(values: Any, what: str) -> None:
+    if not np.isfinite(values).all():
+        raise Unsound(f"{what} hold a number that is not finite")
+
+
+def _number(value: Any, what: str, low: float, high: float) -> None:
+    fine = isinstance(value, int | float) and math.isfinite(value) and low <= value <= high
+    _expect(fine, what)
+
+
+def _point(value: Any, what: str) -> None:
+    _expect(np.shape(value) == (3,), what)
+    _finite(np.asarray(value, float), what)
+
+
+def _text(value: Any, what: str) -> None:
+    _expect(isinstance(value, str) and len(value) <= LONGEST_LABEL, what)
+
+
+def _mesh(mesh: Any) -> None:
+    _expect(type(mesh) is Mesh, "a mesh")
+    _finite(mesh.vertices, "the vertices of a mesh")
+    if mesh.normals is not None:
+        _finite(mesh.normals, "the normals of a mesh")
+
+
+def _shaded(item: Shaded) -> None:
+    _mesh(item.mesh)
+    _number(item.opacity, "the opacity of a mesh", 0.0, 1.0)
+
+
+def _lines(item: Lines) -> None:
+    _finite(item.points, "the points of lines")
+    _finite(item.width, "the widths of lines")
+    _expect(bool((np.asarray(item.width) >= 0).all()), "the width of lines")
+    _number(item.opacity, "the opacity of lines", 0.0, 1.0)
+    _expect(item.hidden in HIDDEN, "how lines are hidden")
+    if item.starts is not None and len(item.starts):
+        first, last = int(item.starts[0]), int(item.starts[-1])
+        rising = bool((np.diff(item.starts) >= 0).all())
+        _expect(rising and first >= 0 and last <= len(item.points), "the starts of lines")
+
+
+def _points(item: Points) -> None:
+    _finite(item.points, "points")
+    _number(item.size, "the size of points", 0.0, 1000.0)
+    _number(item.opacity, "the opacity of points", 0.0, 1.0)
+    _expect(item.hidden in HIDDEN, "how points are hidden")
+
+
+def _label(item: Label) -> None:
+    _point(item.point, "the place of a label")
+    _text(item.text, "the text of a label")
+    _number(item.size, "the size of a label", 0.0, 1000.0)
+
+
+def _image(item: Image) -> None:
+    for name in ("corner", "across", "down"):
+        _point(getattr(item, name), f"the {name} of an image")
+    _number(item.opacity, "the opacity of an image", 0.0, 1.0)
+
+
+def _handle(item: Handle) -> None:
+    _text(item.id, "the id of a handle")
+    _expect(item.id != "", "the id of a handle")
+    _point(item.point, "the place of a handle")
+    _text(item.tip, "the tip of a handle")
+
+
+_ITEM_CHECKS: Final[dict[type[Any], Callable[[Any], None]]] = {
+    Shaded: _shaded,
+    Lines: _lines,
+    Points: _points,
+    Label: _label,
+    Image: _image,
+    Handle: _handle,
+}
+
+
+# -- parts of shapes -------------------------------------------------------------------------------
+
+
+def _check_part(part: Any) -> None:
+    _expect(isinstance(part.name, str), "the name of a part")
+    if isinstance(part, Solid | Surface):
+        _mesh(part.mesh)
+    elif isinstance(part, Curve):
+        _finite(part.knots, "the knots of a curve")
+        _finite(part.control_points, "the control points of a curve")
+        if part.weights is not None:
+            _finite(part.weights, "the weights of a curve")
+    else:
+        _finite(part.joints, "the joints of a skeleton")
+        _finite(part.radii, "the radii of a skeleton")
+        count = len(part.joints)
+        fits = part.bones.size == 0 or (part.bones.min() >= 0 and part.bones.max() < count)
+        _expect(len(part.radii) == count and bool(fits), "a skeleton")

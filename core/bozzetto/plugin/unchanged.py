@@ -1,0 +1,137 @@
+"""Arguments that a plugin may not change: remembered before a call, put back after it.
+
+The values handed to a plugin are frozen, but Python lets anyone write past that with
+``object.__setattr__``, and a drawing's `extra` is a plain dict. What was written is put
+back, so the document stays as it was.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import operator
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.ink.stroke import Stroke
+
+__all__ = ["Remembered"]
+
+MOST_OBJECTS: Final = 4096
+"""Objects looked at before one call: some milliseconds at most."""
+
+LEAVES: Final = (str, bytes, int, float, bool, complex, type(None))
+
+
+class Remembered:
+    """The frozen objects within some arguments, with the values of their fields.
+
+    Dataclasses are followed through their fields, tuples and lists through their entries,
+    dicts through their values; of a stroke only the slots are kept, for its columns are
+    backed by immutable memory.
+
+    Parameters
+    ----------
+    arguments : iterable of object
+        Walked breadth first; beyond `MOST_OBJECTS` nothing is remembered.
+    """
+
+    __slots__ = ("_containers", "_objects", "_writable")
+
+    def __init__(self, arguments: Iterable[object]) -> None:
+        self._objects: list[tuple[object, tuple[str, ...], tuple[Any, ...]]] = []
+        self._containers: list[tuple[Any, Any]] = []
+        self._writable: list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]] = []
+        waiting: list[Any] = list(arguments)
+        seen: set[int] = set()
+        for value in waiting:
+            if isinstance(value, LEAVES) or id(value) in seen:
+                continue
+            if len(seen) == MOST_OBJECTS:
+                return
+            seen.add(id(value))
+            if isinstance(value, tuple):
+                waiting.extend(value)
+            elif isinstance(value, list | dict):
+                self._containers.append((value, copy.copy(value)))
+                waiting.extend(value.values() if isinstance(value, dict) else value)
+            elif isinstance(value, np.ndarray):
+                if value.flags.writeable:
+                    self._writable.append((value, value.copy()))
+            else:
+                names, read = _fields(type(value))
+                if names:
+                    values = read(value)
+                    self._objects.append((value, names, values))
+                    if not isinstance(value, Stroke):
+                        waiting.extend(values)
+
+    def restore(self) -> list[str]:
+        """Put everything back.
+
+        Returns
+        -------
+        list of str
+            What had been changed, such as "Band.width"; empty where nothing was.
+        """
+        changed = []
+        for target, names, values in self._objects:
+            _, read = _fields(type(target))
+            try:
+                if all(map(operator.is_, read(target), values)):
+                    continue
+            except AttributeError:
+                pass  # a field was deleted
+            for name, value in zip(names, values, strict=True):
+                if getattr(target, name, _MISSING) is not value:
+                    changed.append(f"{type(target).__name__}.{name}")
+                    object.__setattr__(target, name, value)
+        for container, before in self._containers:
+            if len(container) != len(before) or not all(
+                map(operator.is_, _entries(container), _entries(before))
+            ):
+                changed.append(f"a {type(container).__name__}")
+                container.clear()
+                (container.update if isinstance(before, dict) else container.extend)(before)
+        for array, content in self._writable:
+            if array.tobytes() != content.tobytes():
+                changed.append("an array")
+                array[...] = content
+        return changed
+
+
+_MISSING: Final = object()
+
+
+def _entries(container: Any) -> list[Any]:
+    if isinstance(container, dict):
+        return [part for pair in container.items() for part in pair]
+    return list(container)
+
+
+Reader = Callable[[Any], tuple[Any, ...]]
+_known: dict[type[Any], tuple[tuple[str, ...], Reader]] = {}
+
+
+def _fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
+    """Names of the fields of a dataclass or of the slots of our own, and how to read them."""
+    if kind not in _known:
+        _known[kind] = _find_fields(kind)
+    return _known[kind]
+
+
+def _find_fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
+    names: tuple[str, ...] = ()
+    if dataclasses.is_dataclass(kind):
+        names = tuple(entry.name for entry in dataclasses.fields(kind))
+    elif kind.__module__.startswith("bozzetto."):
+        slots = getattr(kind, "__slots__", ())
+        names = (slots,) if isinstance(slots, str) else tuple(slots)
+    if not names:
+        return (), lambda _: ()
+    if len(names) == 1:
+        one = operator.attrgetter(names[0])
+        return names, lambda value: (one(value),)
+    return names, operator.attrgetter(*names)
