@@ -78,7 +78,8 @@ class Workbench:
     def tools(self, modeler_id: str) -> tuple[Tool[Any], ...]:
         """All tools of a modeler."""
         modeler = self.registry.modeler(modeler_id)
-        return tuple(self.registry.guard.call(modeler_id, "tools", modeler.tools))
+        made = self.registry.guard.call(modeler_id, "tools", modeler.tools)
+        return self.registry.guard.check_tools(modeler_id, made)
 
     def apply(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Model:
         """The model after a gesture with one of its tools.
@@ -134,7 +135,11 @@ class Workbench:
             self.registry.guard.check_state(modeler_id, modeler.state_type, state)
             model = replace(model, state=state)
         else:
-            first = self.tools(modeler_id)[0]
+            first = next((t for t in self.tools(modeler_id) if t.gesture == "ink"), None)
+            if first is None:
+                raise UserError(f"{modeler.title} takes no ink. Choose another modeler.")
+            if not len(drawing.strokes):
+                raise UserError("The drawing has no strokes. Draw something first.")
             gesture = Ink(tuple(drawing.strokes), committed=True)
             model = self.apply(model, first, gesture, context)
         return self.set_parameters(model, values) if values else model
@@ -252,6 +257,7 @@ class Workbench:
         said = self.registry.guard.call(
             model.modeler, "report", modeler.report, model.state, result
         )
+        said = self.registry.guard.check_report(model.modeler, said)
         return {str(key): _plain(value) for key, value in said.items()}
 
     def _modeler_of(self, model: Model) -> Modeler[Any, Any]:
