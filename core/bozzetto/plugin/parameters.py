@@ -21,6 +21,9 @@ Kind = Literal["number", "integer", "switch", "choice", "text"]
 LONGEST_TEXT = 1000
 """Longest text parameter accepted, characters."""
 
+LARGEST_NUMBER = 1e15
+"""Largest number accepted: up to here a float tells whole numbers apart."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -97,13 +100,13 @@ class Field:
             return value
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UserError(f"{label} is a number, not {value!r}.")
-        if not math.isfinite(value):
-            raise UserError(f"{label} must be a finite number.")
+        if abs(value) > LARGEST_NUMBER or not math.isfinite(value):
+            raise UserError(f"{label} must be a finite number, and not a huge one.")
         if self.kind == "integer" and value != int(value):
             raise UserError(f"{label} is a whole number, not {value}.")
         low, high = self.parameter.minimum, self.parameter.maximum
         if (low is not None and value < low) or (high is not None and value > high):
-            shown = f"{'' if low is None else low:g}" if low is not None else "…"
+            shown = f"{low:g}" if low is not None else "…"
             until = f"{high:g}" if high is not None else "…"
             unit = f" {self.parameter.unit}" if self.parameter.unit else ""
             raise UserError(f"{label} goes from {shown} to {until}{unit}; {value:g} is outside.")
@@ -124,6 +127,8 @@ def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
         kind: Kind
         if get_origin(plain) is Literal:
             kind, values = "choice", get_args(plain)
+            if not all(isinstance(value, str) for value in values):
+                raise TypeError(f"{state_type.__name__}.{entry.name}: choices must be texts")
         elif plain is bool:
             kind = "switch"
         elif plain is int:
