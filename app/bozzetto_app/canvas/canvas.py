@@ -1,19 +1,21 @@
-"""The canvas: viewport, wet ink, view cube and hand, put together."""
+"""The canvas: viewport, wet ink, view cube, menu and hand, put together."""
 
 from __future__ import annotations
 
 import logging
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
-from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
 from PySide6.QtGui import (
-    QCloseEvent,
+    QCursor,
+    QDragEnterEvent,
+    QDropEvent,
     QFocusEvent,
-    QGuiApplication,
     QImage,
     QKeyEvent,
     QMouseEvent,
-    QPaintEvent,
     QResizeEvent,
     QTabletEvent,
     QTouchEvent,
@@ -21,18 +23,35 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QWidget
 
+from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
-from bozzetto_app.canvas.backends import ViewportBackend
+from bozzetto.view.camera import Camera, Point
+from bozzetto.view.navigation import fit, with_kind
+from bozzetto.view.standard import look_along, standard_view
+from bozzetto_app.canvas.animation import ViewMotion
+from bozzetto_app.canvas.backends import ViewportBackend, choose_backend
+from bozzetto_app.canvas.drop import dropped_files, take_file
+from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
 from bozzetto_app.canvas.ink_overlay import InkOverlay
 from bozzetto_app.canvas.pen import ProximityWatch
+from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.samples import PressureCurve
+from bozzetto_app.canvas.sheet_hint import SheetHint
 from bozzetto_app.canvas.software import SoftwareViewport
+from bozzetto_app.canvas.view_cube import ViewCube
 from bozzetto_app.settings import settings
+from bozzetto_app.words import tr
 
 __all__ = ["Canvas"]
 
 log = logging.getLogger(__name__)
+
+CUBE_MARGIN: Final = 16
+"""Distance of the view cube from the canvas's corner, pixels."""
+
+GL_PATIENCE: Final = 4000
+"""How long the first OpenGL picture may take before the software one stays, milliseconds."""
 
 
 class Canvas(QWidget):
@@ -44,11 +63,19 @@ class Canvas(QWidget):
         Read, called and listened to; never changed by any other road.
     palette : Palette
         Colours of the theme.
+
+    Attributes
+    ----------
+    hand : Hand
+        What turns input into gestures.
+    motion : ViewMotion
+    menu_entries : callable
+        Returns what the radial menu shows, most wanted first; set by the window.
     """
 
     def __init__(self, session: Any, palette: Palette, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setAccessibleName(self.tr("Sheet"))
+        self.setAccessibleName(tr("Canvas", "Sheet"))
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.setMouseTracking(True)
@@ -56,38 +83,141 @@ class Canvas(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_AcceptTouchEvents)
         self.setAcceptDrops(True)
         self.setMinimumSize(200, 160)
+        self.menu_entries: Callable[[], Sequence[MenuEntry]] = tuple
         self._session = session
         self._colors = palette
-        self._backend: ViewportBackend = SoftwareViewport(self)
+        self._tilted = False
+
+        software = SoftwareViewport(self)
+        software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
+        self._backend: ViewportBackend = software
+        self._rising: Any = None
         self._overlay = InkOverlay(self)
+        self._hint = SheetHint(self)
+        self._cube = ViewCube(self)
+        self._menu = RadialMenu(self)
         self.hand = Hand(session, self._overlay)
+        self.motion = ViewMotion(session, self)
+
         self._proximity = ProximityWatch(self)
         self._proximity.came.connect(self.hand.pen_came)
         self._proximity.left.connect(self.hand.pen_left)
         application = QApplication.instance()
         if application is not None:
             application.installEventFilter(self._proximity)
+
         session.scene_changed.connect(self._show_scene)
         session.live_changed.connect(self._show_live)
         session.camera_changed.connect(self._show_camera)
         session.pending_changed.connect(self._show_pending)
         session.view_style_changed.connect(self._show_style)
         session.noticed.connect(self._notice)
+        session.settled.connect(self._settled)
+        self.hand.ink_began.connect(self._hint.fade)
+        self.hand.mode_changed.connect(self._mode_changed)
+        self.hand.menu_pressed.connect(self.open_menu)
+        self.hand.menu_moved.connect(self._menu.point)
+        self.hand.menu_released.connect(lambda flicked: self._menu.lift(flicked=flicked))
+        self._cube.direction_chosen.connect(self._look_from)
+        self._cube.turned.connect(self._turn)
+        self._cube.home_chosen.connect(self.fit)
+        self._cube.projection_chosen.connect(self.toggle_projection)
+
+        self._mode_changed()
         self.read_settings()
         self.set_palette(palette)
         self._show_all()
 
-    # -- the theme and the settings -------------------------------------------------------------
+    # -- theme, settings, words -----------------------------------------------------------------
 
     def set_palette(self, palette: Palette) -> None:
         """Use the colours of a theme."""
         self._colors = palette
         self._backend.set_palette(palette)
-        self._overlay.set_colors(palette)
+        if self._rising is not None:
+            self._rising.set_palette(palette)
+        for part in (self._overlay, self._hint, self._cube, self._menu):
+            part.set_colors(palette)
 
     def read_settings(self) -> None:
         """Take over what the settings say; call it when they changed."""
-        self.hand.curve = PressureCurve.from_setting(settings().value("pen/pressure_curve", 1.0))
+        store = settings()
+        self.hand.curve = PressureCurve.from_setting(store.value("pen/pressure_curve", 1.0))
+        self.motion.reduced = bool(store.value("view/reduced_motion", False, type=bool))
+        self._tilts = bool(store.value("view/settle_tilt", True, type=bool))
+
+    def show_hint(self, text: str) -> None:
+        """Show a line in the middle of the sheet until ink begins; "" takes it away."""
+        self._hint.say(text)
+
+    def describe_viewport(self) -> str:
+        """Who draws, for the About dialog."""
+        return self._backend.describe()
+
+    def grab_picture(self) -> QImage:
+        """The scene as it is shown now, without wet ink and without the view cube."""
+        return self._backend.grab()
+
+    # -- looking ------------------------------------------------------------------------------
+
+    def animate_to(self, camera: Camera) -> None:
+        """Go to another view."""
+        self.motion.finish()
+        self.motion.animate_to(camera)
+
+    def look(self, name: str) -> None:
+        """Go to a standard view: "front", "right", "top", "back", "left", "bottom" …"""
+        self.motion.finish()
+        self.animate_to(standard_view(self._session.camera, name))
+
+    def toggle_projection(self) -> None:
+        """Change between perspective and parallel projection."""
+        self.motion.finish()
+        camera: Camera = self._session.camera
+        other = "perspective" if camera.kind == "orthographic" else "orthographic"
+        self.animate_to(with_kind(camera, other))  # type: ignore[arg-type]
+
+    def fit(self) -> None:
+        """Show everything."""
+        self._frame(self._session.scene)
+
+    def frame_selection(self) -> None:
+        """Show the selected model, or everything where none is selected."""
+        selected = self._session.selected
+        layers = tuple(layer for layer in self._session.scene.layers if layer.owner == selected)
+        self._frame(Scene(layers) if selected and layers else self._session.scene)
+
+    def _frame(self, scene: Scene) -> None:
+        self.motion.finish()
+        bounds = scene.bounds()
+        camera: Camera = self._session.camera
+        if np.isfinite(bounds).all() and np.ptp(bounds, axis=0).max() == 0.0:
+            bounds = bounds + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
+        self.animate_to(fit(camera, bounds))
+
+    def _look_from(self, direction: Point) -> None:
+        self.motion.finish()
+        x, y, z = direction
+        self.animate_to(look_along(self._session.camera, (-x, -y, -z)))
+
+    def _turn(self, camera: Camera) -> None:
+        self.motion.finish()
+        self._session.set_camera(camera)
+
+    def _settled(self, model_id: str) -> None:
+        if self._tilts and not self._tilted and self.hand.machine.mode is Mode.IDLE:
+            self._tilted = True
+            self.motion.tilt()
+
+    # -- the menu -----------------------------------------------------------------------------
+
+    def open_menu(self, place: QPointF | None = None) -> None:
+        """Open the radial menu at a place, or at the pointer."""
+        if place is None:
+            place = QPointF(self.mapFromGlobal(QCursor.pos()))
+            if not self.rect().contains(place.toPoint()):
+                place = QPointF(self.rect().center())
+        self._menu.open_at(place, self.menu_entries())
 
     # -- what the session shows -----------------------------------------------------------------
 
@@ -96,34 +226,114 @@ class Canvas(QWidget):
         self._show_camera()
         self._show_scene()
         self._show_live()
+        self._show_pending()
+
+    def _backends(self) -> list[ViewportBackend]:
+        return [self._backend] if self._rising is None else [self._backend, self._rising]
 
     def _show_scene(self) -> None:
-        self._backend.set_scene(self._session.scene)
+        for backend in self._backends():
+            backend.set_scene(self._session.scene)
         self.hand.scene_or_view_changed()
 
     def _show_live(self) -> None:
-        self._backend.set_live(self._session.live_scene)
+        for backend in self._backends():
+            backend.set_live(self._session.live_scene)
 
     def _show_camera(self) -> None:
-        self._backend.set_camera(self._session.camera)
+        for backend in self._backends():
+            backend.set_camera(self._session.camera)
+        self._cube.set_camera(self._session.camera)
         self.hand.scene_or_view_changed()
-        self._show_pending()
+        if self._session.pending:
+            self._show_pending()
 
     def _show_pending(self) -> None:
         self._overlay.set_pending(self._session.pending, self._session.camera)
 
     def _show_style(self) -> None:
-        self._backend.set_style(self._session.shading, self._session.show_grid)
+        for backend in self._backends():
+            backend.set_style(self._session.shading, self._session.show_grid)
 
     def _notice(self, notice: Any) -> None:
-        self._overlay.light_up(notice.places)
+        if notice.places:
+            self._overlay.light_up(notice.places)
+
+    def _mode_changed(self) -> None:
+        mode = self.hand.machine.mode
+        if mode is not Mode.IDLE:
+            self.motion.finish()
+            self._menu_gives_way(mode)
+        shape = {
+            Mode.NAVIGATING: Qt.CursorShape.ClosedHandCursor,
+            Mode.DRAGGING: Qt.CursorShape.SizeAllCursor,
+        }.get(mode, Qt.CursorShape.CrossCursor)
+        self.setCursor(shape)
+
+    def _menu_gives_way(self, mode: Mode) -> None:
+        if mode is not Mode.CHOOSING:
+            self._menu.close_menu()
+
+    # -- from the software viewport to OpenGL -----------------------------------------------------
+
+    def _painted_first(self) -> None:
+        """The window is on the screen: now there is time to see whether OpenGL works."""
+        if choose_backend() != "gl":
+            return
+        try:
+            from bozzetto_app.canvas.gl import GLViewport
+        except (ImportError, OSError) as problem:
+            log.warning("no OpenGL viewport: %s", problem)
+            return
+        rising = GLViewport(self)
+        rising.proved.connect(self._gl_proved, Qt.ConnectionType.QueuedConnection)
+        rising.failed.connect(self._gl_failed, Qt.ConnectionType.QueuedConnection)
+        self._rising = rising
+        rising.set_palette(self._colors)
+        self._show_all()
+        rising.setGeometry(self.rect())
+        rising.stackUnder(self._backend.widget)
+        rising.show()
+        QTimer.singleShot(GL_PATIENCE, self, self._gl_late)
+
+    def _gl_proved(self) -> None:
+        if self._rising is None:
+            return
+        software, self._backend, self._rising = self._backend, self._rising, None
+        software.widget.hide()
+        software.widget.deleteLater()
+
+    def _gl_late(self) -> None:
+        if self._rising is not None:
+            self._gl_failed("no picture in time")
+
+    def _gl_failed(self, reason: str) -> None:
+        """Go (back) to the software viewport."""
+        log.warning("the OpenGL viewport failed: %s", reason)
+        failed = self._rising if self._rising is not None else self._backend
+        if isinstance(failed, SoftwareViewport):
+            return
+        if self._rising is None:
+            self._backend = SoftwareViewport(self)
+            self._backend.set_palette(self._colors)
+            self._backend.widget.setGeometry(self.rect())
+            self._backend.widget.lower()
+            self._backend.widget.show()
+        self._rising = None
+        failed.widget.hide()
+        failed.widget.deleteLater()
+        self._show_all()
 
     # -- events -------------------------------------------------------------------------------
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        self._backend.widget.setGeometry(self.rect())
+        for backend in self._backends():
+            backend.widget.setGeometry(self.rect())
         self._overlay.setGeometry(self.rect())
-        camera = self._session.camera
+        self._hint.setGeometry(self.rect())
+        self._cube.move(self.width() - self._cube.width() - CUBE_MARGIN, CUBE_MARGIN)
+        self._menu.close_menu()
+        camera: Camera = self._session.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         if camera.viewport != size:
             self._session.set_camera(camera.with_viewport(*size))
@@ -144,6 +354,7 @@ class Canvas(QWidget):
         self.hand.mouse_pressed(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
+        self.motion.finish()
         self.hand.wheel(event)
 
     def event(self, event: QEvent) -> bool:
@@ -160,15 +371,26 @@ class Canvas(QWidget):
             return
         if event.key() == Qt.Key.Key_Space:
             self.hand.space_held = True
-            return
-        super().keyPressEvent(event)
+        elif event.key() == Qt.Key.Key_Q and not event.modifiers():
+            self.open_menu()
+        else:
+            super().keyPressEvent(event)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
-            self.hand.space_held = False
-            return
-        super().keyReleaseEvent(event)
+        if event.key() == Qt.Key.Key_Space:
+            self.hand.space_held = event.isAutoRepeat()
+        else:
+            super().keyReleaseEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         self.hand.space_held = False
         super().focusOutEvent(event)
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if dropped_files(event.mimeData()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        event.acceptProposedAction()
+        for path in dropped_files(event.mimeData()):
+            take_file(self._session, path)

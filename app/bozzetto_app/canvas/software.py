@@ -6,12 +6,13 @@ frames are rendered smaller if full ones would come too slowly, and sharpened on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import perf_counter
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QRectF, Qt, QTimer
+from PySide6.QtCore import QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
@@ -47,7 +48,15 @@ def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
 
 
 class SoftwareViewport(QWidget):
-    """Shows frames made by `bozzetto.scene.software.render`."""
+    """Shows frames made by `bozzetto.scene.software.render`.
+
+    Signals
+    -------
+    first_painted
+        The widget has been on the screen once.
+    """
+
+    first_painted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -61,6 +70,7 @@ class SoftwareViewport(QWidget):
         self._grid = True
         self._frame = QImage()
         self._frame_time = 0.0
+        self._was_painted = False
         self._channel = Channel("frames", parent=self)
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self._ask)
@@ -124,6 +134,9 @@ class SoftwareViewport(QWidget):
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(QRectF(self.rect()), self._frame)
         painter.end()
+        if not self._was_painted:
+            self._was_painted = True
+            self.first_painted.emit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self._ask()
@@ -145,7 +158,7 @@ class SoftwareViewport(QWidget):
 
         self._channel.submit(Request(work, done, self._failed))
 
-    def _work(self, scale: float):  # type: ignore[no-untyped-def]
+    def _work(self, scale: float) -> Callable[[Job], NDArray[np.uint8]]:
         """A function that renders what is set now, for a worker."""
         from bozzetto.scene.software import render
 

@@ -33,6 +33,7 @@ class FakeSession(QObject):
     camera_changed = Signal()
     view_style_changed = Signal()
     noticed = Signal(object)
+    settled = Signal(str)
 
     def __init__(self):
         super().__init__()

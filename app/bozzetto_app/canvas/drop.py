@@ -1,0 +1,26 @@
+"""Files that are dropped on the sheet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+from PySide6.QtCore import QMimeData
+
+__all__ = ["DOCUMENT_ENDING", "dropped_files", "take_file"]
+
+DOCUMENT_ENDING: Final = ".bozz"
+
+
+def dropped_files(data: QMimeData) -> list[Path]:
+    """The files on this machine that a drag carries."""
+    paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
+    return [path for path in paths if path.is_file()]
+
+
+def take_file(session: Any, path: Path) -> None:
+    """Open a document; bring anything else into the one that is open."""
+    if path.suffix.lower() == DOCUMENT_ENDING:
+        session.open(path)
+    else:
+        session.import_file(path)

@@ -1,0 +1,282 @@
+"""The radial menu at the pen: up to eight things in eight directions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, Protocol
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QIcon,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPen,
+    QPixmap,
+    QRadialGradient,
+)
+from PySide6.QtWidgets import QWidget
+
+from bozzetto.scene.palette import LIGHT, Color, Palette
+from bozzetto_app.theme import qcolor, small_font
+from bozzetto_app.tones import tones_of
+from bozzetto_app.words import tr
+
+__all__ = ["MOST_ENTRIES", "MenuEntry", "RadialMenu"]
+
+MOST_ENTRIES: Final = 8
+RADIUS: Final = 124.0
+INNER: Final = 38.0
+"""Radius of the hole in the middle, in which nothing is chosen, pixels."""
+
+SHADOW: Final = 12.0
+ICON: Final = 22
+SPREAD: Final = 3.0
+"""Gap between two neighbours, pixels."""
+
+FLICK: Final = 18.0
+"""Distance from the middle from which a flick chooses, pixels."""
+
+
+class MenuEntry(Protocol):
+    """What the menu shows: an action of the program."""
+
+    @property
+    def title(self) -> str:
+        """Short name."""
+        ...
+
+    @property
+    def icon(self) -> QIcon:
+        """Picture; may be null."""
+        ...
+
+    @property
+    def enabled(self) -> bool:
+        """Whether it can be chosen now."""
+        ...
+
+    def trigger(self) -> object:
+        """Do it."""
+        ...
+
+
+class RadialMenu(QWidget):
+    """A ring of entries around the place where it was opened.
+
+    Signals
+    -------
+    closed
+        The menu is gone, whether something was chosen or not.
+    """
+
+    closed = Signal()
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setAccessibleName(tr("RadialMenu", "Radial menu"))
+        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        side = math.ceil(2 * (RADIUS + SHADOW))
+        self.resize(side, side)
+        self._palette: Palette = LIGHT
+        self._entries: tuple[MenuEntry, ...] = ()
+        self._hot = -1
+        self._origin = QPointF()
+        self.hide()
+
+    @property
+    def hot(self) -> int:
+        """Index of the entry pointed at; −1 for none."""
+        return self._hot
+
+    def set_colors(self, palette: Palette) -> None:
+        """Use the colours of a theme."""
+        self._palette = palette
+        self.update()
+
+    def open_at(self, place: QPointF, entries: Sequence[MenuEntry]) -> bool:
+        """Open around a place of the parent, moved inwards where the ring would not fit.
+
+        Returns
+        -------
+        bool
+            False where there is nothing to show.
+        """
+        self._entries = tuple(entries)[:MOST_ENTRIES]
+        if not self._entries:
+            return False
+        self._hot = -1
+        parent = self.parentWidget()
+        room = parent.rect() if parent is not None else self.rect()
+        half = self.width() / 2
+        x = min(max(place.x(), half), max(room.width() - half, half))
+        y = min(max(place.y(), half), max(room.height() - half, half))
+        self._origin = QPointF(place)
+        self.move(QPoint(round(x - half), round(y - half)))
+        self.show()
+        self.raise_()
+        self.setFocus(Qt.FocusReason.PopupFocusReason)
+        return True
+
+    def point(self, place: QPointF) -> None:
+        """A pressed pen has moved to a place of the parent: light what a flick would choose."""
+        self._heat(self._sector(place - self._origin, FLICK))
+
+    def lift(self, *, flicked: bool) -> None:
+        """The pen that opened the menu was lifted: choose what it flicked at, or stay open."""
+        if flicked:
+            self._choose(self._hot)
+
+    def close_menu(self) -> None:
+        """Go away without choosing."""
+        if self.isVisible():
+            had_focus = self.hasFocus()
+            self.hide()
+            parent = self.parentWidget()
+            if had_focus and parent is not None:
+                parent.setFocus(Qt.FocusReason.PopupFocusReason)
+            self.closed.emit()
+
+    # -- events -------------------------------------------------------------------------------
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        self._heat(self._sector(event.position() - self._middle(), INNER))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        self._choose(self._sector(event.position() - self._middle(), INNER))
+
+    def leaveEvent(self, event: QEvent) -> None:
+        self._heat(-1)
+
+    def focusOutEvent(self, event: QEvent) -> None:
+        self.close_menu()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        key, count = event.key(), len(self._entries)
+        if key in (Qt.Key.Key_Escape, Qt.Key.Key_Q):
+            self.close_menu()
+        elif key in (Qt.Key.Key_Right, Qt.Key.Key_Down):
+            self._heat((self._hot + 1) % count)
+        elif key in (Qt.Key.Key_Left, Qt.Key.Key_Up):
+            self._heat((self._hot - 1) % count)
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space):
+            self._choose(self._hot)
+        elif Qt.Key.Key_1 <= key < Qt.Key.Key_1 + count:
+            self._choose(key - Qt.Key.Key_1)
+        else:
+            super().keyPressEvent(event)
+
+    # -- choosing -----------------------------------------------------------------------------
+
+    def _middle(self) -> QPointF:
+        return QPointF(self.width() / 2, self.height() / 2)
+
+    def _sector(self, offset: QPointF, hole: float) -> int:
+        """The entry in a direction; the first one is straight up, the others clockwise."""
+        if math.hypot(offset.x(), offset.y()) < hole or not self._entries:
+            return -1
+        angle = math.degrees(math.atan2(offset.x(), -offset.y())) % 360.0
+        width = 360.0 / len(self._entries)
+        return int((angle + width / 2) // width) % len(self._entries)
+
+    def _heat(self, index: int) -> None:
+        if index != self._hot:
+            self._hot = index
+            if index >= 0:
+                self.setAccessibleDescription(self._entries[index].title)
+            self.update()
+
+    def _choose(self, index: int) -> None:
+        if index >= 0 and not self._entries[index].enabled:
+            return
+        self.close_menu()
+        if index >= 0:
+            self._entries[index].trigger()
+
+    # -- painting -----------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        middle = self._middle()
+        self._paint_shadow(painter, middle)
+        for index in range(len(self._entries)):
+            self._paint_entry(painter, middle, index)
+        painter.end()
+
+    def _paint_shadow(self, painter: QPainter, middle: QPointF) -> None:
+        reach = RADIUS + SHADOW
+        shade = QRadialGradient(middle + QPointF(0, 3), reach)
+        shade.setColorAt((RADIUS - 6) / reach, qcolor((0, 0, 0), 0.20))
+        shade.setColorAt(1.0, qcolor((0, 0, 0), 0.0))
+        ring = QPainterPath()
+        ring.setFillRule(Qt.FillRule.OddEvenFill)
+        ring.addEllipse(middle, reach, reach)
+        ring.addEllipse(middle, INNER, INNER)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(shade)
+        painter.drawPath(ring)
+
+    def _paint_entry(self, painter: QPainter, middle: QPointF, index: int) -> None:
+        tones = tones_of(self._palette)
+        entry, hot = self._entries[index], index == self._hot
+        usable = entry.enabled
+        painter.setPen(QPen(qcolor(tones.accent_fill if hot and usable else tones.hairline), 1.0))
+        painter.setBrush(qcolor(tones.accent_fill if hot and usable else tones.raised))
+        painter.drawPath(_sector_path(middle, index, len(self._entries)))
+        angle = math.radians(360.0 / len(self._entries) * index)
+        radius = 0.5 * (INNER + RADIUS) + 4.0
+        centre = middle + radius * QPointF(math.sin(angle), -math.cos(angle))
+        color = tones.on_accent if hot and usable else tones.text if usable else tones.disabled
+        font = small_font(self.font())
+        painter.setFont(font)
+        painter.setPen(qcolor(color))
+        width, line = 68.0, float(painter.fontMetrics().height())
+        icon = entry.icon
+        has_icon = icon is not None and not icon.isNull()
+        words = QRectF(centre.x() - width / 2, centre.y() - line, width, 2 * line)
+        if has_icon:
+            place = QPointF(centre.x() - ICON / 2, centre.y() - ICON - 1)
+            painter.drawPixmap(place, _tinted(icon, color, self.devicePixelRatioF()))
+            words.moveTop(centre.y() + 2)
+        align = Qt.AlignmentFlag.AlignHCenter
+        align |= Qt.AlignmentFlag.AlignTop if has_icon else Qt.AlignmentFlag.AlignVCenter
+        painter.drawText(words, align | Qt.TextFlag.TextWordWrap, entry.title)
+
+
+def _tinted(icon: QIcon, color: Color, scale: float) -> QPixmap:
+    """The icon in one colour: it has to be legible on what is lit, in both themes."""
+    picture = icon.pixmap(QSize(ICON, ICON), scale)
+    painter = QPainter(picture)
+    painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_SourceIn)
+    painter.fillRect(picture.rect(), qcolor(color))
+    painter.end()
+    return picture
+
+
+def _sector_path(middle: QPointF, index: int, count: int) -> QPainterPath:
+    """One piece of the ring, with an even gap to its neighbours."""
+    span = 360.0 / count
+    path = QPainterPath()
+    if count == 1:
+        path.setFillRule(Qt.FillRule.OddEvenFill)
+        path.addEllipse(middle, RADIUS, RADIUS)
+        path.addEllipse(middle, INNER, INNER)
+        return path
+    start = 90.0 - span * (index + 0.5)
+    outer_gap = math.degrees(SPREAD / 2 / RADIUS)
+    inner_gap = math.degrees(SPREAD / 2 / INNER)
+    outer = QRectF(middle.x() - RADIUS, middle.y() - RADIUS, 2 * RADIUS, 2 * RADIUS)
+    inner = QRectF(middle.x() - INNER, middle.y() - INNER, 2 * INNER, 2 * INNER)
+    path.arcMoveTo(outer, start + outer_gap)
+    path.arcTo(outer, start + outer_gap, span - 2 * outer_gap)
+    path.arcTo(inner, start + span - inner_gap, -(span - 2 * inner_gap))
+    path.closeSubpath()
+    return path
