@@ -35,6 +35,9 @@ JOINT = 0.16
 """Length of ink at an end in which an overlap with the next stroke is looked for, as a share
 of the shorter stroke."""
 
+BESIDE = 0.02
+"""Ink that overlaps without crossing runs side by side no farther apart than this."""
+
 SMALLEST = 6e-3
 """Strokes smaller than this beside larger ones are specks."""
 
@@ -251,7 +254,7 @@ def _joint(a: Points, b: Points) -> tuple[Points, Points, Points]:
     beside_b = float(shapely.distance(line_b, shapely.Point(a[-1])))
     on_a = float(shapely.line_locate_point(line_a, shapely.Point(b[0])))
     beside_a = float(shapely.distance(line_a, shapely.Point(b[0])))
-    if min(beside_a, beside_b) < 0.6 * gap:
+    if min(beside_a, beside_b) < min(0.35 * gap, BESIDE):
         if beside_b <= beside_a and 0.0 < on_b < 0.98 * line_b.length:
             b = b[np.searchsorted(arc_b, on_b + 1.5 * beside_b) :]
         elif 0.02 * line_a.length < on_a < line_a.length:

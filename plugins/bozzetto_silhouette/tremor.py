@@ -16,7 +16,7 @@ Points = NDArray[np.float64]
 SPACING = 3e-3
 """Resampling before the filter, as a share of the size."""
 
-UNNOTICED = 2e-4
+UNNOTICED = 4e-4
 """Noise below this share of the size is left alone."""
 
 _HALF_WINDOW = (4, 14)
