@@ -1,0 +1,77 @@
+"""Shapes and drawings to files."""
+
+from __future__ import annotations
+
+import os
+
+from bozzetto.errors import UserError
+from bozzetto.exchange.files import write_bytes
+from bozzetto.exchange.formats import Format, find, function, writers
+from bozzetto.exchange.solid_check import check_solid
+from bozzetto.geometry.shapes import Shapes
+from bozzetto.ink.drawing import Drawing
+from bozzetto.view.camera import Camera
+
+__all__ = ["export", "write_drawing"]
+
+
+def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> None:
+    """Write shapes to a file, in the format that its ending names.
+
+    Parameters
+    ----------
+    shapes : Shapes
+        Parts that the format has no place for (curves in STL, say) are left out, as long
+        as something remains.
+    path : path
+        Replaced only once the new file is complete.
+    camera : Camera, optional
+        The view for flat formats; by default the front view of all there is.
+
+    Raises
+    ------
+    UserError
+        If the ending is unknown, there is nothing that the format holds, a solid is not
+        closed (`check_solid`), or the file cannot be written.
+    """
+    chosen = find(path, writers("mesh", "curves"))
+    _check(shapes, chosen)
+    if chosen.flat:
+        data: bytes = function(chosen, "write_view")(shapes, camera)
+    else:
+        data = function(chosen, "write_shapes")(shapes)
+    write_bytes(path, data)
+
+
+def _check(shapes: Shapes, chosen: Format) -> None:
+    if not shapes:
+        raise UserError("There is nothing to export yet. Draw something first.")
+    has = {
+        "mesh": any(len(part.mesh.faces) for part in shapes.meshes()),
+        "curves": bool(shapes.curves),
+    }
+    if not any(has.get(kind) for kind in chosen.holds):
+        wanted = " or ".join("surfaces" if kind == "mesh" else kind for kind in chosen.holds)
+        kinds = [kind for kind in ("mesh", "curves") if has[kind]]
+        useful = [f.endings[0] for kind in kinds for f in writers(kind)]  # type: ignore[arg-type]
+        advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
+        raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
+    if "mesh" in chosen.holds:
+        for solid in shapes.solids:
+            check_solid(solid)
+
+
+def write_drawing(drawing: Drawing, path: str | os.PathLike[str]) -> None:
+    """Write a drawing as ink JSON, InkML or SVG, by the ending of the file.
+
+    Ink JSON and InkML keep every sample, column and camera exactly; SVG keeps the lines.
+
+    Raises
+    ------
+    UserError
+        If the ending is unknown, the drawing is empty, or the file cannot be written.
+    """
+    chosen = find(path, writers("ink"))
+    if not len(drawing.strokes):
+        raise UserError("The drawing is empty. Draw something first.")
+    write_bytes(path, function(chosen, "write_drawing")(drawing))

@@ -1,0 +1,121 @@
+"""The table of formats.
+
+A format's module is imported when its functions are first asked for. What the module
+must define follows from what the format holds:
+
+========  ============================================  ====================================
+holds     to write                                      to read
+========  ============================================  ====================================
+mesh      ``write_shapes(shapes) -> bytes``             ``read_shapes(data) -> Shapes``
+curves    ``write_shapes(shapes) -> bytes``, or         –
+          ``write_view(shapes, camera) -> bytes``
+          where the format is flat
+ink       ``write_drawing(drawing) -> bytes``           ``read_drawing(data, name) -> Drawing``
+image     –                                             ``read_pixels(data) -> array``
+========  ============================================  ====================================
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import PurePath
+from typing import Any, Final, Literal
+
+from bozzetto.errors import UserError
+
+__all__ = ["FORMATS", "Format", "Kind", "find", "function", "readers", "writers"]
+
+Kind = Literal["mesh", "curves", "ink", "image"]
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format of files.
+
+    Parameters
+    ----------
+    id : str
+        Short name, for command lines and settings.
+    title : str
+        For menus.
+    endings : tuple of str
+        In lower case, with the dot; the first is the usual one.
+    holds : tuple of {"mesh", "curves", "ink", "image"}
+        What such a file is good for.
+    writes, reads : bool
+        Which ways we go.
+    module : str
+        Where the functions are.
+    flat : bool
+        Shapes are written as seen through a camera.
+    """
+
+    id: str
+    title: str
+    endings: tuple[str, ...]
+    holds: tuple[Kind, ...]
+    writes: bool
+    reads: bool
+    module: str
+    flat: bool = False
+
+
+def _here(module: str) -> str:
+    return f"bozzetto.exchange.{module}"
+
+
+FORMATS: Final[tuple[Format, ...]] = (
+    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("stl")),
+    Format("3mf", "3MF for printing", (".3mf",), ("mesh",), True, False, _here("threemf")),
+    Format("glb", "glTF binary", (".glb",), ("mesh",), True, True, _here("glb")),
+    Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, _here("obj")),
+    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("ply")),
+    Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg"), True),
+    Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, _here("ink_json")),
+    Format("inkml", "InkML", (".inkml",), ("ink",), True, True, _here("inkml")),
+    Format(
+        "image",
+        "Picture",
+        (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp"),
+        ("image",),
+        False,
+        True,
+        _here("image"),
+    ),
+)
+
+
+def writers(*kinds: Kind) -> tuple[Format, ...]:
+    """Formats that can be written; only those that hold one of the kinds, where given."""
+    return tuple(f for f in FORMATS if f.writes and (not kinds or set(kinds) & set(f.holds)))
+
+
+def readers(*kinds: Kind) -> tuple[Format, ...]:
+    """Formats that can be read; only those that hold one of the kinds, where given."""
+    return tuple(f for f in FORMATS if f.reads and (not kinds or set(kinds) & set(f.holds)))
+
+
+def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
+    """The format that a file's ending names.
+
+    Raises
+    ------
+    UserError
+        If the ending is missing or not among them; the message lists those that are.
+    """
+    formats = tuple(among)
+    ending = PurePath(path).suffix.lower()
+    for one in formats:
+        if ending in one.endings:
+            return one
+    known = ", ".join(ending for one in formats for ending in one.endings)
+    said = f"“{ending}” does not do here" if ending else "The file name has no ending"
+    raise UserError(f"{said}. Use one of {known}.")
+
+
+def function(format: Format, name: str) -> Any:
+    """A function of a format's module, imported now."""
+    return getattr(import_module(format.module), name)

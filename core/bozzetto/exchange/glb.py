@@ -1,0 +1,401 @@
+"""glTF 2.0 in its binary form: one node per part; Y up and metres in the file.
+
+Only what the file itself holds is read: no links, no compression extensions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.color import linear_to_srgb, srgb_to_linear
+from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_VERTICES, at_most
+from bozzetto.exchange.polygons import check_places, checked_mesh, without_degenerate
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.shapes import Shapes, Solid, Surface
+
+__all__ = ["read_shapes", "write_shapes"]
+
+MAGIC: Final = b"glTF"
+JSON_CHUNK: Final = 0x4E4F534A
+BIN_CHUNK: Final = 0x004E4942
+
+AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+"""Rows: glTF's x, y (up) and z from our x, y and z (up)."""
+
+MM_PER_METRE: Final = 1000.0
+
+ARRAY_BUFFER: Final = 34962
+ELEMENT_ARRAY_BUFFER: Final = 34963
+FLOAT: Final = 5126
+UNSIGNED_SHORT: Final = 5123
+UNSIGNED_INT: Final = 5125
+TRIANGLES, STRIP, FAN = 4, 5, 6
+
+COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+
+HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
+"""Beginnings of extensions that change the looks only, never the geometry."""
+
+
+# -- writing -------------------------------------------------------------------------------
+
+
+def write_shapes(shapes: Shapes) -> bytes:
+    """GLB with one node, mesh and material per part."""
+    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
+    blob = bytearray()
+    views: list[dict[str, Any]] = []
+    accessors: list[dict[str, Any]] = []
+
+    def put(values: NDArray[Any], kind: str, component: int, target: int, **more: Any) -> int:
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": values.nbytes})
+        views[-1]["target"] = target
+        blob.extend(values.tobytes())  # all components fill four bytes, so all stay aligned
+        accessor = {"bufferView": len(views) - 1, "componentType": component, "type": kind}
+        accessors.append({**accessor, "count": values.size // WIDTHS[kind], **more})
+        return len(accessors) - 1
+
+    meshes, materials, nodes = [], [], []
+    for number, part in enumerate(parts):
+        mesh = part.mesh
+        places = (mesh.vertices @ AXES.T / MM_PER_METRE).astype("<f4")
+        reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
+        attributes = {"POSITION": put(places, "VEC3", FLOAT, ARRAY_BUFFER, **reach)}
+        attributes["NORMAL"] = put(_unit_normals(mesh), "VEC3", FLOAT, ARRAY_BUFFER)
+        if mesh.colors is not None:
+            attributes["COLOR_0"] = put(
+                _linear_colors(mesh.colors), "VEC4", UNSIGNED_SHORT, ARRAY_BUFFER, normalized=True
+            )
+        faces = without_degenerate(mesh.faces).astype("<u4")
+        indices = put(faces, "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
+        primitive = {"attributes": attributes, "indices": indices, "material": number}
+        meshes.append({"name": part.name, "primitives": [primitive]})
+        materials.append(_material(part))
+        nodes.append({"name": part.name, "mesh": number})
+    scene = {
+        "asset": {"version": "2.0", "generator": "Bozzetto"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(nodes)))}],
+        "nodes": nodes,
+        "meshes": meshes,
+        "materials": materials,
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(blob)}],
+    }
+    return _packed(msgspec.json.encode(scene), bytes(blob))
+
+
+def _packed(text: bytes, blob: bytes) -> bytes:
+    text += b" " * (-len(text) % 4)
+
+    def chunk(kind: int, content: bytes) -> bytes:
+        return np.array([len(content), kind], "<u4").tobytes() + content
+
+    body = chunk(JSON_CHUNK, text) + chunk(BIN_CHUNK, blob)
+    return MAGIC + np.array([2, 12 + len(body)], "<u4").tobytes() + body
+
+
+def _unit_normals(mesh: Mesh) -> NDArray[np.float32]:
+    normals = mesh.vertex_normals().astype(np.float64) @ AXES.T
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    up = np.array([0.0, 1.0, 0.0])  # a vertex that no face uses still needs some unit vector
+    return np.where(length > 0, normals / np.where(length > 0, length, 1.0), up).astype("<f4")
+
+
+def _linear_colors(colors: NDArray[np.uint8]) -> NDArray[np.uint16]:
+    """Vertex colours are linear in glTF; 16 bits keep every sRGB byte apart."""
+    linear = np.hstack((srgb_to_linear(colors[:, :3]), colors[:, 3:] / 255.0))
+    return np.rint(65535.0 * linear).astype("<u2")
+
+
+def _material(part: Solid | Surface) -> dict[str, Any]:
+    base = [1.0, 1.0, 1.0, 1.0]
+    if part.color is not None and part.mesh.colors is None:
+        base[:3] = srgb_to_linear(part.color).tolist()
+    looks = {"baseColorFactor": base, "metallicFactor": 0.0, "roughnessFactor": 0.8}
+    material: dict[str, Any] = {"name": part.name, "pbrMetallicRoughness": looks}
+    if isinstance(part, Surface):
+        material["doubleSided"] = True
+    return material
+
+
+# -- reading -------------------------------------------------------------------------------
+
+
+class _Record(msgspec.Struct, rename="camel"):
+    """A JSON object of the file; unknown fields are passed over."""
+
+
+class _View(_Record):
+    byte_length: int
+    buffer: int = 0
+    byte_offset: int = 0
+    byte_stride: int | None = None
+
+
+class _Accessor(_Record):
+    component_type: int
+    count: int
+    type: str
+    buffer_view: int | None = None
+    byte_offset: int = 0
+    normalized: bool = False
+    sparse: msgspec.Raw | None = None
+
+
+class _Primitive(_Record):
+    attributes: dict[str, int]
+    indices: int | None = None
+    material: int | None = None
+    mode: int = TRIANGLES
+    extensions: dict[str, msgspec.Raw] = {}
+
+
+class _Mesh(_Record):
+    primitives: list[_Primitive]
+    name: str = ""
+
+
+class _Node(_Record):
+    mesh: int | None = None
+    children: list[int] = []
+    name: str = ""
+    matrix: list[float] | None = None
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+class _Looks(_Record):
+    base_color_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+
+
+class _Material(_Record):
+    pbr_metallic_roughness: _Looks = msgspec.field(default_factory=_Looks)
+
+
+class _Scene(_Record):
+    nodes: list[int] = []
+
+
+class _Buffer(_Record):
+    byte_length: int = 0
+    uri: str | None = None
+
+
+class _Gltf(_Record):
+    accessors: list[_Accessor] = []
+    buffer_views: list[_View] = []
+    buffers: list[_Buffer] = []
+    meshes: list[_Mesh] = []
+    materials: list[_Material] = []
+    nodes: list[_Node] = []
+    scenes: list[_Scene] = []
+    scene: int | None = None
+    extensions_required: list[str] = []
+
+
+def read_shapes(data: bytes) -> Shapes:
+    """Read the triangles of the scene shown, every node at its place."""
+    gltf, blob = _opened(data)
+    surfaces: list[Surface] = []
+    vertices = faces = 0
+    for name, mesh, matrix in _placed_meshes(gltf):
+        for primitive in mesh.primitives:
+            part = _surface(gltf, blob, primitive, matrix, name)
+            if part is not None:
+                surfaces.append(part)
+                vertices += len(part.mesh.vertices)
+                faces += len(part.mesh.faces)
+                at_most(vertices, MAX_VERTICES, "vertices")
+                at_most(faces, MAX_FACES, "triangles")
+    if not surfaces:
+        raise FormatError("There are no faces in this file.")
+    return Shapes(surfaces=tuple(surfaces))
+
+
+def _opened(data: bytes) -> tuple[_Gltf, bytes]:
+    """The JSON chunk, understood, and the binary one."""
+    if data[:4] != MAGIC or len(data) < 20:
+        raise FormatError("This is not a GLB file.")
+    version, length, size, kind = (int(v) for v in np.frombuffer(data, "<u4", 4, 4))
+    if version != 2:
+        raise FormatError(f"This is glTF {version}; only glTF 2 can be read.")
+    if kind != JSON_CHUNK or 20 + size > min(length, len(data)):
+        raise FormatError("This GLB file is damaged or cut short.")
+    try:
+        gltf = msgspec.json.decode(data[20 : 20 + size].rstrip(b" \0"), type=_Gltf)
+    except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
+        raise FormatError(f"Its description cannot be understood: {error}.") from error
+    missing = [name for name in gltf.extensions_required if not name.startswith(HARMLESS)]
+    if missing:
+        raise FormatError(
+            f"It needs {', '.join(missing)[:200]}, which cannot be read. Export it again "
+            "without compression."
+        )
+    blob, at = b"", 20 + size
+    if at + 8 <= len(data):
+        size, kind = (int(v) for v in np.frombuffer(data, "<u4", 2, at))
+        if kind == BIN_CHUNK:
+            blob = data[at + 8 : at + 8 + size]
+    return gltf, blob
+
+
+def _item(items: list[Any], index: int, what: str) -> Any:
+    if not 0 <= index < len(items):
+        raise FormatError(f"It names {what} {index}, which it does not hold.")
+    return items[index]
+
+
+def _placed_meshes(gltf: _Gltf) -> Iterator[tuple[str, _Mesh, NDArray[np.float64]]]:
+    """Every mesh of the scene with its name and its matrix (4, 4), parents before children."""
+    if gltf.scenes:
+        roots = _item(gltf.scenes, gltf.scene or 0, "scene").nodes
+    elif gltf.nodes:
+        inner = {child for node in gltf.nodes for child in node.children}
+        roots = [index for index in range(len(gltf.nodes)) if index not in inner]
+    else:
+        for mesh in gltf.meshes:
+            yield mesh.name, mesh, np.eye(4)
+        return
+    seen: set[int] = set()
+    stack = [(index, np.eye(4), 0) for index in reversed(roots)]
+    while stack:
+        index, above, depth = stack.pop()
+        if index in seen:
+            raise FormatError("Its nodes are no tree: one has two parents.")
+        seen.add(index)
+        at_most(depth, MAX_DEPTH, "levels of nodes")
+        node: _Node = _item(gltf.nodes, index, "node")
+        matrix = above @ _matrix(node)
+        if node.mesh is not None:
+            mesh = _item(gltf.meshes, node.mesh, "mesh")
+            yield node.name or mesh.name, mesh, matrix
+        stack += [(child, matrix, depth + 1) for child in reversed(node.children)]
+
+
+def _matrix(node: _Node) -> NDArray[np.float64]:
+    if node.matrix is not None:
+        if len(node.matrix) != 16:
+            raise FormatError("A node's matrix does not have sixteen numbers.")
+        return np.reshape(node.matrix, (4, 4)).T
+    x, y, z, w = node.rotation
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn * node.scale
+    matrix[:3, 3] = node.translation
+    return matrix
+
+
+def _surface(
+    gltf: _Gltf, blob: bytes, primitive: _Primitive, matrix: NDArray[np.float64], name: str
+) -> Surface | None:
+    """One primitive in our axes; None for points and lines."""
+    if primitive.mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
+        return None
+    local = _values(gltf, blob, primitive.attributes["POSITION"], 3)
+    check_places(local)
+    to_world = MM_PER_METRE * AXES.T @ matrix[:3, :3]
+    with np.errstate(over="ignore", invalid="ignore"):
+        places = local @ to_world.T + MM_PER_METRE * AXES.T @ matrix[:3, 3]
+    order = np.arange(len(places))
+    if primitive.indices is not None:
+        if _item(gltf.accessors, primitive.indices, "accessor").component_type == FLOAT:
+            raise FormatError("Its indices are no whole numbers.")
+        order = _values(gltf, blob, primitive.indices, 1)[:, 0].astype(np.int64)
+    faces = without_degenerate(_faces(order, primitive.mode).astype(np.int64))
+    if not len(faces):
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        mirrors = np.linalg.det(to_world) < 0
+    if mirrors:
+        faces = faces[:, ::-1]
+    colors = None
+    if "COLOR_0" in primitive.attributes:
+        linear = _values(gltf, blob, primitive.attributes["COLOR_0"], None)
+        alpha = linear[:, 3:4] if linear.shape[1] == 4 else np.ones((len(linear), 1))
+        opaque = np.rint(255 * np.clip(np.nan_to_num(alpha), 0, 1)).astype(np.uint8)
+        colors = np.hstack((linear_to_srgb(linear[:, :3]), opaque))
+    color = None
+    if primitive.material is not None:
+        looks = _item(gltf.materials, primitive.material, "material").pbr_metallic_roughness
+        red, green, blue = (int(v) for v in linear_to_srgb(looks.base_color_factor[:3]))
+        color = (red, green, blue) if (red, green, blue) != (255, 255, 255) else None
+    mesh = checked_mesh(places, faces, _normals(gltf, blob, primitive, to_world), colors)
+    return Surface(mesh, name, color)
+
+
+def _normals(
+    gltf: _Gltf, blob: bytes, primitive: _Primitive, to_world: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
+    """Unit normals in our axes; None where there are none, or they are of no use."""
+    if "NORMAL" not in primitive.attributes:
+        return None
+    local = _values(gltf, blob, primitive.attributes["NORMAL"], 3)
+    with np.errstate(all="ignore"):
+        # Normals turn with the cofactors of the matrix, which exist where its inverse does not.
+        a, b, c = to_world.T
+        cofactors = np.column_stack((np.cross(b, c), np.cross(c, a), np.cross(a, b)))
+        turned = local @ cofactors.T * np.sign(np.linalg.det(to_world))
+        length = np.linalg.norm(turned, axis=1, keepdims=True)
+        return np.asarray(turned / length) if (length > 0).all() else None
+
+
+def _faces(order: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
+    if mode == TRIANGLES:
+        return order[: len(order) // 3 * 3].reshape(-1, 3)
+    count = max(len(order) - 2, 0)
+    if mode == FAN:
+        return np.column_stack((order[1:-1], order[2:], np.repeat(order[:1], count)))[:count]
+    at = np.arange(count)
+    odd = at % 2
+    return np.column_stack((order[at], order[at + 1 + odd], order[at + 2 - odd]))
+
+
+def _values(gltf: _Gltf, blob: bytes, index: int, width: int | None) -> NDArray[np.float64]:
+    """The values of an accessor, shape (n, width); whole numbers only scaled if normalised."""
+    accessor: _Accessor = _item(gltf.accessors, index, "accessor")
+    kind = COMPONENTS.get(accessor.component_type)
+    columns = WIDTHS.get(accessor.type)
+    if kind is None or columns is None or (width is not None and columns != width):
+        raise FormatError(f"Accessor {index} is of a type that does not fit its use.")
+    if accessor.sparse is not None or accessor.buffer_view is None:
+        raise FormatError("It uses sparse accessors, which cannot be read. Export it again.")
+    if columns < 3 and width is None:
+        raise FormatError(f"Accessor {index} has too few components for a colour.")
+    at_most(accessor.count, 3 * MAX_FACES, "values")
+    view: _View = _item(gltf.buffer_views, accessor.buffer_view, "buffer view")
+    buffer: _Buffer = _item(gltf.buffers, view.buffer, "buffer")
+    if view.buffer != 0 or buffer.uri is not None:
+        raise FormatError("Its data lies in another file. Export it again as one GLB file.")
+    dtype = np.dtype(kind)
+    stride = view.byte_stride or dtype.itemsize * columns
+    begin = view.byte_offset + accessor.byte_offset
+    end = begin + stride * (accessor.count - 1) + dtype.itemsize * columns
+    if stride < dtype.itemsize * columns:
+        raise FormatError(f"Accessor {index} has a stride below the size of its values.")
+    if min(accessor.count, view.byte_offset, accessor.byte_offset) < 0:
+        raise FormatError(f"Accessor {index} has a size or an offset below zero.")
+    if accessor.count == 0:
+        return np.zeros((0, columns))
+    if end > min(len(blob), view.byte_offset + view.byte_length):
+        raise FormatError("This GLB file is damaged or cut short.")
+    raw = np.ndarray((accessor.count, columns), dtype, blob, begin, (stride, dtype.itemsize))
+    values = raw.astype(np.float64)
+    if accessor.normalized and dtype.kind != "f":
+        values = np.maximum(values / np.iinfo(dtype).max, -1.0)
+    return values

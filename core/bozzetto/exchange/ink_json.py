@@ -1,0 +1,160 @@
+"""Ink JSON (``bozzetto-ink/1``): every sample, column and camera, in plain text.
+
+``x`` and ``y`` are canvas pixels, y down; ``pressure`` is 0 … 1, ``t`` seconds. All but
+``x`` and ``y`` may be left out. ``curve`` is the stroke's group. A stroke that was drawn
+through another camera than the sheet's carries its own ``camera`` and ``canvas``.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Final, Literal
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+from numpy.typing import NDArray
+
+from bozzetto.errors import FormatError, UserError
+from bozzetto.exchange.camera_record import (
+    CameraRecord,
+    CanvasRecord,
+    camera_from,
+    camera_record,
+    canvas_record,
+)
+from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
+from bozzetto.ink.drawing import Drawing
+from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
+from bozzetto.view.camera import Camera
+
+__all__ = ["read_drawing", "write_drawing"]
+
+FORMAT: Final = "bozzetto-ink/1"
+
+KNOWN: Final = ("format", "canvas", "camera", "strokes")
+
+Number = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
+Numbers = list[Number]
+Byte = Annotated[int, Meta(ge=0, le=255)]
+
+
+class _StrokeRecord(msgspec.Struct):
+    x: Numbers
+    y: Numbers
+    pressure: Numbers | None = None
+    t: Numbers | None = None
+    tilt_x: Numbers | None = None
+    tilt_y: Numbers | None = None
+    twist: Numbers | None = None
+    tool: Literal["pen", "eraser", "mouse", "imported"] = "pen"
+    color: tuple[Byte, Byte, Byte] | None = None
+    curve: Annotated[str, Meta(max_length=1000)] = ""
+    camera: CameraRecord | None = None
+    canvas: CanvasRecord | None = None
+
+
+def read_drawing(data: bytes, name: str) -> Drawing:
+    """Read ink JSON.
+
+    Parameters
+    ----------
+    data : bytes
+    name : str
+        Of the drawing.
+
+    Returns
+    -------
+    Drawing
+        What the file says beyond canvas, camera and strokes is in `Drawing.extra`.
+
+    Raises
+    ------
+    FormatError
+        Names the place.
+    """
+    top = _decoded(data, dict[str, msgspec.Raw], "the file")
+    if KNOWN[0] not in top or _decoded(top["format"], str, "format") != FORMAT:
+        raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
+    for key in KNOWN[1:]:
+        if key not in top:
+            raise FormatError(f"“{key}” is missing.")
+    canvas = _decoded(top["canvas"], CanvasRecord, "canvas")
+    camera = camera_from(_decoded(top["camera"], CameraRecord, "camera"), canvas)
+    raw = _decoded(top["strokes"], list[msgspec.Raw], "strokes")
+    at_most(len(raw), MAX_STROKES, "strokes")
+    strokes: list[Stroke] = []
+    samples = 0
+    for number, text in enumerate(raw, 1):
+        strokes.append(_stroke(text, number, camera, canvas))
+        samples += len(strokes[-1])
+        at_most(samples, MAX_SAMPLES, "samples")
+    extra = {key: _decoded(top[key], Any, key[:40]) for key in top if key not in KNOWN}
+    return Drawing(Strokes(strokes), camera, name, extra)
+
+
+def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
+    try:
+        return msgspec.json.decode(text, type=kind)
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise FormatError(f"{place}: {error}.") from error
+    except RecursionError:
+        raise FormatError(f"{place}: nested too deeply.") from None
+
+
+def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord) -> Stroke:
+    place = f"stroke {number}"
+    record: _StrokeRecord = _decoded(text, _StrokeRecord, place)
+    columns = {name: getattr(record, name) for name in COLUMNS}
+    for name, values in columns.items():
+        if values is not None and len(values) != len(record.x):
+            raise FormatError(f"{place}: x and {name} differ in length.")
+    try:
+        if record.camera is not None:
+            camera = camera_from(record.camera, record.canvas or canvas)
+        x, y = columns.pop("x"), columns.pop("y")
+        return Stroke(
+            x, y, camera, **columns, tool=record.tool, color=record.color, group=record.curve
+        )
+    except UserError as error:
+        raise FormatError(f"{place}: {error.message}") from error
+
+
+def write_drawing(drawing: Drawing) -> bytes:
+    """Ink JSON that reads back as an equal drawing."""
+    top = {
+        "format": FORMAT,
+        "canvas": canvas_record(drawing.camera),
+        "camera": camera_record(drawing.camera),
+        **{key: value for key, value in drawing.extra.items() if key not in KNOWN},
+        "strokes": [_record(stroke, drawing.camera) for stroke in drawing.strokes],
+    }
+    # One stroke a line: two versions of a drawing can then be compared as text.
+    return re.sub(rb'\{"x":', b'\n{"x":', msgspec.json.encode(top)) + b"\n"
+
+
+def _record(stroke: Stroke, camera: Camera) -> dict[str, Any]:
+    record: dict[str, Any] = {"x": _shortest(stroke.x), "y": _shortest(stroke.y)}
+    if stroke.has_pressure:
+        record["pressure"] = _shortest(stroke.pressure)
+    if stroke.has_time:
+        record["t"] = _shortest(stroke.t)
+    for name in ("tilt_x", "tilt_y", "twist"):
+        column = getattr(stroke, name)
+        if column.any():
+            record[name] = _shortest(column)
+    if stroke.tool != "pen":
+        record["tool"] = stroke.tool
+    if stroke.color is not None:
+        record["color"] = stroke.color
+    if stroke.group:
+        record["curve"] = stroke.group
+    if stroke.camera != camera:
+        record["camera"] = camera_record(stroke.camera)
+        record["canvas"] = canvas_record(stroke.camera)
+    return record
+
+
+def _shortest(column: NDArray[np.float32]) -> list[float]:
+    """The shortest decimals that give the same float32."""
+    return [float(str(value)) for value in column]

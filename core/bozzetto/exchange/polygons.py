@@ -1,0 +1,156 @@
+"""From the polygons and loose triangles of files to triangles over shared vertices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most
+from bozzetto.geometry.mesh import Mesh
+
+__all__ = ["check_places", "checked_mesh", "triangulated", "welded", "without_degenerate"]
+
+Faces = NDArray[np.int32]
+
+
+def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
+    """Make one vertex of all that are at bit for bit the same place.
+
+    Parameters
+    ----------
+    vertices : (v, 3) float32
+    faces : (f, 3) array_like of int
+
+    Returns
+    -------
+    kept : (m,) int
+        The vertices that stay, by their first occurrence and in their order.
+    faces : (f, 3) int32
+        The faces over them.
+    """
+    clean = np.ascontiguousarray(vertices + np.float32(0.0))  # -0.0 becomes 0.0
+    rows = clean.view([("x", "<f4"), ("y", "<f4"), ("z", "<f4")]).ravel()
+    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank: Faces = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    joined: Faces = rank[inverse.ravel()][np.asarray(faces)]
+    return first[order], joined
+
+
+def without_degenerate(faces: Faces) -> Faces:
+    """Leave out triangles that name a vertex twice."""
+    a, b, c = faces.T
+    return np.asarray(faces[(a != b) & (b != c) & (c != a)])
+
+
+def triangulated(
+    vertices: NDArray[np.float64], corners: NDArray[np.int64], sizes: NDArray[np.int64]
+) -> Faces:
+    """Cut polygons into triangles.
+
+    Convex ones are cut as a fan from their first corner; for the others manifold3d finds
+    the triangles in the plane of their area vector.
+
+    Parameters
+    ----------
+    vertices : (v, 3) float
+    corners : (n,) int
+        The corners of all polygons, one polygon after the other; existing vertices.
+    sizes : (p,) int
+        How many corners each has. Those with fewer than three are left out.
+
+    Returns
+    -------
+    (f, 3) int32
+        Polygon after polygon, wound as the polygons are.
+    """
+    at_most(int(np.maximum(sizes - 2, 0).sum()), MAX_FACES, "triangles")
+    starts = np.cumsum(sizes) - sizes
+    faces: list[NDArray[np.int64]] = []
+    owners: list[NDArray[np.int64]] = []
+    for size in np.unique(sizes[sizes >= 3]):
+        which = np.flatnonzero(sizes == size)
+        rings = corners[starts[which, None] + np.arange(size)]
+        tips = np.arange(1, size - 1)
+        fans = np.stack((np.repeat(rings[:, :1], size - 2, axis=1), rings[:, tips],
+                         rings[:, tips + 1]), axis=2)  # fmt: skip
+        if size > 3:
+            for row in np.flatnonzero(~_convex(vertices[rings])):
+                fans[row] = _cut(vertices[rings[row]], rings[row], fans[row])
+        faces.append(fans.reshape(-1, 3))
+        owners.append(np.repeat(which, size - 2))
+    if not faces:
+        return np.zeros((0, 3), np.int32)
+    order = np.argsort(np.concatenate(owners), kind="stable")
+    return np.concatenate(faces)[order].astype(np.int32)
+
+
+def _convex(rings: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which polygons, shape (p, k, 3), turn the same way at every corner."""
+    edges = np.roll(rings, -1, axis=1) - rings
+    turns = np.cross(edges, np.roll(edges, -1, axis=1))
+    fans = np.cross(rings[:, 1:-1] - rings[:, :1], rings[:, 2:] - rings[:, :1])
+    area = fans.sum(axis=1)
+    return np.asarray((np.einsum("pki,pi->pk", turns, area) >= 0).all(axis=1))
+
+
+def _cut(
+    ring: NDArray[np.float64], indices: NDArray[np.int64], fan: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Triangles of one polygon that is not convex; the fan where it is beyond saving."""
+    import manifold3d
+
+    area = np.cross(ring[1:-1] - ring[0], ring[2:] - ring[0]).sum(axis=0)
+    drop = int(np.argmax(np.abs(area)))
+    flat = ring[:, [(drop + 1) % 3, (drop + 2) % 3]]
+    if area[drop] < 0:
+        flat = flat[:, ::-1]
+    try:
+        cut = np.asarray(manifold3d.triangulate([np.ascontiguousarray(flat)]), np.int64)
+    except (RuntimeError, ValueError):
+        return fan
+    return indices[cut] if cut.shape == fan.shape else fan
+
+
+def check_places(vertices: NDArray[np.floating]) -> None:
+    """Refuse coordinates that are not finite or absurdly large.
+
+    Raises
+    ------
+    FormatError
+    """
+    with np.errstate(invalid="ignore"):
+        sane = bool((np.abs(vertices) <= MAX_COORDINATE).all())
+    if not sane:
+        raise FormatError("A vertex is not finite, or further away than a mesh can reach.")
+
+
+def checked_mesh(
+    vertices: NDArray[np.floating],
+    faces: NDArray[np.integer],
+    normals: NDArray[np.floating] | None = None,
+    colors: NDArray[np.uint8] | None = None,
+) -> Mesh:
+    """A mesh out of a file's arrays, if they can be trusted.
+
+    Raises
+    ------
+    FormatError
+        If a coordinate is not finite or absurdly large, or a face names a vertex that the
+        file does not hold.
+    """
+    if not len(faces):
+        raise FormatError("There are no faces in this file.")
+    check_places(vertices)
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise FormatError("A face names a vertex that the file does not hold.")
+    if normals is not None and not np.isfinite(normals).all():
+        normals = None  # shading can be had again from the faces
+    return Mesh(
+        vertices.astype(np.float32),
+        faces.astype(np.int32),
+        None if normals is None else normals.astype(np.float32),
+        colors,
+    )

@@ -1,0 +1,98 @@
+"""XML from outside: no document types, no entities, no bottomless nesting."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Final
+from xml.parsers import expat
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, at_most
+
+__all__ = ["Element", "parsed", "writable"]
+
+XML_SPACE: Final = "http://www.w3.org/XML/1998/namespace"
+
+NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def writable(text: str) -> str:
+    """The text without the characters that XML 1.0 has no way to write."""
+    return NOT_XML.sub("", text)
+
+
+@dataclass
+class Element:
+    """One element.
+
+    Attributes
+    ----------
+    space, tag : str
+        Namespace ("" where there is none) and name without prefix.
+    attributes : dict
+        Names without prefix for those in no namespace or in the XML one; others as
+        "namespace name".
+    children : list of Element
+    text : str
+        All text directly inside, put together.
+    """
+
+    space: str
+    tag: str
+    attributes: dict[str, str]
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+
+def parsed(data: bytes) -> Element:
+    """The root element of an XML file.
+
+    A document type is refused before anything in it is looked at, and with it every
+    entity: that is where the known attacks on XML readers live.
+
+    Raises
+    ------
+    FormatError
+        If it is not well-formed, has a DOCTYPE, or is too large or too deep.
+    """
+    top = Element("", "", {})
+    stack: list[Element] = [top]
+    words: list[list[str]] = [[]]
+    count = 0
+
+    def refuse(*_: object) -> None:
+        raise FormatError(
+            "It has a document type (<!DOCTYPE …>), which is not accepted. Remove that line, "
+            "or export the file again as plain SVG or InkML."
+        )
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        at_most(count, MAX_ELEMENTS, "elements")
+        at_most(len(stack), MAX_DEPTH, "levels of nesting")
+        space, _, tag = name.rpartition(" ")
+        plain = {key.removeprefix(f"{XML_SPACE} "): value for key, value in attributes.items()}
+        made = Element(space, tag, plain)
+        stack[-1].children.append(made)
+        stack.append(made)
+        words.append([])
+
+    def end(_: str) -> None:
+        stack.pop().text = "".join(words.pop())
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.buffer_text = True
+    parser.StartDoctypeDeclHandler = refuse
+    parser.EntityDeclHandler = refuse
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = lambda text: words[-1].append(text)
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise FormatError(f"This is not well-formed XML: {error}.") from error
+    except (LookupError, ValueError) as error:  # an encoding that Python does not know
+        raise FormatError(f"Its text encoding cannot be read: {error}.") from error
+    return top.children[0]
