@@ -122,7 +122,27 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
     # A line drawn to and fro encloses nothing worth the name.
     if len(ring) < 3 or _area(ring) < 1e-5:
         return None, np.zeros((0, 2))
-    return ring, np.zeros((0, 2))
+    return _repaired(ring)
+
+
+def _repaired(ring: Points) -> tuple[Points | None, Points]:
+    """Catch what is left: edges that fold back on their neighbours, or touch."""
+    import shapely
+
+    if shapely.LinearRing(ring).is_simple:
+        return ring, np.zeros((0, 2))
+    polygon = shapely.Polygon(ring)
+    pieces = shapely.get_parts(shapely.make_valid(polygon))
+    pieces = [p for p in pieces if p.geom_type == "Polygon"]
+    pieces.sort(key=lambda p: -float(p.area))
+    if not pieces or sum(p.area for p in pieces[1:]) > SMALL_LOOP * pieces[0].area:
+        where = shapely.get_coordinates(shapely.node(shapely.LinearRing(ring)).boundary)
+        return ring, where[:8] if len(where) else ring[:1]
+    # A hair inward and out again separates what only touches.
+    hair = 1e-4
+    body = max(shapely.get_parts(pieces[0].buffer(-hair).buffer(hair)), key=lambda p: p.area)
+    coordinates = shapely.get_coordinates(shapely.Polygon(body.exterior).exterior)[:-1]
+    return coordinates, np.zeros((0, 2))
 
 
 def _pushed_apart(ring: Points, first: Indices, second: Indices) -> Points | None:

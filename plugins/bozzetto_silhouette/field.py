@@ -138,7 +138,7 @@ class ConvolutionField:
     def gradient(self, points: ArrayLike) -> Points:
         """Gradient of `value` at points (n, 3), per unit of length; it points inwards."""
         xy, z = self._inner(points)
-        step = 1e-4
+        step = 5e-4
         columns = []
         for axis in np.eye(2):
             ahead, back = (self._level(xy + s * step * axis, z * z) for s in (1.0, -1.0))
@@ -318,7 +318,9 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     nodes = raw.skeleton.transformed(1.0 / raw.scale, -raw.origin / raw.scale)
     wanted = nodes.heights(nodes.nodes[:, :2])
     height = field_.heights_inner(nodes.nodes[:, :2])
-    off = np.flatnonzero(np.abs(height - wanted) > SUMMIT_ERROR * wanted)
+    off = np.flatnonzero(
+        (np.abs(height - wanted) > SUMMIT_ERROR * wanted) & (wanted > THINNEST)
+    )
     summit = nodes.nodes[off]
     missing = -field_._level(summit[:, :2], wanted[off] ** 2)
     return replace(field_, summits=np.column_stack([summit, np.clip(missing, -0.5, 0.5)]))
