@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Final, Literal, overload
+from collections.abc import Iterable
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
 
@@ -140,6 +141,39 @@ class Stroke:
         object.__setattr__(self, "has_pressure", pressure is not None)
         object.__setattr__(self, "has_time", t is not None)
 
+    @classmethod
+    def from_columns(
+        cls,
+        columns: Iterable[Column],
+        camera: Camera,
+        tool: StrokeTool,
+        color: tuple[int, int, int] | None,
+        group: str,
+        has_pressure: bool,
+        has_time: bool,
+    ) -> Stroke:
+        """A stroke over columns already checked: one length, finite, backed by ``bytes``.
+
+        For readers of files that hold thousands of strokes in common columns and have
+        checked these as a whole; everyone else calls the class.
+
+        Parameters
+        ----------
+        columns : iterable of (n,) float32
+            In the order of `COLUMNS`.
+        """
+        made = cls.__new__(cls)
+        keep = object.__setattr__
+        for name, column in zip(COLUMNS, columns, strict=True):
+            keep(made, name, column)
+        keep(made, "camera", camera)
+        keep(made, "tool", tool)
+        keep(made, "color", color)
+        keep(made, "group", group)
+        keep(made, "has_pressure", has_pressure)
+        keep(made, "has_time", has_time)
+        return made
+
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a stroke is read-only: {name}")
 
@@ -190,109 +224,12 @@ class Stroke:
         return state.digest()
 
 
-class Strokes(Sequence[Stroke]):
+class Strokes(Chunked[Stroke]):
     """An immutable sequence of strokes that is cheap to extend.
-
-    Kept as a tuple of tuples of at most `CHUNK` strokes, so that a new snapshot with one
-    more stroke shares all but one chunk with the old one: the step costs a kilobyte, not
-    one pointer for every stroke drawn before.
 
     Parameters
     ----------
     strokes : iterable of Stroke
     """
 
-    CHUNK: Final = 64
-
-    __slots__ = ("_chunks", "_length")
-
-    _chunks: tuple[tuple[Stroke, ...], ...]
-    _length: int
-
-    def __init__(self, strokes: Iterable[Stroke] = ()) -> None:
-        items = tuple(strokes)
-        size = self.CHUNK
-        chunks = tuple(items[i : i + size] for i in range(0, len(items), size))
-        object.__setattr__(self, "_chunks", chunks)
-        object.__setattr__(self, "_length", len(items))
-
-    @classmethod
-    def _of(cls, chunks: tuple[tuple[Stroke, ...], ...]) -> Strokes:
-        made = cls.__new__(cls)
-        object.__setattr__(made, "_chunks", chunks)
-        object.__setattr__(made, "_length", sum(map(len, chunks)))
-        return made
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"strokes are read-only: {name}")
-
-    def __len__(self) -> int:
-        return self._length
-
-    def __iter__(self) -> Iterator[Stroke]:
-        for chunk in self._chunks:
-            yield from chunk
-
-    @overload
-    def __getitem__(self, index: int) -> Stroke: ...
-    @overload
-    def __getitem__(self, index: slice) -> Strokes: ...
-    def __getitem__(self, index: int | slice) -> Stroke | Strokes:
-        if isinstance(index, slice):
-            return Strokes(tuple(self)[index])
-        position = index + self._length if index < 0 else index
-        if not 0 <= position < self._length:
-            raise IndexError(index)
-        for chunk in self._chunks:
-            if position < len(chunk):
-                return chunk[position]
-            position -= len(chunk)
-        raise IndexError(index)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Strokes):
-            return NotImplemented
-        if self._chunks is other._chunks:
-            return True
-        return len(self) == len(other) and all(
-            a is b or a == b for a, b in zip(self, other, strict=True)
-        )
-
-    def __hash__(self) -> int:
-        return hash(tuple(self))
-
-    def __repr__(self) -> str:
-        return f"Strokes({len(self)})"
-
-    def extended(self, strokes: Iterable[Stroke]) -> Strokes:
-        """Return a new sequence with further strokes at the end."""
-        chunks = self._chunks
-        for stroke in strokes:
-            if chunks and len(chunks[-1]) < self.CHUNK:
-                chunks = (*chunks[:-1], (*chunks[-1], stroke))
-            else:
-                chunks = (*chunks, (stroke,))
-        return self._of(chunks)
-
-    def without(self, index: int) -> Strokes:
-        """Return a new sequence without the stroke at a position."""
-        position = range(self._length)[index]
-        chunks = list(self._chunks)
-        for place, chunk in enumerate(chunks):
-            if position < len(chunk):
-                rest = chunk[:position] + chunk[position + 1 :]
-                chunks[place : place + 1] = [rest] if rest else []
-                break
-            position -= len(chunk)
-        return self._of(tuple(chunks))
-
-    def replaced(self, index: int, stroke: Stroke) -> Strokes:
-        """Return a new sequence with the stroke at a position exchanged."""
-        position = range(self._length)[index]
-        chunks = list(self._chunks)
-        for place, chunk in enumerate(chunks):
-            if position < len(chunk):
-                chunks[place] = (*chunk[:position], stroke, *chunk[position + 1 :])
-                break
-            position -= len(chunk)
-        return self._of(tuple(chunks))
+    __slots__ = ()
