@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.placement import Placement
@@ -18,9 +20,29 @@ from bozzetto.view.camera import Camera
 __all__ = ["Document", "Model", "NamedView", "Underlay", "new_id"]
 
 
+ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
+"""Ids of models, modelers and underlays: they become folders in the file."""
+
+NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
+"""Names of models, views and underlays: no control characters, no halves of characters."""
+
+STANDING: Final = Placement()
+"""Where a model stands that nobody has moved."""
+
+
 def new_id() -> str:
     """A fresh identifier for a model or an underlay."""
     return uuid.uuid4().hex[:16]
+
+
+def _check_id(text: str) -> None:
+    if re.match(ID_PATTERN, text) is None:
+        raise ValueError(f"{text!r} cannot be an id in a document")
+
+
+def _check_name(text: str) -> None:
+    if re.match(NAME_PATTERN, text) is None:
+        raise UserError("A name has between 1 and 200 characters, without line breaks.")
 
 
 @dataclass(frozen=True)
@@ -36,6 +58,9 @@ class Model:
         Id of the modeler that understands `state`.
     state : object
         The modeler's frozen state, or `document.codec.OpaqueState` where the plugin is absent.
+    state_version : int
+        The modeler's ``state_version`` at the time; written beside the state, so that a
+        later version knows what to upgrade.
     color : (r, g, b), optional
         None is the theme's clay.
     """
@@ -44,10 +69,18 @@ class Model:
     name: str
     modeler: str
     state: Any
-    placement: Placement = Placement()
+    placement: Placement = STANDING
     visible: bool = True
     locked: bool = False
     color: tuple[int, int, int] | None = None
+    state_version: int = 1
+
+    def __post_init__(self) -> None:
+        _check_id(self.id)
+        _check_id(self.modeler)
+        _check_name(self.name)
+        if self.color is not None and not all(0 <= part <= 255 for part in self.color):
+            raise ValueError(f"{self.color} is no colour")
 
 
 @dataclass(frozen=True)
@@ -56,6 +89,9 @@ class NamedView:
 
     name: str
     camera: Camera
+
+    def __post_init__(self) -> None:
+        _check_name(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +116,16 @@ class Underlay:
     visible: bool = True
 
     def __post_init__(self) -> None:
+        _check_id(self.id)
+        _check_name(self.name)
         object.__setattr__(self, "pixels", frozen(self.pixels, np.uint8))
+        if self.pixels.ndim != 3 or self.pixels.shape[2] != 4 or not self.pixels.size:
+            raise ValueError(
+                f"an underlay's pixels are of shape (h, w, 4), not {self.pixels.shape}"
+            )
+        place = (*self.corner, *self.across, *self.down)
+        if not np.isfinite(place).all() or not 0.0 <= self.opacity <= 1.0:
+            raise ValueError("an underlay needs finite corners and an opacity from 0 to 1")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,27 +134,49 @@ class Document:
 
     Parameters
     ----------
-    models : tuple of Model
-        In the order of the object list.
+    models : sequence of Model
+        In the order of the object list; kept as `Chunked`, so that a change to one of a
+        thousand models does not copy a thousand pointers.
     views : tuple of NamedView
     underlays : tuple of Underlay
     camera : Camera, optional
         Where the person last looked from.
-    foreign : dict of str to bytes
+    foreign : tuple of (str, bytes)
         Parts of the file that belong to nobody we know; written back byte for byte.
     """
 
-    models: tuple[Model, ...] = ()
+    models: Sequence[Model] = ()
     views: tuple[NamedView, ...] = ()
     underlays: tuple[Underlay, ...] = ()
     camera: Camera | None = None
     foreign: tuple[tuple[str, bytes], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.models, Chunked):
+            object.__setattr__(self, "models", Chunked(self.models))
+
+    @property
+    def _models(self) -> Chunked[Model]:
+        return cast("Chunked[Model]", self.models)
 
     def __iter__(self) -> Iterator[Model]:
         return iter(self.models)
 
     def __len__(self) -> int:
         return len(self.models)
+
+    def place_of(self, model_id: str) -> int:
+        """Where a model stands in the object list.
+
+        Raises
+        ------
+        UserError
+            If there is none of that id.
+        """
+        for place, model in enumerate(self.models):
+            if model.id == model_id:
+                return place
+        raise UserError("That object is no longer in the document. Choose another one.")
 
     def model(self, model_id: str) -> Model:
         """The model of that id.
@@ -119,25 +186,22 @@ class Document:
         UserError
             If there is none.
         """
-        for model in self.models:
-            if model.id == model_id:
-                return model
-        raise UserError("That object is no longer in the document. Choose another one.")
+        return self.models[self.place_of(model_id)]
 
     def with_model(self, model: Model, *, at: int | None = None) -> Document:
         """Add a model, or exchange the one of the same id (keeping its place)."""
-        places = [i for i, old in enumerate(self.models) if old.id == model.id]
-        if places and at is None:
-            i = places[0]
-            return replace(self, models=(*self.models[:i], model, *self.models[i + 1 :]))
-        rest = tuple(old for old in self.models if old.id != model.id)
-        place = len(rest) if at is None else max(0, min(at, len(rest)))
-        return replace(self, models=(*rest[:place], model, *rest[place:]))
+        models = self._models
+        known = next((i for i, old in enumerate(models) if old.id == model.id), None)
+        if known is not None and at is None:
+            return replace(self, models=models.replaced(known, model))
+        if known is not None:
+            models = models.without(known)
+        place = len(models) if at is None else max(0, min(at, len(models)))
+        return replace(self, models=models.inserted(place, model))
 
     def without_model(self, model_id: str) -> Document:
         """Leave a model out."""
-        self.model(model_id)
-        return replace(self, models=tuple(m for m in self.models if m.id != model_id))
+        return replace(self, models=self._models.without(self.place_of(model_id)))
 
     def unused_name(self, wish: str) -> str:
         """`wish`, with a number behind it where the name is taken."""

@@ -1,0 +1,39 @@
+"""Documents of earlier versions: one pure function from each version to the next.
+
+A step gets the JSON trees of the core (``manifest.json`` and ``core/*.json``) by name and
+returns them in the next version's shape. The states of modelers are not touched: these
+have versions of their own (`StateTypes.upgrade`). For every version that was ever
+released, ``tests/data/documents`` keeps one file that must open for ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+__all__ = ["STEPS", "VERSION", "migrate"]
+
+Trees = dict[str, Any]
+Step = Callable[[Trees], Trees]
+
+STEPS: Final[tuple[Step, ...]] = ()
+"""The n-th step leads from version n to n + 1."""
+
+VERSION: Final = len(STEPS) + 1
+"""The version that this program writes."""
+
+
+def migrate(trees: Trees, version: int, steps: Sequence[Step] = STEPS) -> Trees:
+    """Bring the JSON trees of a version up to date.
+
+    Parameters
+    ----------
+    trees : dict
+        JSON values by the name of their entry.
+    version : int
+        What they are now; from 1.
+    steps : sequence of callable
+    """
+    for step in steps[version - 1 :]:
+        trees = step(trees)
+    return trees
