@@ -4,7 +4,7 @@ A channel carries one kind of work ("preview", "solve", "apply"). At most one re
 channel runs; while it runs only the newest waiting request is kept (or all of them, in
 order, where a channel says so). An answer is delivered on the window's thread, and only if
 its request was not overtaken. A request that overruns its time limit, or does not listen
-when it is cancelled, is left behind together with its thread: the window never waits.
+when it is cancelled, is interrupted and left behind with its thread: the window never waits.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.watchdog import interrupt
 
 __all__ = ["Channel", "Request"]
 
@@ -56,6 +57,7 @@ class Request:
     ticket: int = field(default_factory=lambda: next(_tickets))
     started: float = 0.0
     abandoned_at: float | None = None
+    thread: threading.Thread | None = None
 
     @property
     def abandoned(self) -> bool:
@@ -136,12 +138,12 @@ class Channel(QObject):
         request = self._waiting.popleft()
         self._running = request
         request.started = time.monotonic()
-        thread = threading.Thread(
+        request.thread = threading.Thread(
             target=self._work, args=(request,), name=f"bozzetto-{self.name}", daemon=True
         )
         self._watch.start()
         self.busy_changed.emit(True)
-        thread.start()
+        request.thread.start()
 
     def _work(self, request: Request) -> None:
         def progress(fraction: float, step: str) -> None:
@@ -191,6 +193,8 @@ class Channel(QObject):
         log.warning("%s did not stop or answer in time; its thread is left behind", self.name)
         wanted = not request.abandoned
         request.abandon()
+        if request.thread is not None:
+            interrupt(request.thread)
         self._finish()
         if wanted:
             request.failed(TimeoutError(f"no answer within {self.time_limit:g} s"))

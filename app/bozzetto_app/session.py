@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.history import History
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
@@ -30,6 +30,7 @@ from bozzetto.plugin.registry import ModelerInfo, Registry
 from bozzetto.scene.display_list import Layer, Lines, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench import Workbench
+from bozzetto_app.files import Files
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.showing import Showing
 from bozzetto_app.words import tr
@@ -148,6 +149,7 @@ class Session(QObject):
         self.tools: tuple[ToolInfo, ...] = ()
         self._selected: str | None = None
         self._scene: Scene | None = None
+        self.files = Files(self)
 
         self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
@@ -155,7 +157,7 @@ class Session(QObject):
         self._showing.changed.connect(self._model_shown)
         self._showing.settled.connect(self.settled)
         self._showing.reported.connect(self._take_report)
-        self._showing.failed.connect(self._complain)
+        self._showing.failed.connect(self.complain)
         self._showing.progressed.connect(self.progressed)
         self._showing.busy_changed.connect(self.busy_changed)
 
@@ -250,7 +252,7 @@ class Session(QObject):
                 for tool in self.workbench.tools(modeler_id)
             )
 
-        self._edits.submit(Request(work, found, self._complain))
+        self._edits.submit(Request(work, found, self.complain))
 
     def activate_tool(self, tool_id: str) -> None:
         """Take another tool of the active modeler."""
@@ -357,7 +359,7 @@ class Session(QObject):
 
     def _preview_failed(self, problem: BaseException) -> None:
         if not isinstance(problem, UserError | Unfinished):
-            self._complain(problem)
+            self.complain(problem)
 
     def _set_live(self, scene: Scene) -> None:
         if scene.layers or self.live_scene.layers:
@@ -376,7 +378,7 @@ class Session(QObject):
                 self.pending_changed.emit()
             self._previews.cancel()
             self._set_live(_refused(strokes) if isinstance(problem, UserError) else Scene())
-            self._complain(problem)
+            self.complain(problem)
 
         def done() -> None:
             if self.pending[: len(strokes)] == strokes:
@@ -419,7 +421,7 @@ class Session(QObject):
             self._say_hint(self._hint_of(tool_id))
 
         def not_applied(problem: BaseException) -> None:
-            (failed or self._complain)(problem)
+            (failed or self.complain)(problem)
 
         self._edits.submit(Request(work, applied, not_applied))
 
@@ -444,7 +446,7 @@ class Session(QObject):
         try:
             document, label = change(self.document)
         except UserError as problem:
-            self._complain(problem)
+            self.complain(problem)
             return
         self._commit(label, document)
 
@@ -494,7 +496,7 @@ class Session(QObject):
                 raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
             changed = self.workbench.set_parameters(model, {name: value})
         except UserError as problem:
-            self._complain(problem)
+            self.complain(problem)
             return
         label = next(
             (field.parameter.label for field, _ in self.parameters if field.name == name), name
@@ -579,18 +581,59 @@ class Session(QObject):
         self.view_style_changed.emit()
         self.scene_changed.emit()
 
-    # -- another document --
+    # -- files --
 
-    def show_document(self, document: Document, path: Path | None, *, modified: bool) -> None:
-        """Make another document the one on the sheet."""
+    def open(self, path: Path) -> None:
+        """Open a document."""
+        self.files.open(path)
+
+    def import_file(self, path: Path) -> None:
+        """Bring a drawing, a mesh or a picture onto the sheet."""
+        self.files.import_file(path)
+
+    def take_in(self, thing: Model | Underlay, label: str) -> None:
+        """Put something new into the document, and select it."""
+        if isinstance(thing, Underlay):
+            underlays = (*self.document.underlays, thing)
+            self._commit(label, replace(self.document, underlays=underlays))
+            return
+        named = replace(thing, name=self.document.unused_name(thing.name))
+        self._showing.await_final(named.id)
+        self._commit(label, self.document.with_model(named))
+        self.select(named.id)
+
+    def show_document(
+        self,
+        document: Document,
+        path: Path | None,
+        *,
+        read_only: bool = False,
+        saved: bool = True,
+        pending: tuple[Stroke, ...] = (),
+    ) -> None:
+        """Make another document the one on the sheet.
+
+        Parameters
+        ----------
+        document : Document
+        path : Path, optional
+            Where it lies on the disk.
+        read_only : bool
+            Whether it must not be written over.
+        saved : bool
+            False for what was recovered: it is not on the disk as it is.
+        pending : tuple of Stroke
+            Ink that was waiting to be committed.
+        """
         self._edits.cancel()
         self._previews.cancel()
         self._showing.forget()
         self.history = History(document)
-        if not modified:
-            self.history.mark_saved()
+        if not saved:
+            self.history.mark_unsaved()
         self.path = path
-        self.pending = ()
+        self.read_only = read_only
+        self.pending = pending
         self._selected = None
         self.report = {}
         if document.camera is not None:
@@ -602,10 +645,11 @@ class Session(QObject):
         self.selection_changed.emit()
         self.opened.emit()
 
-    def saved_as(self, path: Path) -> None:
-        """Note that the document is on the disk as it is now."""
+    def saved_as(self, path: Path, snapshot: Document) -> None:
+        """Note that a snapshot is on the disk."""
         self.path = path
-        self.history.mark_saved()
+        self.read_only = False
+        self.history.mark_saved(snapshot)
         self.document_changed.emit()
 
     # -- solving and showing --
@@ -618,7 +662,8 @@ class Session(QObject):
     @property
     def busy(self) -> bool:
         """Whether any work is under way."""
-        return self._edits.busy or self._previews.busy or self._showing.busy
+        channels = (self._edits, self._previews, self._showing, self.files)
+        return any(channel.busy for channel in channels)
 
     def _document_replaced(self) -> None:
         if self._selected is not None and self.selected_model is None:
@@ -644,7 +689,11 @@ class Session(QObject):
 
     # -- saying things --
 
-    def _complain(self, problem: BaseException) -> None:
+    def tell(self, text: str) -> None:
+        """Say that something went well."""
+        self.noticed.emit(Notice("info", text))
+
+    def complain(self, problem: BaseException) -> None:
         """Tell the person about a problem, each kind in its own way."""
         if isinstance(problem, UserError):
             self.noticed.emit(Notice("error", problem.message, problem.places))

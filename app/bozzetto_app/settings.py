@@ -12,6 +12,4 @@ PROGRAM = "Bozzetto"
 
 def settings() -> QSettings:
     """The program's settings store (an INI file in the user's configuration folder)."""
-    return QSettings(
-        QSettings.Format.IniFormat, QSettings.Scope.UserScope, ORGANISATION, PROGRAM
-    )
+    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, ORGANISATION, PROGRAM)

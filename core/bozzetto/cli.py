@@ -65,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="bozzetto", description="Draw, and get 3D.")
+    parser = _Parser(prog="bozzetto", description="Draw, and get 3D. Without a command, the window opens.")
     parser.add_argument("--version", action="version", version=f"bozzetto {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
@@ -130,7 +130,7 @@ def _workbench() -> Any:
 
 
 def _build(options: argparse.Namespace) -> int:
-    from bozzetto.exchange.formats import writer_for
+    from bozzetto.exchange.formats import find, writers
 
     bench = _workbench()
     modeler_id = bench.registry.resolve(options.modeler)
@@ -139,7 +139,7 @@ def _build(options: argparse.Namespace) -> int:
     targets = _targets(inputs, options.output, options.format)
     for target in targets:
         if target.suffix.lower() != ".bozz":
-            writer_for(target)
+            find(target, writers("mesh", "curves"))
     reports: list[dict[str, Any]] = []
     failed = 0
     for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
@@ -335,13 +335,13 @@ def _facts(path: Path) -> dict[str, Any]:
     import numpy as np
 
     from bozzetto.exchange.importing import read_drawing, read_mesh
-    from bozzetto.exchange.formats import reader_for
+    from bozzetto.exchange.formats import find, readers
 
     if path.suffix.lower() == ".bozz":
         from bozzetto.document.file import document_info
 
         return document_info(path)
-    if reader_for(path).holds == "ink":
+    if "ink" in find(path, readers()).holds:
         drawing = read_drawing(path)
         return {
             "kind": "drawing",

@@ -60,7 +60,14 @@ class Workbench:
         """A new, empty model of a modeler."""
         modeler = self.registry.modeler(modeler_id)
         state = self.registry.guard.call(modeler_id, "create", modeler.create, context)
-        return Model(new_id(), name or modeler.title, modeler_id, state)
+        self.registry.guard.check_state(modeler_id, modeler.state_type, state)
+        return Model(
+            new_id(),
+            name or modeler.title,
+            modeler_id,
+            state,
+            state_version=modeler.state_version,
+        )
 
     def tool(self, modeler_id: str, tool_id: str) -> Tool[Any]:
         """A tool of a modeler by its id.
@@ -157,7 +164,7 @@ class Workbench:
             raise UserError(f"{modeler.title} cannot start from a mesh. Choose another modeler.")
         state = self.registry.guard.call(modeler_id, "read_shapes", modeler.read_shapes, shapes)
         self.registry.guard.check_state(modeler_id, modeler.state_type, state)
-        return Model(new_id(), name, modeler_id, state)
+        return Model(new_id(), name, modeler_id, state, state_version=modeler.state_version)
 
     # -- solving --
 
@@ -257,6 +264,7 @@ class Workbench:
         said = self.registry.guard.call(
             model.modeler, "report", modeler.report, model.state, result
         )
+        said = self.registry.guard.check_report(model.modeler, said)
         said = self.registry.guard.check_report(model.modeler, said)
         return {str(key): _plain(value) for key, value in said.items()}
 

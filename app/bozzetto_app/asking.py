@@ -1,0 +1,141 @@
+"""The questions about files: where to, which one, and what about unsaved work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+from bozzetto_app.files import DOCUMENT_ENDING
+from bozzetto_app.session import Session
+from bozzetto_app.settings import settings
+from bozzetto_app.words import tr
+
+__all__ = ["FileQuestions"]
+
+LAST_FOLDER = "files/last_folder"
+
+
+class FileQuestions:
+    """Asks, then lets the session's files do it.
+
+    Parameters
+    ----------
+    session : Session
+    window : QWidget
+        The parent of the dialogs.
+    """
+
+    def __init__(self, session: Session, window: QWidget) -> None:
+        self._session = session
+        self._window = window
+
+    def ask_new(self) -> None:
+        """An empty sheet, once unsaved work is safe."""
+        self.when_safe(self._session.files.new)
+
+    def ask_open(self) -> None:
+        """A document to open."""
+        documents = tr("Files", "Bozzetto documents ({endings})").format(
+            endings=f"*{DOCUMENT_ENDING}"
+        )
+        path = self._chosen(tr("Files", "Open a document"), documents)
+        if path is not None:
+            self.when_safe(lambda: self._session.files.open(path))
+
+    def ask_import(self) -> None:
+        """A drawing, mesh or picture to bring in."""
+        from bozzetto.exchange.formats import readers
+
+        endings = " ".join(f"*{ending}" for one in readers() for ending in one.endings)
+        kinds = tr("Files", "Drawings, meshes, pictures ({endings})").format(endings=endings)
+        path = self._chosen(tr("Files", "Import"), kinds)
+        if path is not None:
+            self._session.files.import_file(path)
+
+    def ask_save(self) -> None:
+        """Save where the document lies, or ask for a place."""
+        if self._session.path is None or self._session.read_only:
+            self.ask_save_as()
+        else:
+            self._session.files.save()
+
+    def ask_save_as(self, then: Callable[[], None] = lambda: None) -> None:
+        """A place for the document."""
+        documents = tr("Files", "Bozzetto documents ({endings})").format(
+            endings=f"*{DOCUMENT_ENDING}"
+        )
+        path = self._place(tr("Files", "Save the document"), documents, DOCUMENT_ENDING)
+        if path is not None:
+            self._session.files.save(path, then)
+
+    def ask_export(self) -> None:
+        """A place and a format for the shapes."""
+        from bozzetto.exchange.formats import writers
+
+        kinds = ";;".join(
+            f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})"
+            for one in writers("mesh", "curves")
+        )
+        path = self._place(tr("Files", "Export"), kinds, "")
+        if path is not None:
+            self._session.files.export(path)
+
+    def when_safe(self, then: Callable[[], None], refused: Callable[[], None] | None = None) -> None:
+        """Do something that would lose unsaved work, after asking about it.
+
+        Parameters
+        ----------
+        then : callable
+            Called at once where nothing would be lost, else after the answer.
+        refused : callable, optional
+            Called if the person would rather stay.
+        """
+        if not self._session.is_modified:
+            then()
+            return
+        box = QMessageBox(self._window)
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(
+            tr("Files", "“{name}” has changes that are not saved.").format(
+                name=self._session.title
+            )
+        )
+        save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
+        drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
+        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(save)
+        box.exec()
+        if box.clickedButton() is drop:
+            then()
+        elif box.clickedButton() is save and self._session.path and not self._session.read_only:
+            self._session.files.save(then=then)
+        elif box.clickedButton() is save:
+            self.ask_save_as(then)
+        elif refused is not None:
+            refused()
+
+    def _chosen(self, title: str, kinds: str) -> Path | None:
+        name, _ = QFileDialog.getOpenFileName(self._window, title, self._folder(), kinds)
+        return self._noted(name)
+
+    def _place(self, title: str, kinds: str, ending: str) -> Path | None:
+        proposal = str(Path(self._folder()) / f"{self._session.title}{ending}")
+        name, chosen = QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
+        path = self._noted(name)
+        if path is not None and not path.suffix:
+            first = chosen.partition("(*")[2].split(")")[0].split(" ")[0]
+            path = path.with_name(path.name + (ending or first))
+        return path
+
+    def _folder(self) -> str:
+        if self._session.path is not None:
+            return str(self._session.path.parent)
+        return str(settings().value(LAST_FOLDER, str(Path.home())))
+
+    def _noted(self, name: str) -> Path | None:
+        if not name:
+            return None
+        settings().setValue(LAST_FOLDER, str(Path(name).parent))
+        return Path(name)

@@ -1,0 +1,351 @@
+"""What a person can ask the window to do: one list, from which menus and keys are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Literal, get_args
+
+from bozzetto_app.actions import Action
+from bozzetto_app.session import Shading
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto_app.window import Window
+
+__all__ = ["commands_of", "number_keys"]
+
+View = Literal["front", "back", "right", "left", "top", "bottom", "three-quarter"]
+
+VIEW_KEYS: dict[str, tuple[str, ...]] = {
+    "front": ("Num+1", "F5"),
+    "back": ("Ctrl+Num+1",),
+    "right": ("Num+3", "F6"),
+    "left": ("Ctrl+Num+3",),
+    "top": ("Num+7", "F7"),
+    "bottom": ("Ctrl+Num+7",),
+    "three-quarter": ("Num+0", "F8"),
+}
+"""As in the programs that designers come from."""
+
+
+def commands_of(window: Window) -> Iterator[Action]:
+    """All commands of a window, in the order of its menus."""
+    yield from _file(window)
+    yield from _edit(window)
+    yield from _object(window)
+    yield from _view(window)
+    yield from _help(window)
+
+
+def _file(window: Window) -> Iterator[Action]:
+    session, files = window.session, window.files
+    menu = (tr("Menu", "&File"),)
+    yield Action("file.new", tr("File", "&New"), files.ask_new, "file-new", ("Ctrl+N",), menu)
+    yield Action("file.open", tr("File", "&Open…"), files.ask_open, "open", ("Ctrl+O",), menu)
+    yield Action(
+        "file.import",
+        tr("File", "&Import…"),
+        files.ask_import,
+        "import",
+        ("Ctrl+I",),
+        menu,
+        tip=tr("File", "Drawings, meshes and pictures to trace"),
+    )
+    yield Action(
+        "file.save",
+        tr("File", "&Save"),
+        files.ask_save,
+        "save",
+        ("Ctrl+S",),
+        menu,
+        "save",
+        enabled=lambda: not session.read_only,
+    )
+    yield Action(
+        "file.save_as",
+        tr("File", "Save &as…"),
+        files.ask_save_as,
+        "",
+        ("Ctrl+Shift+S",),
+        menu,
+        "save",
+    )
+    yield Action(
+        "file.export",
+        tr("File", "&Export…"),
+        files.ask_export,
+        "export",
+        ("Ctrl+E",),
+        menu,
+        "save",
+        enabled=lambda: len(session.document) > 0,
+        tip=tr("File", "For a 3D printer, for Blender, for the web"),
+    )
+    yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
+
+
+def _edit(window: Window) -> Iterator[Action]:
+    session = window.session
+    menu = (tr("Menu", "&Edit"),)
+    yield Action(
+        "edit.undo",
+        tr("Edit", "&Undo"),
+        session.undo,
+        "undo",
+        ("Ctrl+Z",),
+        menu,
+        enabled=lambda: bool(session.pending) or session.history.undo_label is not None,
+    )
+    yield Action(
+        "edit.redo",
+        tr("Edit", "&Redo"),
+        session.redo,
+        "redo",
+        ("Ctrl+Shift+Z", "Ctrl+Y"),
+        menu,
+        enabled=lambda: session.history.redo_label is not None,
+    )
+    yield Action(
+        "edit.commit",
+        tr("Edit", "&Finish the stroke, or start a new object"),
+        session.commit_pending,
+        "commit",
+        ("Return", "Enter"),
+        menu,
+        "ink",
+        on_sheet=True,
+    )
+    yield Action(
+        "edit.drop",
+        tr("Edit", "Take &back the last waiting stroke"),
+        session.drop_last_pending,
+        "",
+        ("Backspace",),
+        menu,
+        "ink",
+        enabled=lambda: bool(session.pending),
+        on_sheet=True,
+    )
+    yield Action(
+        "edit.palette",
+        tr("Edit", "Find a &command…"),
+        window.open_palette,
+        "command",
+        ("Ctrl+K", "F3"),
+        menu,
+        "find",
+    )
+    yield Action(
+        "edit.preferences",
+        tr("Edit", "&Preferences…"),
+        window.open_preferences,
+        "settings",
+        ("Ctrl+,",),
+        menu,
+        "find",
+    )
+
+
+def _object(window: Window) -> Iterator[Action]:
+    session = window.session
+    menu = (tr("Menu", "&Object"),)
+
+    def has_selection() -> bool:
+        return session.selected is not None
+
+    def free() -> bool:
+        model = session.selected_model
+        return model is not None and not model.locked
+
+    yield Action(
+        "object.duplicate",
+        tr("Object", "&Duplicate"),
+        lambda: session.duplicate(session.selected or ""),
+        "duplicate",
+        ("Ctrl+D",),
+        menu,
+        enabled=has_selection,
+    )
+    yield Action(
+        "object.delete",
+        tr("Object", "De&lete"),
+        lambda: session.delete(session.selected or ""),
+        "trash",
+        ("Delete",),
+        menu,
+        enabled=free,
+        on_sheet=True,
+    )
+    yield Action(
+        "object.hide",
+        tr("Object", "&Hide or show"),
+        window.toggle_visible,
+        "eye",
+        ("Ctrl+H",),
+        menu,
+        "state",
+        enabled=has_selection,
+    )
+    yield Action(
+        "object.lock",
+        tr("Object", "Loc&k or unlock"),
+        window.toggle_locked,
+        "lock",
+        ("Ctrl+L",),
+        menu,
+        "state",
+        enabled=has_selection,
+    )
+
+
+def _view(window: Window) -> Iterator[Action]:
+    session, canvas = window.session, window.canvas
+    menu = (tr("Menu", "&View"),)
+    titles: dict[str, str] = {
+        "front": tr("View", "Front"),
+        "back": tr("View", "Back"),
+        "right": tr("View", "Right"),
+        "left": tr("View", "Left"),
+        "top": tr("View", "Top"),
+        "bottom": tr("View", "Bottom"),
+        "three-quarter": tr("View", "Three-quarter"),
+    }
+    yield Action("view.fit", tr("View", "&All"), canvas.fit, "home", ("Home",), menu, on_sheet=True)
+    yield Action(
+        "view.frame",
+        tr("View", "&Frame the selection"),
+        canvas.frame_selection,
+        "fit",
+        ("F",),
+        menu,
+    )
+    yield Action(
+        "view.projection",
+        tr("View", "&Perspective or orthographic"),
+        canvas.toggle_projection,
+        "perspective",
+        ("Num+5",),
+        menu,
+    )
+    for view in get_args(View):
+        yield Action(
+            f"view.{view}",
+            titles[view],
+            lambda view=view: canvas.look(view),
+            "",
+            VIEW_KEYS[view],
+            (*menu, tr("View", "&Look from")),
+        )
+    shadings: dict[str, str] = {
+        "clay": tr("View", "Clay"),
+        "zebra": tr("View", "Zebra stripes"),
+        "curvature": tr("View", "Curvature"),
+        "normals": tr("View", "Normals"),
+        "xray": tr("View", "X-ray"),
+    }
+    for shading in get_args(Shading):
+        yield Action(
+            f"view.shading.{shading}",
+            shadings[shading],
+            lambda shading=shading: session.set_shading(shading),
+            shading,
+            (),
+            (*menu, tr("View", "&Shading")),
+            checked=lambda shading=shading: session.shading == shading,
+        )
+    yield Action(
+        "view.grid",
+        tr("View", "&Ground grid"),
+        lambda: session.set_show_grid(not session.show_grid),
+        "grid",
+        ("G",),
+        menu,
+        "show",
+        checked=lambda: session.show_grid,
+    )
+    yield Action(
+        "view.ghost",
+        tr("View", "Processed &ink"),
+        lambda: session.set_show_ghost_ink(not session.show_ghost_ink),
+        "ghost-ink",
+        ("I",),
+        menu,
+        "show",
+        checked=lambda: session.show_ghost_ink,
+    )
+    yield Action(
+        "view.panels",
+        tr("View", "Pa&nels"),
+        window.toggle_panels,
+        "panels",
+        ("Tab",),
+        menu,
+        "show",
+        checked=lambda: window.panels_shown,
+        on_sheet=True,
+    )
+    yield Action(
+        "view.theme",
+        tr("View", "&Dark"),
+        window.toggle_theme,
+        "theme",
+        ("Ctrl+Shift+D",),
+        menu,
+        "show",
+        checked=lambda: window.is_dark,
+    )
+    yield Action(
+        "view.radial",
+        tr("View", "&Radial menu"),
+        canvas.open_menu,
+        "",
+        ("Q",),
+        menu,
+        "show",
+    )
+
+
+def _help(window: Window) -> Iterator[Action]:
+    menu = (tr("Menu", "&Help"),)
+    yield Action(
+        "help.shortcuts",
+        tr("Help", "&Keys and gestures"),
+        window.open_shortcuts,
+        "keyboard",
+        ("F1",),
+        menu,
+    )
+    for info in window.session.modelers:
+        for sample, title in zip(info.samples, info.sample_titles, strict=True):
+            yield Action(
+                f"help.watch.{info.id}.{sample.stem}",
+                f"{info.title}: {title}",
+                lambda sample=sample, info=info: window.watch(info.id, sample),
+                "play",
+                (),
+                (*menu, tr("Help", "&Watch a drawing")),
+            )
+    yield Action(
+        "help.pen", tr("Help", "&Pen tester"), window.open_pen_tester, "pen-tester", (), menu
+    )
+    yield Action("help.plugins", tr("Help", "P&lugins"), window.open_plugins, "plugin", (), menu)
+    yield Action("help.about", tr("Help", "&About Bozzetto"), window.open_about, "info", (), menu)
+
+
+def number_keys(window: Window) -> Iterator[Action]:
+    """1 … 9 take the tools of the active modeler."""
+
+    def take(place: int) -> None:
+        tools = window.session.tools
+        if place < len(tools):
+            window.session.activate_tool(tools[place].id)
+
+    for number in range(1, 10):
+        yield Action(
+            f"tool.{number}",
+            tr("Tool", "Tool {number}").format(number=number),
+            lambda place=number - 1: take(place),
+            keys=(str(number),),
+            enabled=lambda place=number - 1: place < len(window.session.tools),
+            on_sheet=True,
+        )

@@ -1,0 +1,27 @@
+"""Where the program keeps what it keeps for itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QStandardPaths
+
+__all__ = ["log_file", "recovery_folder", "state_folder"]
+
+
+def state_folder() -> Path:
+    """The program's own folder, made if it is missing; survives a restart of the machine."""
+    kind = QStandardPaths.StandardLocation.AppLocalDataLocation
+    folder = Path(QStandardPaths.writableLocation(kind))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def recovery_folder() -> Path:
+    """Where the journals of open documents are."""
+    return state_folder() / "recovery"
+
+
+def log_file() -> Path:
+    """Where faults are written with their tracebacks."""
+    return state_folder() / "bozzetto.log"

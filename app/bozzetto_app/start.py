@@ -1,0 +1,97 @@
+"""Starting up: the window first, everything heavy after its first paint."""
+
+from __future__ import annotations
+
+import faulthandler
+import logging
+import logging.handlers
+import signal
+import sys
+import threading
+from importlib import import_module
+from pathlib import Path
+from typing import TextIO
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+
+from bozzetto.plugin.registry import Registry
+from bozzetto_app.canvas.gl_setup import prepare
+from bozzetto_app.places import log_file, state_folder
+from bozzetto_app.session import Session
+from bozzetto_app.settings import ORGANISATION, PROGRAM, settings
+from bozzetto_app.theme import apply_theme
+from bozzetto_app.window import Window
+
+__all__ = ["application", "start"]
+
+HEAVY = ("scipy.optimize", "scipy.spatial", "shapely", "manifold3d")
+"""Imported in a thread after the first paint, so that the first stroke need not wait."""
+
+DISABLED_PLUGINS = "plugins/disabled"
+
+
+def application() -> QApplication:
+    """The one Qt application, dressed in the program's theme."""
+    existing = QApplication.instance()
+    if isinstance(existing, QApplication):
+        return existing
+    prepare()
+    app = QApplication(sys.argv[:1])
+    app.setOrganizationName(ORGANISATION)
+    app.setApplicationName(PROGRAM)
+    app.setDesktopFileName("bozzetto")
+    return app
+
+
+def start(document: Path | None, *, plugins: bool = True) -> int:
+    """Open the window and stay until it is closed.
+
+    Parameters
+    ----------
+    document : Path, optional
+        Opened at the start.
+    plugins : bool
+        False is the safe mode: no plugin is used.
+
+    Returns
+    -------
+    int
+        The process's exit code.
+    """
+    app = application()
+    crash_log = _log_to_disk()
+    kept = settings().value(DISABLED_PLUGINS, [])
+    disabled = [kept] if isinstance(kept, str) else list(kept or [])
+    session = Session(Registry(disabled=disabled, no_plugins=not plugins))
+    window = Window(session)
+    window.show()
+    QTimer.singleShot(0, lambda: _after_first_paint(window, document))
+    signal.signal(signal.SIGINT, lambda *_: window.close())
+    code = app.exec()
+    crash_log.close()
+    return code
+
+
+def _after_first_paint(window: Window, document: Path | None) -> None:
+    threading.Thread(target=_import_heavy, name="bozzetto-imports", daemon=True).start()
+    if document is not None:
+        window.session.open(document)
+    window.offer_recovery()
+
+
+def _import_heavy() -> None:
+    for name in HEAVY:
+        import_module(name)
+
+
+def _log_to_disk() -> TextIO:
+    """Faults go to a rotating log; crashes of native code leave a traceback beside it."""
+    handler = logging.handlers.RotatingFileHandler(
+        log_file(), maxBytes=1_000_000, backupCount=2, encoding="utf-8"
+    )
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    logging.getLogger().addHandler(handler)
+    file = open(state_folder() / "crash.log", "a", encoding="utf-8")  # noqa: SIM115
+    faulthandler.enable(file)
+    return file
