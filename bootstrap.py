@@ -95,14 +95,15 @@ def require_python(version: tuple[int, int]) -> None:
 
 def install(extra: str) -> None:
     """Bring ``.venv`` up to date; an install that was cut short is done again."""
+    if is_current(STAMP, digest(venv_version()), extra):
+        return
     with one_at_a_time():
-        version = venv_version()
-        if version and is_current(STAMP, digest(version), extra):
+        if is_current(STAMP, digest(venv_version()), extra):  # another call was faster
             return
-        if not version or not find_installer():
+        if not venv_version() or not find_installer():
             make_venv()
-            version = venv_version()
-        if not (installer := find_installer()):
+        version, installer = venv_version(), find_installer()
+        if not version or not installer:
             raise Stop(f"Neither pip nor uv can install into {VENV}.")
         STAMP.unlink(missing_ok=True)
         print(f"Installing Bozzetto into {VENV}; the first time takes some minutes.", flush=True)
