@@ -1,0 +1,66 @@
+"""Pictures of a whole scene, framed by themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Scene
+from bozzetto.scene.palette import LIGHT, Palette
+from bozzetto.scene.software import Shading, render
+from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import fit
+from bozzetto.view.standard import standard_view
+
+__all__ = ["picture", "thumbnail"]
+
+
+def picture(
+    scene: Scene,
+    *,
+    view: str = "three-quarter",
+    camera: Camera | None = None,
+    palette: Palette = LIGHT,
+    size: tuple[int, int] = (1200, 900),
+    scale: float = 1.0,
+    shading: Shading = "clay",
+    background: bool = True,
+) -> NDArray[np.uint8]:
+    """A still picture of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    view : str
+        Name of a standard view (see `bozzetto.view.standard`) that frames the scene.
+    camera : Camera, optional
+        Looks through this instead, whatever the view.
+    palette : Palette
+    size : (width, height)
+        Pixels; ``scale`` multiplies them, and the widths of lines with them.
+    scale : float
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    background : bool
+        Paper behind the scene, or nothing.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, sRGB, straight alpha.
+
+    Raises
+    ------
+    UserError
+        If the view has no such name, or the picture is too large.
+    """
+    if camera is None:
+        camera = Camera(viewport=(max(size[0], 1), max(size[1], 1)))
+        camera = fit(standard_view(camera, view), scene.bounds())
+    return render(
+        scene, camera, palette, size=size, scale=scale, shading=shading, background=background
+    )
+
+
+def thumbnail(scene: Scene, size: int = 256, palette: Palette = LIGHT) -> NDArray[np.uint8]:
+    """A square picture of a scene in the three-quarter view, shape (size, size, 4)."""
+    return picture(scene, palette=palette, size=(size, size))

@@ -1,0 +1,92 @@
+"""Translucent surfaces and pictures, laid over each other from far to near at each pixel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Sheet", "lay_over"]
+
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A layer that lets what is behind it show through.
+
+    Attributes
+    ----------
+    pixel : (n,) int
+        Each at most once.
+    nearness : (n,) float32
+    color : (n, 3) float32
+        0 … 255, not multiplied by the opacity.
+    opacity : (n,) float32
+        0 … 1.
+    """
+
+    pixel: NDArray[np.intp]
+    nearness: Floats
+    color: Floats
+    opacity: Floats
+
+    def before(self, surface: Floats) -> Sheet:
+        """The part that no opaque surface (nearness at every pixel) hides."""
+        keep = self.nearness >= surface[self.pixel]
+        return Sheet(
+            self.pixel[keep], self.nearness[keep], self.color[keep], self.opacity[keep]
+        )
+
+
+def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
+    """Blend sheets over a picture, the farthest first: result = a·colour + (1 − a)·behind.
+
+    Parameters
+    ----------
+    pixels : (h · w, 4) float32
+        Written to: colour multiplied by opacity, opacity.
+    sheets : sequence of Sheet
+        Where two lie at exactly the same depth, the later one lies on top.
+    """
+    if len(sheets) == 1:
+        _blend(pixels, sheets[0], slice(None))
+        return
+    if not sheets:
+        return
+    every = Sheet(
+        np.concatenate([s.pixel for s in sheets]),
+        np.concatenate([s.nearness for s in sheets]),
+        np.concatenate([s.color for s in sheets]),
+        np.concatenate([s.opacity for s in sheets]),
+    )
+    order = np.argsort(_keys(every), kind="stable")
+    pixel = every.pixel[order]
+    index = np.arange(len(pixel))
+    first = np.ones(len(pixel), bool)
+    first[1:] = pixel[1:] != pixel[:-1]
+    rank = index - np.maximum.accumulate(np.where(first, index, 0))
+    by_rank = np.argsort(rank, kind="stable")
+    ends = np.cumsum(np.bincount(rank))
+    begin = 0
+    for end in ends.tolist():
+        _blend(pixels, every, order[by_rank[begin:end]])
+        begin = end
+
+
+def _keys(every: Sheet) -> NDArray[np.uint64]:
+    """One integer that sorts by pixel, then by nearness."""
+    bits = every.nearness.view(np.uint32)
+    negative = bits >> np.uint32(31) == 1
+    rising = np.where(negative, ~bits, bits | np.uint32(0x80000000))
+    return (every.pixel.astype(np.uint64) << np.uint64(32)) | rising.astype(np.uint64)
+
+
+def _blend(pixels: Floats, sheet: Sheet, part: NDArray[np.intp] | slice) -> None:
+    pixel = sheet.pixel[part]
+    alpha = sheet.opacity[part][:, None]
+    color = np.concatenate((sheet.color[part], np.ones_like(alpha)), 1)
+    behind = pixels[pixel]
+    pixels[pixel] = behind + alpha * (color - behind)

@@ -1,0 +1,129 @@
+"""What the depth buffer alone tells: hollows that keep light out, and contour lines."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.software.sight import Sight
+from bozzetto.scene.software.zbuffer import Buffer
+
+__all__ = ["cavities", "contours"]
+
+Floats = NDArray[np.float32]
+
+STRIDE = 4
+"""Pixels (at one sample each) between the places where hollows are measured."""
+
+REACH = 5
+"""Radius of the neighbourhood, in strides."""
+
+DEEPEST = 0.42
+"""Most light that a hollow keeps out."""
+
+JUMP = 3.0
+"""Step in depth against the slope before it that makes a contour, in pixel sizes."""
+
+BEND = 0.62
+"""Cosine between neighbouring normals below which an inner edge is drawn."""
+
+OUTER, INNER = 0.62, 0.26
+"""Strength of contours and of inner edges."""
+
+
+def _depth(buffer: Buffer, sight: Sight) -> Floats:
+    """Depth in pixel sizes at the target; infinite where nothing is seen."""
+    near = buffer.nearness.reshape(buffer.height, buffer.width)
+    if not sight.perspective:
+        return np.float32(-sight.focal) * near
+    with np.errstate(divide="ignore"):
+        # a pixel measures z / focal, so on this scale log z has slopes of one pixel size
+        depth = np.float32(-sight.focal) * np.log(np.maximum(near, 0))
+    return np.asarray(depth, np.float32)
+
+
+def cavities(buffer: Buffer, sight: Sight, fineness: int) -> Floats:
+    """How much light hollows keep out, shape (h, w), 0 … 1.
+
+    The depth buffer is compared with its own blurred copy: what lies deeper than its
+    neighbourhood is dark (Luft, Colditz & Deussen, "Image enhancement by unsharp masking
+    the depth buffer", 2006, section 3). The blur leaves out the background, so a shape
+    in front of nothing is not changed.
+    """
+    stride = STRIDE * fineness
+    depth = _depth(buffer, sight)[::stride, ::stride]
+    there = np.isfinite(depth)
+    filled = np.where(there, depth, 0.0)
+    weight = there.astype(np.float32)
+    for _ in range(2):  # two boxes make a tent
+        filled, weight = _box(filled), _box(weight)
+    mean = np.divide(filled, weight, out=np.zeros_like(filled), where=weight > 1e-3)
+    below = np.where(there, depth - mean, 0.0) / np.float32(stride * REACH)
+    dark = np.float32(DEEPEST) * np.clip(below * np.float32(0.9), 0.0, 1.0)
+    return _enlarged(dark.astype(np.float32), stride, buffer.height, buffer.width)
+
+
+def _box(image: NDArray[np.floating]) -> Floats:
+    """Mean over (2 REACH + 1)² places; zero beyond the border."""
+    size = 2 * REACH + 1
+    result = np.asarray(image, np.float64)
+    for axis in (0, 1):
+        padding = [(0, 0), (0, 0)]
+        padding[axis] = (REACH + 1, REACH)
+        total = np.cumsum(np.pad(result, padding), axis)
+        ahead = total[size:] if axis == 0 else total[:, size:]
+        behind = total[:-size] if axis == 0 else total[:, :-size]
+        result = (ahead - behind) / size
+    return result.astype(np.float32)
+
+
+def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
+    """Bilinear enlargement."""
+    result = image
+    for axis, size in ((0, height), (1, width)):
+        place = np.arange(size, dtype=np.float32) / np.float32(stride)
+        low = np.minimum(place.astype(np.intp), result.shape[axis] - 1)
+        high = np.minimum(low + 1, result.shape[axis] - 1)
+        t = place - low
+        t = t[:, None] if axis == 0 else t[None, :]
+        a, b = np.take(result, low, axis), np.take(result, high, axis)
+        result = a + (b - a) * t
+    return result
+
+
+def contours(buffer: Buffer, sight: Sight, normal: Floats | None = None) -> Floats:
+    """Strength of contour lines at each pixel, shape (h, w), 0 … 1.
+
+    A contour runs along the nearer side where depth jumps by more than the slope
+    foretells; an inner edge where the normal jumps.
+
+    Parameters
+    ----------
+    buffer : Buffer
+    sight : Sight
+    normal : (3, h, w) float32, optional
+        Normals of what is seen; zero elsewhere.
+    """
+    depth = _depth(buffer, sight)
+    there = np.isfinite(depth)
+    # a far, even ground behind everything
+    depth = np.where(there, depth, np.float32(1e9))
+    strength = np.zeros(depth.shape, np.float32)
+    for axis in (0, 1):
+        d = depth if axis == 0 else depth.T
+        line = strength if axis == 0 else strength.T
+        seen = there if axis == 0 else there.T
+        step = np.diff(d, axis=0)
+        slope = np.zeros_like(d)  # the smaller slope on either side, where there is one
+        slope[1:-1] = np.minimum(np.abs(step[:-1]), np.abs(step[1:]))
+        bound = np.float32(JUMP) + slope
+        farther = seen[:-1] & (step > bound[:-1])
+        line[:-1][farther] = OUTER
+        nearer = seen[1:] & (-step > bound[1:])
+        line[1:][nearer] = OUTER
+        if normal is not None:
+            n = normal if axis == 0 else normal.transpose(0, 2, 1)
+            same = np.einsum("kij,kij->ij", n[:, :-1], n[:, 1:])
+            edge = (same < BEND) & seen[:-1] & seen[1:] & (line[:-1] == 0)
+            line[:-1][edge] = INNER
+    return strength

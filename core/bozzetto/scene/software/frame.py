@@ -1,0 +1,244 @@
+"""One picture of a scene: surfaces, then lines and dots, then handles and labels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
+from bozzetto.scene.palette import Palette
+from bozzetto.scene.software.labels import draw_label
+from bozzetto.scene.software.shading import Shading
+from bozzetto.scene.software.sight import Sight, sight_of
+from bozzetto.scene.software.strokes import BIAS, Canvas, draw_discs, draw_lines, draw_points
+from bozzetto.scene.software.surfaces import draw_surfaces
+from bozzetto.view.camera import Camera
+
+__all__ = ["MOST_PIXELS", "render"]
+
+Floats = NDArray[np.float32]
+Window = tuple[int, int, int, int]
+
+FINENESS = 2
+"""Samples per pixel along each axis in anti-aliased pictures."""
+
+MOST_PIXELS = 64_000_000
+"""Largest picture, px: four bytes each, about 8000 × 8000."""
+
+BAND_SAMPLES = 9_000_000
+"""Samples worked on at once; larger pictures are made in bands."""
+
+HALO = 48
+"""Rows (px) around a band that are drawn and thrown away, so that hollows and contours do
+not know about the band."""
+
+ALIGNMENT = 8
+"""Windows begin at multiples of this (px), so that all sample depth at the same places."""
+
+HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
+"""Radius of a handle's disc and width of the dark rim around it, px."""
+
+
+def render(
+    scene: Scene,
+    camera: Camera,
+    palette: Palette,
+    *,
+    size: tuple[float, float] | None = None,
+    scale: float = 1.0,
+    shading: Shading = "clay",
+    background: bool = True,
+    antialias: bool = True,
+) -> NDArray[np.uint8]:
+    """Draw a scene as a picture; the same input gives the same picture, bit for bit.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+        Its vertical field of view fills the picture's height.
+    palette : Palette
+    size : (width, height), optional
+        Canvas pixels; the camera's viewport if absent.
+    scale : float
+        Picture pixels per canvas pixel (the screen's device pixel ratio): a picture of
+        ``size · scale``, with lines that much wider.
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    background : bool
+        Paper behind everything; else the picture is transparent there.
+    antialias : bool
+        Four samples for each pixel of a surface; lines are always smooth.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, sRGB, straight alpha.
+
+    Raises
+    ------
+    UserError
+        If the picture would have no pixels, or more than `MOST_PIXELS`.
+    """
+    width, height = (round(float(v) * scale) for v in (size or camera.viewport))
+    if width < 1 or height < 1:
+        raise UserError("A picture needs a width and a height of at least one pixel.")
+    if width * height > MOST_PIXELS:
+        raise UserError(
+            f"A picture of {width} × {height} pixels is too large. Stay below "
+            f"{MOST_PIXELS // 1_000_000} million pixels, for example 8000 × 8000."
+        )
+    fineness = FINENESS if antialias else 1
+    items = [item for _, item in scene.items()]
+    result = np.empty((height, width, 4), np.uint8)
+    for top, bottom in _bands(width, height, fineness):
+        above = max(0, top - HALO) if top else 0
+        below = min(height, bottom + HALO)
+        window = (0, above, width, below - above)
+        pixels = _drawn(
+            items, camera, palette, (width, height), window, scale, shading, background, fineness
+        )
+        band = pixels.reshape(below - above, width, 4)[top - above : bottom - above]
+        result[top:bottom] = _finished(band, opaque=background)
+    return result
+
+
+def _bands(width: int, height: int, fineness: int) -> Iterator[tuple[int, int]]:
+    rows = max(ALIGNMENT, BAND_SAMPLES // (width * fineness * fineness) // ALIGNMENT * ALIGNMENT)
+    for top in range(0, height, rows):
+        yield top, min(height, top + rows)
+
+
+def _finished(pixels: Floats, *, opaque: bool) -> NDArray[np.uint8]:
+    """Bytes of straight alpha."""
+    rgb, alpha = pixels[..., :3], pixels[..., 3:]
+    if opaque:
+        result = np.full(pixels.shape, 255, np.uint8)
+        result[..., :3] = np.clip(rgb + np.float32(0.5), 0, 255)
+        return result
+    straight = np.divide(rgb, alpha, out=np.zeros_like(rgb), where=alpha > 0)
+    both = np.concatenate((straight, alpha * np.float32(255)), -1)
+    return np.clip(both + np.float32(0.5), 0, 255).astype(np.uint8)
+
+
+def _drawn(
+    items: Sequence[Item],
+    camera: Camera,
+    palette: Palette,
+    size: tuple[int, int],
+    window: Window,
+    scale: float,
+    shading: Shading,
+    background: bool,
+    fineness: int,
+) -> Floats:
+    """A window of the picture, shape (h · w, 4): colour times opacity, opacity."""
+    width, height = size
+    _, _, w, h = window
+    pixels = np.zeros((h * w, 4), np.float32)
+    if background:
+        pixels[:] = (*palette.paper, 1.0)
+    sight = sight_of(camera, height, width, window)
+    surfaces = [item for item in items if isinstance(item, Shaded | Image)]
+    surface = np.full((h, w), -np.inf, np.float32)
+    part = _occupied(surfaces, sight)
+    if part is not None:
+        x, y, part_w, part_h = part
+        inner = (window[0] + x, window[1] + y, part_w, part_h)
+        fine = sight_of(camera, height, width, inner, fineness)
+        grid = pixels.reshape(h, w, 4)[y : y + part_h, x : x + part_w]
+        samples = np.repeat(np.repeat(grid, fineness, 0), fineness, 1).reshape(-1, 4)
+        nearness = draw_surfaces(samples, surfaces, fine, palette, shading, fineness)
+        grid[:] = _reduced(samples.reshape(part_h * fineness, part_w * fineness, 4), fineness)
+        around = _farthest_around(nearness.reshape(fine.height, fine.width), fineness)
+        surface[y : y + part_h, x : x + part_w] = sight.backed(around, BIAS * scale)
+    _draw_marks(Canvas(pixels, surface, sight, scale), items, palette)
+    return pixels
+
+
+def _occupied(items: Sequence[Shaded | Image], sight: Sight) -> Window | None:
+    """The part of a window that meshes and pictures can reach; None if they reach nothing."""
+    boxes = [box for box in map(_box, items) if np.isfinite(box).all()]
+    if not boxes:
+        return None
+    corners = [np.array(list(product(*box.T))) for box in boxes]
+    seen = sight.seen(np.concatenate(corners))
+    if (seen[:, 2] < sight.near).any():
+        return (0, 0, sight.width, sight.height)
+    places = sight.placed(seen)[:, :2]
+    limit = np.array((sight.width, sight.height))
+    low = np.clip(places.min(0) - 2, 0, limit).astype(int) // ALIGNMENT * ALIGNMENT
+    high = np.clip(np.ceil(places.max(0)) + 2, 0, limit).astype(int)
+    if (high <= low).any():
+        return None
+    return (int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1]))
+
+
+def _box(item: Shaded | Image) -> NDArray[np.float64]:
+    if isinstance(item, Shaded):
+        return item.mesh.bounds
+    corner, across, down = (np.asarray(v, float) for v in (item.corner, item.across, item.down))
+    ends = np.array((corner, corner + across, corner + down, corner + across + down))
+    return np.stack((ends.min(0), ends.max(0)))
+
+
+def _reduced(samples: Floats, fineness: int) -> Floats:
+    """The mean of each pixel's samples."""
+    total = samples[::fineness, ::fineness].copy()
+    for row, column in product(range(fineness), repeat=2):
+        if row or column:
+            total += samples[row::fineness, column::fineness]
+    total *= np.float32(1.0 / fineness**2)
+    return total
+
+
+def _farthest_around(nearness: Floats, fineness: int) -> Floats:
+    """The farthest surface in the 3 × 3 pixels around each pixel."""
+    least = nearness[::fineness, ::fineness].copy()
+    for row, column in product(range(fineness), repeat=2):
+        np.minimum(least, nearness[row::fineness, column::fineness], out=least)
+    for axis in (0, 1):
+        source = least.copy()
+        target = np.moveaxis(least, axis, 0)
+        source = np.moveaxis(source, axis, 0)
+        np.minimum(target[1:], source[:-1], out=target[1:])
+        np.minimum(target[:-1], source[1:], out=target[:-1])
+    return least
+
+
+def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None:
+    marks = [i for i in items if isinstance(i, Lines | Points) and len(i.points) and i.opacity > 0]
+    for style, group in groupby(marks, _style):
+        color = np.array(palette.color(style[0]), float)
+        batch = list(group)
+        lines = [item for item in batch if isinstance(item, Lines)]
+        if lines:
+            draw_lines(canvas, lines, color)
+        for item in batch:
+            if isinstance(item, Points):
+                draw_points(canvas, item, color)
+    for item in items:
+        if isinstance(item, Handle):
+            _draw_handle(canvas, item, palette)
+    for item in items:
+        if isinstance(item, Label):
+            draw_label(canvas, item, palette)
+
+
+def _style(item: Lines | Points) -> tuple[str | tuple[int, int, int], float, str, bool]:
+    """Neighbours in drawing order that share this are drawn as one."""
+    return item.color, item.opacity, item.hidden, isinstance(item, Lines)
+
+
+def _draw_handle(canvas: Canvas, item: Handle, palette: Palette) -> None:
+    seen = canvas.sight.seen([item.point])
+    if seen[0, 2] < canvas.sight.near:
+        return
+    places = canvas.sight.placed(seen)
+    radius, rim = HANDLE_RADIUS * canvas.scale, HANDLE_RIM * canvas.scale
+    dark = np.array(min(palette.ink, palette.paper, key=sum), float)
+    draw_discs(canvas, places, radius, dark, 1.0)
+    draw_discs(canvas, places, radius - rim, np.array(palette.color(item.color), float), 1.0)

@@ -1,0 +1,343 @@
+"""Lines and dots with smooth edges, tested against the depth of the surfaces.
+
+A polyline is the union of capsules, one for each segment: so joins and ends are round and
+overlaps do not show. Each capsule is walked along its major axis; every step covers a few
+pixels across. Whether a step is hidden is decided on the middle of the line, against the
+farthest surface around that pixel: a line that lies on a surface is never eaten by it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Lines, Points
+from bozzetto.scene.software.sight import Sight
+
+__all__ = ["Canvas", "draw_discs", "draw_lines", "draw_points"]
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+BIAS = 2.0
+"""How far (in pixel sizes) behind a surface a line still counts as lying on it."""
+
+FAINT_WIDTH, FAINT_OPACITY = 0.6, 0.32
+"""Width and opacity of hidden parts, as parts of the visible ones."""
+
+DASH, GAP = 5.0, 4.0
+"""Lengths along a dashed line, px."""
+
+STEPS_AT_ONCE = 500_000
+"""Steps along lines worked on in one sweep; bounds the memory used."""
+
+WIDEST = 400.0
+"""Widest line, px."""
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """The picture that marks are drawn on, at one sample per pixel.
+
+    Attributes
+    ----------
+    pixels : (h · w, 4) float32
+        Red, green, blue (0 … 255, already multiplied by opacity), opacity (0 … 1).
+    surface : (h, w) float32
+        Nearness of the farthest opaque surface around each pixel; −inf for none.
+    sight : Sight
+    scale : float
+        Device pixels per pixel of width.
+    """
+
+    pixels: Floats
+    surface: Floats
+    sight: Sight
+    scale: float
+
+    def cover(
+        self, pixel: NDArray[np.intp], share: Floats, color: NDArray[np.floating], opacity: float
+    ) -> None:
+        """Lay a colour over pixels, each covered in part; where named twice, most counts."""
+        if not len(pixel):
+            return
+        first = int(pixel.min())
+        coverage = np.zeros(int(pixel.max()) + 1 - first, np.float32)
+        np.maximum.at(coverage, pixel - first, share)
+        touched = np.flatnonzero(coverage)
+        alpha = (coverage[touched] * np.float32(opacity))[:, None]
+        touched += first
+        paint = np.append(np.asarray(color, np.float32), np.float32(1))
+        self.pixels[touched] += alpha * (paint - self.pixels[touched])
+
+
+def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) -> None:
+    """Draw polylines of the same style as one union.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    batch : list of Lines
+        Of equal opacity and equal way of being hidden.
+    color : (3,) float
+    """
+    begin, end = _segments(batch, canvas)
+    begin, end = _cut_to_window(begin, end, canvas)
+    if not len(begin):
+        return
+    hidden = batch[0].hidden
+    shown_pixels, shown_shares = [], []
+    faint_pixels, faint_shares = [], []
+    steps = _step_counts(begin, end)
+    ends = np.cumsum(steps)
+    first = 0
+    while first < len(steps):
+        done = int(ends[first - 1]) if first else 0
+        last = max(first + 1, int(np.searchsorted(ends, done + STEPS_AT_ONCE, "right")))
+        part = slice(first, last)
+        walk = _walked(begin[part], end[part], steps[part])
+        covered = _covered(walk, canvas) if hidden != "show" else np.zeros(len(walk.x), bool)
+        pixels, shares = _spread(walk.only(~covered), canvas, 1.0)
+        shown_pixels.append(pixels)
+        shown_shares.append(shares)
+        if hidden == "dashed":
+            covered &= np.mod(walk.along, (DASH + GAP) * canvas.scale) < DASH * canvas.scale
+        if hidden in ("faint", "dashed"):
+            pixels, shares = _spread(walk.only(covered), canvas, FAINT_WIDTH)
+            faint_pixels.append(pixels)
+            faint_shares.append(shares)
+        first = last
+    opacity = batch[0].opacity
+    if faint_pixels:
+        faint = opacity * (FAINT_OPACITY if hidden == "faint" else 0.5)
+        canvas.cover(np.concatenate(faint_pixels), np.concatenate(faint_shares), color, faint)
+    canvas.cover(np.concatenate(shown_pixels), np.concatenate(shown_shares), color, opacity)
+
+
+# Columns of a segment's end: x, y (px), nearness, width (px), length along the polyline (px).
+X, Y, NEARNESS, WIDTH, ALONG = range(5)
+
+
+def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
+    """Both ends of all segments on the sheet, in front of the eye; (n, 5) each."""
+    sight = canvas.sight
+    seen, widths, firsts = [], [], []
+    shift = 0
+    for item in batch:
+        seen.append(np.asarray(item.points, np.float64))
+        widths.append(np.broadcast_to(np.asarray(item.width, np.float64), len(item.points)))
+        for piece in item.pieces():
+            firsts.append(shift + np.arange(piece.start, max(piece.stop - 1, piece.start + 1)))
+        shift += len(item.points)
+    if not shift:
+        return np.zeros((0, 5)), np.zeros((0, 5))
+    points = sight.seen(np.concatenate(seen))
+    width = np.clip(np.concatenate(widths) * canvas.scale, 0.0, WIDEST)
+    first = np.concatenate(firsts)
+    # A polyline of a single point is a dot: its segment ends where it begins.
+    second = np.where(_last_of_piece(batch, shift)[first], first, first + 1)
+    a = np.column_stack((points[first], width[first]))
+    b = np.column_stack((points[second], width[second]))
+    if sight.perspective:
+        inside_a, inside_b = a[:, 2] >= sight.near, b[:, 2] >= sight.near
+        keep = inside_a | inside_b
+        a, b, inside_a, inside_b = a[keep], b[keep], inside_a[keep], inside_b[keep]
+        for one, other, inside in ((a, b, inside_a), (b, a, inside_b)):
+            cut = np.flatnonzero(~inside)
+            t = (sight.near - one[cut, 2]) / (other[cut, 2] - one[cut, 2])
+            one[cut] += t[:, None] * (other[cut] - one[cut])
+            one[cut, 2] = sight.near
+        first = first[keep]
+    begin, end = (np.column_stack((sight.placed(s[:, :3]), s[:, 3], s[:, 3])) for s in (a, b))
+    length = np.hypot(*(end - begin)[:, :2].T)
+    total = np.cumsum(length)
+    begin[:, ALONG], end[:, ALONG] = total - length, total
+    return begin, end
+
+
+def _last_of_piece(batch: list[Lines], count: int) -> NDArray[np.bool_]:
+    """Which points end a polyline."""
+    last = np.zeros(count, bool)
+    shift = 0
+    for item in batch:
+        for piece in item.pieces():
+            last[shift + piece.stop - 1] = True
+        shift += len(item.points)
+    return last
+
+
+def _cut_to_window(begin: Array, end: Array, canvas: Canvas) -> tuple[Array, Array]:
+    """Segments cut to the window and a border as wide as the line (Liang & Barsky, 1984)."""
+    span = end - begin
+    border = np.maximum(begin[:, WIDTH], end[:, WIDTH]) + 2.0
+    enter, leave = np.zeros(len(begin)), np.ones(len(begin))
+    for axis, size in ((X, canvas.sight.width), (Y, canvas.sight.height)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one = (-border - begin[:, axis]) / span[:, axis]
+            two = (size + border - begin[:, axis]) / span[:, axis]
+        # a segment along the border: in or out as a whole
+        still = span[:, axis] == 0
+        inside = (begin[:, axis] >= -border) & (begin[:, axis] <= size + border)
+        one = np.where(still, np.where(inside, -np.inf, np.inf), one)
+        two = np.where(still, np.where(inside, np.inf, -np.inf), two)
+        enter = np.maximum(enter, np.minimum(one, two))
+        leave = np.minimum(leave, np.maximum(one, two))
+    keep = enter <= leave
+    begin, span, enter, leave = begin[keep], span[keep], enter[keep, None], leave[keep, None]
+    return begin + enter * span, begin + leave * span
+
+
+@dataclass(frozen=True, eq=False)
+class _Walk:
+    """Steps along segments.
+
+    `x`, `y` and `nearness` are of the line's middle at each step; `begin`, `end` the ends
+    of its segment; `steep` says that the step is down the sheet and spreads sideways.
+    """
+
+    x: Floats
+    y: Floats
+    nearness: Floats
+    along: Floats
+    begin: Floats
+    span: Floats
+    steep: NDArray[np.bool_]
+
+    def only(self, keep: NDArray[np.bool_]) -> _Walk:
+        return _Walk(
+            self.x[keep],
+            self.y[keep],
+            self.nearness[keep],
+            self.along[keep],
+            self.begin[keep],
+            self.span[keep],
+            self.steep[keep],
+        )
+
+
+def _step_counts(begin: Array, end: Array) -> NDArray[np.int64]:
+    """Pixels that each segment crosses along its major axis, caps included."""
+    low, high = _reach(begin, end)
+    return np.asarray(np.floor(high) - np.floor(low) + 1, np.int64)
+
+
+def _reach(begin: Array, end: Array) -> tuple[Array, Array]:
+    """Where each segment begins and ends along its major axis, caps included."""
+    steep = _steep(begin, end)
+    a = np.where(steep, begin[:, Y], begin[:, X])
+    b = np.where(steep, end[:, Y], end[:, X])
+    cap = 0.5 * np.maximum(begin[:, WIDTH], end[:, WIDTH]) + 0.5
+    return np.minimum(a, b) - cap, np.maximum(a, b) + cap
+
+
+def _steep(begin: Array, end: Array) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(end[:, Y] - begin[:, Y]) > np.abs(end[:, X] - begin[:, X]))
+
+
+def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
+    """Every pixel centre along the major axis of every segment, and the line's middle there."""
+    low, _ = _reach(begin, end)
+    which = np.repeat(np.arange(len(begin)), steps)
+    major = np.arange(len(which)) - np.repeat(np.cumsum(steps) - steps, steps)
+    major = major + np.floor(low)[which] + 0.5
+    steep = _steep(begin, end)
+    span = end - begin
+    axis_begin = np.where(steep, begin[:, Y], begin[:, X])
+    axis_span = np.where(steep, span[:, Y], span[:, X])
+    slope = np.divide(1.0, axis_span, out=np.zeros_like(axis_span), where=axis_span != 0)
+    t = np.clip((major - axis_begin[which]) * slope[which], 0.0, 1.0)
+    place = begin[which] + t[:, None] * span[which]
+    # beyond an end the step's own pixel is centred on the cap, not on the line's middle
+    steep = steep[which]
+    x = np.where(steep, place[:, X], major)
+    y = np.where(steep, major, place[:, Y])
+    place, base, rise = (a.astype(np.float32) for a in (place, begin[which], span[which]))
+    return _Walk(
+        x.astype(np.float32),
+        y.astype(np.float32),
+        place[:, NEARNESS],
+        place[:, ALONG],
+        base,
+        rise,
+        steep,
+    )
+
+
+def _covered(walk: _Walk, canvas: Canvas) -> NDArray[np.bool_]:
+    """Which steps lie behind a surface."""
+    height, width = canvas.surface.shape
+    column = np.clip(walk.x, 0, width - 1).astype(np.intp)
+    row = np.clip(walk.y, 0, height - 1).astype(np.intp)
+    return np.asarray(walk.nearness < canvas.surface[row, column])
+
+
+def _spread(
+    walk: _Walk, canvas: Canvas, thinning: float
+) -> tuple[NDArray[np.intp], Floats]:
+    """Pixels around each step and how much of them the capsule covers."""
+    if not len(walk.x):
+        return np.zeros(0, np.intp), np.zeros(0, np.float32)
+    half = np.float32(0.5 * thinning)
+    widest = float(np.maximum(walk.begin[:, WIDTH], walk.begin[:, WIDTH] + walk.span[:, WIDTH]).max())
+    # across the major axis a line is at most √2 thicker than it is wide
+    reach = int(np.ceil(0.5 * widest * thinning * np.sqrt(2.0) + 0.75))
+    offsets = np.arange(-reach, reach + 1, dtype=np.float32)
+    minor = np.floor(np.where(walk.steep, walk.x, walk.y))[:, None] + offsets + np.float32(0.5)
+    major = np.where(walk.steep, walk.y, walk.x)[:, None]
+    steep = walk.steep[:, None]
+    px, py = np.where(steep, minor, major), np.where(steep, major, minor)
+    rx, ry = px - walk.begin[:, X, None], py - walk.begin[:, Y, None]
+    sx, sy = walk.span[:, X, None], walk.span[:, Y, None]
+    square = sx * sx + sy * sy
+    t = np.divide(rx * sx + ry * sy, square, out=np.zeros_like(rx), where=square > 0)
+    np.clip(t, 0.0, 1.0, out=t)
+    gap = np.hypot(rx - t * sx, ry - t * sy)
+    radius = half * (walk.begin[:, WIDTH, None] + t * walk.span[:, WIDTH, None])
+    share = np.clip(radius + np.float32(0.5) - gap, 0.0, np.minimum(2.0 * radius, 1.0))
+    width, height = canvas.sight.width, canvas.sight.height
+    keep = (share > 0) & (px >= 0) & (px < width) & (py >= 0) & (py < height)
+    pixel = py[keep].astype(np.intp) * width + px[keep].astype(np.intp)
+    return pixel, share[keep].astype(np.float32)
+
+
+def draw_points(canvas: Canvas, item: Points, color: NDArray[np.floating]) -> None:
+    """Draw dots, hidden ones in their own way (a dot has no dashes: they count as faint)."""
+    sight = canvas.sight
+    seen = sight.seen(item.points)
+    places = sight.placed(seen[seen[:, 2] >= sight.near])
+    height, width = canvas.surface.shape
+    with np.errstate(invalid="ignore"):
+        column = np.clip(places[:, 0], 0, width - 1).astype(np.intp)
+        row = np.clip(places[:, 1], 0, height - 1).astype(np.intp)
+    covered = places[:, 2].astype(np.float32) < canvas.surface[row, column]
+    if item.hidden == "show":
+        covered[:] = False
+    radius = 0.5 * item.size * canvas.scale
+    if item.hidden in ("faint", "dashed"):
+        faint = item.opacity * FAINT_OPACITY
+        draw_discs(canvas, places[covered], FAINT_WIDTH * radius, color, faint)
+    draw_discs(canvas, places[~covered], radius, color, item.opacity)
+
+
+def draw_discs(
+    canvas: Canvas, places: Array, radius: float, color: NDArray[np.floating], opacity: float
+) -> None:
+    """Draw discs of one radius (px) around places (n, 2 or more: x, y), as one union."""
+    width, height = canvas.sight.width, canvas.sight.height
+    radius = float(np.clip(radius, 0.0, WIDEST))
+    x, y = places[:, 0], places[:, 1]
+    near = (np.abs(x - width / 2) < width / 2 + radius + 1) & (
+        np.abs(y - height / 2) < height / 2 + radius + 1
+    )
+    x, y = x[near, None], y[near, None]
+    reach = int(np.ceil(radius + 0.5))
+    side = np.arange(-reach, reach + 1)
+    across, down = (grid.ravel() for grid in np.meshgrid(side, side))
+    column, row = np.floor(x) + across, np.floor(y) + down
+    gap = np.hypot(column + 0.5 - x, row + 0.5 - y)
+    share = np.clip(radius + 0.5 - gap, 0.0, min(1.0, np.pi * radius * radius))
+    keep = (share > 0) & (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    pixel = (row[keep] * width + column[keep]).astype(np.intp)
+    canvas.cover(pixel, share[keep].astype(np.float32), color, opacity)

@@ -1,0 +1,177 @@
+"""Shaded meshes and pictures on a window of the sheet, opaque first, then translucent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Image, Shaded
+from bozzetto.scene.palette import Palette
+from bozzetto.scene.software.compositing import Sheet, lay_over
+from bozzetto.scene.software.contours import cavities, contours
+from bozzetto.scene.software.normals import mean_curvature
+from bozzetto.scene.software.shading import (
+    Fragments,
+    Shading,
+    colored,
+    curvature_colors,
+    fragments,
+)
+from bozzetto.scene.software.sight import Sight
+from bozzetto.scene.software.soup import Soup, gather
+from bozzetto.scene.software.textures import rectangle, sampled
+from bozzetto.scene.software.zbuffer import Buffer, blank, rasterize
+
+__all__ = ["draw_surfaces"]
+
+Floats = NDArray[np.float32]
+
+XRAY_LEAST, XRAY_MOST = 0.10, 0.78
+"""Opacity of x-rayed surfaces seen face on and edge on."""
+
+
+def draw_surfaces(
+    pixels: Floats,
+    items: Sequence[Shaded | Image],
+    sight: Sight,
+    palette: Palette,
+    shading: Shading,
+    fineness: int,
+) -> Floats:
+    """Draw meshes and pictures.
+
+    Parameters
+    ----------
+    pixels : (h · w, 4) float32
+        Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1).
+    items : sequence of Shaded or Image
+    sight : Sight
+    palette : Palette
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    fineness : int
+        Samples per pixel along each axis.
+
+    Returns
+    -------
+    (h · w,) float32
+        Nearness of the opaque surfaces; −inf where there is none.
+    """
+    shaded = [i for i in items if isinstance(i, Shaded) and len(i.mesh.faces) and i.opacity > 0]
+    solid = [i for i in shaded if not _see_through(i, shading)]
+    buffer = blank(sight.width, sight.height)
+    if solid:
+        _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
+    sheets: list[Sheet] = []
+    for item in items:
+        if isinstance(item, Image) and item.opacity > 0:
+            sheets.append(_picture_sheet(item, sight))
+    for item in shaded:
+        if _see_through(item, shading):
+            sheets.extend(_mesh_sheets(item, sight, palette, shading))
+    lay_over(pixels, [sheet.before(buffer.nearness) for sheet in sheets])
+    return buffer.nearness
+
+
+def _see_through(item: Shaded, shading: Shading) -> bool:
+    colors = item.mesh.colors
+    return (
+        shading == "xray"
+        or item.opacity < 1
+        or (colors is not None and bool((colors[:, 3] < 255).any()))
+    )
+
+
+def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
+    if shading == "curvature":
+        return curvature_colors(mean_curvature(item.mesh), palette)
+    return item.mesh.colors
+
+
+def _gathered(
+    items: Sequence[Shaded], sight: Sight, palette: Palette, shading: Shading
+) -> tuple[Soup, NDArray[np.bool_]]:
+    colors = [_vertex_colors(item, palette, shading) for item in items]
+    tinted = np.array([own is not None for own in colors])
+    return gather([item.mesh for item in items], colors, sight), tinted
+
+
+def _draw_opaque(
+    pixels: Floats,
+    items: Sequence[Shaded],
+    buffer: Buffer,
+    sight: Sight,
+    palette: Palette,
+    shading: Shading,
+    fineness: int,
+) -> None:
+    soup, tinted = _gathered(items, sight, palette, shading)
+    rasterize(buffer, soup.places, soup.faces, soup.doubled_areas() > 0)
+    seen = fragments(buffer.triangle, soup, sight, tinted=bool(tinted.any()))
+    if not len(seen.pixel):
+        return
+    cavity = None
+    if shading in ("clay", "curvature"):
+        cavity = cavities(buffer, sight, fineness).ravel()[seen.pixel]
+    rgb = colored(
+        seen,
+        soup.part[seen.triangle],
+        [palette.color(item.color) for item in items],
+        tinted,
+        shading,
+        palette,
+        cavity,
+    )
+    line = contours(buffer, sight, _spread_normals(seen, buffer)).ravel()[seen.pixel]
+    drawn = np.flatnonzero(line)
+    ink = np.array(palette.ink, np.float32)
+    rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
+    pixels[seen.pixel, :3] = rgb
+    pixels[seen.pixel, 3] = 1.0
+
+
+def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
+    normal = np.zeros((3, buffer.height * buffer.width), np.float32)
+    normal[:, seen.pixel] = seen.normal
+    return normal.reshape(3, buffer.height, buffer.width)
+
+
+def _mesh_sheets(
+    item: Shaded, sight: Sight, palette: Palette, shading: Shading
+) -> list[Sheet]:
+    """The nearest back and the nearest front of a mesh."""
+    soup, tinted = _gathered([item], sight, palette, shading)
+    front = soup.doubled_areas() > 0
+    sheets = []
+    for side in (~front, front):
+        half = soup.only(side)
+        buffer = blank(sight.width, sight.height)
+        rasterize(buffer, half.places, half.faces)
+        seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
+        rgb = colored(
+            seen,
+            half.part[seen.triangle],
+            [palette.color(item.color)],
+            tinted,
+            shading,
+            palette,
+        )
+        opacity = np.full(len(seen.pixel), item.opacity, np.float32)
+        if item.mesh.colors is not None and tinted.any():
+            opacity *= seen.color[:, 3] / np.float32(255)
+        if shading == "xray":
+            grazing = np.square(np.float32(1) - seen.facing)
+            opacity *= np.float32(XRAY_LEAST) + np.float32(XRAY_MOST - XRAY_LEAST) * grazing
+        sheets.append(Sheet(seen.pixel, buffer.nearness[seen.pixel], rgb, opacity))
+    return sheets
+
+
+def _picture_sheet(item: Image, sight: Sight) -> Sheet:
+    soup = rectangle(item, sight)
+    buffer = blank(sight.width, sight.height)
+    rasterize(buffer, soup.places, soup.faces)
+    seen = fragments(buffer.triangle, soup, sight, tinted=True)
+    rgba = sampled(item, seen.color, soup)
+    opacity = rgba[:, 3] * np.float32(item.opacity)
+    return Sheet(seen.pixel, buffer.nearness[seen.pixel], rgba[:, :3], opacity)
