@@ -53,8 +53,8 @@ def main(arguments: Sequence[str]) -> int:
         require_python(sys.version_info[:2])
         install(extra="test" if command == "test" else "")
         return {"run": run, "test": test}[command](arguments[1:])
-    except Stop as stop:
-        print(stop, file=sys.stderr, flush=True)
+    except (Stop, OSError) as problem:
+        print(problem, file=sys.stderr, flush=True)
         return 1
     except KeyboardInterrupt:
         return 130

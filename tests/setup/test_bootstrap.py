@@ -462,3 +462,14 @@ def test_only_the_standard_library(bootstrap: ModuleType) -> None:
     done = subprocess.run(command, cwd="/", capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "bootstrap.py test" in done.stdout
+
+
+def test_a_folder_that_may_not_be_written_is_named(
+    bootstrap: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(extra: str) -> None:
+        raise PermissionError(13, "Permission denied", str(bootstrap.VENV))
+
+    monkeypatch.setattr(bootstrap, "install", refuse)
+    assert bootstrap.main(["run"]) == 1
+    assert str(bootstrap.VENV) in capsys.readouterr().err
