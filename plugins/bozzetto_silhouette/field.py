@@ -272,7 +272,9 @@ def convolution_field(
     perimeter = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in inner.rings)
     step = min(perimeter / SKELETON_STEPS, 0.03)
     rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8)
-    axis = chordal_axis(_resampled(inner, rim))
+    if not rim.simple:
+        rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8, every_vertex=True)
+    axis = chordal_axis(Outline(rim.rings, inner.parents))
     skeleton = simplified(axis, SKELETON_TOLERANCE)
     segments = Segments.of(skeleton, softness, THINNEST)
     fitted = fit_weights(skeleton, segments, rim.points)
@@ -291,12 +293,6 @@ def convolution_field(
         RimDistance(rim.points, rim.after),
     )
     return raw, axis.nodes
-
-
-def _resampled(outline: Outline, rim: Rim) -> Outline:
-    """The outline through the samples of a rim."""
-    starts = np.flatnonzero(rim.before >= np.arange(len(rim.points)))
-    return Outline(tuple(np.split(rim.points, starts[1:])), outline.parents)
 
 
 def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:

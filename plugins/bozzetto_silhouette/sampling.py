@@ -60,6 +60,20 @@ class Rim:
     step: Points
     radius: Points
 
+    @property
+    def rings(self) -> tuple[Points, ...]:
+        """The samples ring by ring."""
+        ends = np.flatnonzero(self.after <= np.arange(len(self.points))) + 1
+        return tuple(np.split(self.points, ends[:-1]))
+
+    @property
+    def simple(self) -> bool:
+        """Whether no two rings cross or touch, themselves or each other."""
+        import shapely
+
+        closed = [np.vstack([ring, ring[:1]]) for ring in self.rings]
+        return bool(shapely.is_simple(shapely.MultiLineString(closed)))
+
     def averaged(self, values: Points) -> Points:
         """Values at the samples averaged along the outline, over `CALM` radii."""
         result = np.empty_like(values)
@@ -184,7 +198,12 @@ def _arc_sample(ring: Points, step: float) -> tuple[Points, Points, Points, floa
 
 
 def sample_rim(
-    rings: tuple[Points, ...], step: float, finest: float, *, thinness: float = 0.55
+    rings: tuple[Points, ...],
+    step: float,
+    finest: float,
+    *,
+    thinness: float = 0.55,
+    every_vertex: bool = False,
 ) -> Rim:
     """Sample rings with a step that follows the local thickness of walls and gaps.
 
@@ -198,6 +217,8 @@ def sample_rim(
         No spacing is smaller than this.
     thinness : float
         Spacing as a share of the inscribed radius where the shape is thin.
+    every_vertex : bool
+        Keep all vertices, not only corners: on a jagged line the samples alone might cross.
     """
     low = np.min([r.min(axis=0) for r in rings], axis=0)
     high = np.max([r.max(axis=0) for r in rings], axis=0)
@@ -218,7 +239,7 @@ def sample_rim(
         size = _graded(wanted[part], arc, length, GRADATION)
         reach = _graded(np.maximum(inside[part], finest), arc, length, 0.6)
         reach = smoothed(reach, arc, length, CALM * reach)
-        corners = np.flatnonzero((origin >= 0) & corner_mask(ring)[origin])
+        corners = np.flatnonzero((origin >= 0) & (every_vertex | corner_mask(ring)[origin]))
         if not len(corners):
             corners = np.array([0])
         position = np.append(arc, length)

@@ -28,8 +28,9 @@ points as the square one."""
 FINEST = 0.2
 """Smallest spacing along the outline, in cells."""
 
-_REFINEMENTS = (1.0, 0.6, 0.35)
-"""Spacings tried, as a share of the one asked for, until the solid is sound."""
+_ATTEMPTS = ((1.0, False), (0.6, False), (0.6, True))
+"""What is tried until the solid is sound: the spacing as a share of the one asked for, and
+whether every drawn vertex is kept."""
 
 
 def ignore(fraction: float, step: str) -> None:
@@ -97,10 +98,12 @@ def solidify(
     checkpoint(0.0, "skeleton")
     raw, axis = convolution_field(outline, softness=softness, inflation=inflation)
     inner = outline.transformed(1.0 / raw.scale, -raw.origin / raw.scale)
-    for share in _REFINEMENTS:
+    for share, every_vertex in _ATTEMPTS:
         step = share * PITCH / resolution
         checkpoint(0.15, "plan")
-        rim = sample_rim(inner.rings, step, FINEST * step)
+        rim = sample_rim(inner.rings, step, FINEST * step, every_vertex=every_vertex)
+        if not rim.simple and not every_vertex:
+            continue
         plan = plan_of(rim, axis, step)
         checkpoint(0.4, "field")
         field = with_correction(raw, rim)

@@ -22,6 +22,10 @@ UNNOTICED = 4e-4
 _HALF_WINDOW = (4, 14)
 """Bounds of the filter's half width, in samples."""
 
+_PASSES = 3
+
+_TO_AND_FRO = 6.0
+
 _CORNER_TURN = np.deg2rad(55.0)
 """A sample where the smoothed direction turns by more, over the window, is a corner."""
 
@@ -77,9 +81,27 @@ def filtered(ring: Points, noise: float | None = None) -> Points:
     (m, 2) float array
         The ring itself when there is nothing to filter.
     """
-    noise = noise_of(ring) if noise is None else noise
-    if noise < UNNOTICED or len(ring) < 24:
-        return ring
+    for _ in range(_PASSES):
+        size = noise_of(ring) if noise is None else noise
+        if size < UNNOTICED or len(ring) < 24:
+            return ring
+        # Heavy tremor makes the line much longer than the shape it stands for, and the
+        # window so much narrower on it: measure again on the filtered line.
+        calm = _filtered_once(ring, size)
+        if calm is ring or noise is not None:
+            return calm
+        ring = calm
+    return ring
+
+
+def _filtered_once(ring: Points, noise: float) -> Points:
+    """One pass of the filter for tremor of a given size."""
+    # Where samples lie closer than the tremor is wide, the line runs to and fro: averaging
+    # the samples themselves first gives a line whose length means something.
+    spacing = float(np.median(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
+    if spacing < _TO_AND_FRO * noise:
+        half = int(np.clip(round(2.0 * _TO_AND_FRO * noise / spacing), 2, 10))
+        ring = _quadratic(ring, half)
     dense = _resampled(ring, SPACING)
     half = int(np.clip(round(4.0 * np.sqrt(noise / UNNOTICED)), *_HALF_WINDOW))
     if len(dense) < 4 * half:
