@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from PySide6.QtCore import QObject, Signal
+
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.plugin.parameters import Parameter, parameter_fields, set_parameters
 from bozzetto.plugin.registry import ModelerInfo, PluginInfo
 from bozzetto.view.camera import Camera
-from PySide6.QtCore import QObject, Signal
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,6 @@ class ToolInfo:
     icon: Path | None
     hint: str
     gesture: str = "ink"
-
-
-@dataclass(frozen=True)
-class Entry:
-    label: str
 
 
 @dataclass(frozen=True)
@@ -66,7 +62,7 @@ class State:
 
 class FakeHistory:
     def __init__(self) -> None:
-        self.entries = tuple(Entry(label) for label in ("Start", "Outline", "Ear", "Inflation"))
+        self.entries = ("New drawing", "Outline", "Ear", "Inflation")
         self.position = 2
 
 

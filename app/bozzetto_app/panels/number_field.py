@@ -133,7 +133,7 @@ class NumberField(QDoubleSpinBox):
         except UserError:
             return self.value()
 
-    def validate(self, text: str, position: int) -> object:
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         try:
             self._read(text)
         except UserError:

@@ -97,7 +97,7 @@ class ParameterRow(QWidget):
         if self.field.kind == "switch":
             return tr("Parameters", "on") if value else tr("Parameters", "off")
         if self.field.kind == "choice":
-            return dict(self._options()).get(value, value)
+            return dict(self._options()).get(value, str(value))
         if self.field.kind == "text":
             return tr("Parameters", "nothing") if not value else f"“{value}”"
         return f"{format_number(value, self._step())} {self.field.parameter.unit}".strip()

@@ -118,7 +118,7 @@ class ParametersPanel(QScrollArea):
             section = Section(
                 tr("Parameters", "Advanced"),
                 advanced,
-                open_=settings().value("panels/advanced", False, bool),
+                open_=bool(settings().value("panels/advanced", False, bool)),
             )
             section.folded.connect(lambda shown: settings().setValue("panels/advanced", shown))
             column.addWidget(section)

@@ -1,0 +1,133 @@
+"""History: the steps as a line with dots; a click goes there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QPainter, QPen
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QFrame,
+    QListWidget,
+    QListWidgetItem,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QWidget,
+)
+
+from bozzetto_app.panels.icon_button import RADIUS
+from bozzetto_app.theme import qcolor, strong_font, tones
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["HistoryPanel"]
+
+ROW = 28
+"""Height of a step, px."""
+
+LINE = 20
+"""Where the line of dots runs, px from the left."""
+
+Index = QModelIndex | QPersistentModelIndex
+
+
+class _Timeline(QStyledItemDelegate):
+    """Paints a step: past steps filled, the current one ringed and heavier, later ones hollow."""
+
+    def __init__(self, panel: HistoryPanel) -> None:
+        super().__init__(panel)
+        self._panel = panel
+
+    def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
+        return QSize(80, ROW)
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
+        colors = tones()
+        place: QRectF = QRectF(option.rect)
+        state: QStyle.StateFlag = option.state
+        row, current, last = index.row(), self._panel.current, self._panel.count() - 1
+        painter.save()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if state & QStyle.StateFlag.State_MouseOver:
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(qcolor(colors.hover))
+            painter.drawRoundedRect(place.adjusted(4, 0, -4, 0), RADIUS, RADIUS)
+        middle = QPointF(place.left() + LINE, place.center().y())
+        painter.setPen(QPen(qcolor(colors.edge), 1))
+        if row > 0:
+            painter.drawLine(QPointF(middle.x(), place.top()), middle)
+        if row < last:
+            painter.drawLine(middle, QPointF(middle.x(), place.bottom()))
+        painter.setPen(QPen(qcolor(colors.accent if row == current else colors.quiet), 1.5))
+        painter.setBrush(qcolor(colors.panel if row > current else colors.quiet))
+        if row == current:
+            painter.setBrush(qcolor(colors.accent))
+            painter.drawEllipse(middle, 4.5, 4.5)
+        else:
+            painter.drawEllipse(middle, 3.0, 3.0)
+        painter.setPen(qcolor(colors.quiet if row > current else colors.text))
+        painter.setFont(strong_font(self._panel.font()) if row == current else self._panel.font())
+        room = place.adjusted(LINE + 16, 0, -8, 0)
+        words = painter.fontMetrics().elidedText(
+            str(index.data()), Qt.TextElideMode.ElideRight, int(room.width())
+        )
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, words)
+        if state & QStyle.StateFlag.State_HasFocus and self._panel.hasFocus():
+            painter.setPen(QPen(qcolor(colors.second), 1.5))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawRoundedRect(place.adjusted(4.75, 0.75, -4.75, -0.75), RADIUS, RADIUS)
+        painter.restore()
+
+
+class HistoryPanel(QListWidget):
+    """The document's steps, oldest first."""
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self.current = 0
+        self.setObjectName("history")
+        self.setWindowTitle(tr("History", "History"))
+        self.setAccessibleName(self.windowTitle())
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setItemDelegate(_Timeline(self))
+        self.setUniformItemSizes(True)
+        self.setViewportMargins(0, 4, 0, 4)
+        self.setMouseTracking(True)
+        self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
+        self.setMinimumSize(200, 2 * ROW)
+        self.itemClicked.connect(self._go)
+        self.itemActivated.connect(self._go)
+        session.document_changed.connect(self.refresh)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show the steps there are now."""
+        history = self._session.history
+        labels = history.entries
+        self.current = history.position
+        for row, label in enumerate(labels):
+            item = self.item(row)
+            if item is None:
+                item = QListWidgetItem(self)
+            item.setText(label)
+            said = tr("History", "{label}, current", label=label) if row == self.current else label
+            item.setData(Qt.ItemDataRole.AccessibleTextRole, said)
+            item.setToolTip(label)
+        while self.count() > len(labels):
+            self.takeItem(self.count() - 1)
+        if labels:
+            self.setCurrentRow(self.current)
+            self.scrollToItem(self.item(self.current))
+        self.viewport().update()
+
+    def _go(self, item: QListWidgetItem) -> None:
+        row = self.row(item)
+        if row != self.current:
+            self._session.go_to(row)

@@ -1,0 +1,130 @@
+"""The row of modelers at the top: a quiet name with an icon for each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QAbstractButton, QButtonGroup, QHBoxLayout, QSizePolicy, QWidget
+
+from bozzetto_app.icons import GRID, paint_icon
+from bozzetto_app.panels.icon_button import RADIUS, paint_focus
+from bozzetto_app.theme import qcolor, strong_font, tones
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["ModelerBar"]
+
+HEIGHT = 40
+
+
+class _ModelerButton(QAbstractButton):
+    def __init__(self, icon: Path, title: str, hint: str) -> None:
+        super().__init__()
+        self._icon = icon
+        self.compact = False
+        self.setText(title)
+        self.setAccessibleName(title)
+        self.setAccessibleDescription(hint)
+        self.setToolTip(f"{title}\n{hint}" if hint else title)
+        self.setCheckable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+    def full_width(self) -> int:
+        metrics = QFontMetrics(strong_font(self.font()))
+        return GRID + metrics.horizontalAdvance(self.text()) + 32
+
+    def sizeHint(self) -> QSize:
+        return QSize(GRID + 24 if self.compact else self.full_width(), HEIGHT)
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(GRID + 24, HEIGHT)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        colors = tones()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        place = QRectF(self.rect()).adjusted(2, 4, -2, -4)
+        painter.setPen(Qt.PenStyle.NoPen)
+        if self.isDown() or self.underMouse():
+            painter.setBrush(qcolor(colors.press if self.isDown() else colors.hover))
+            painter.drawRoundedRect(place, RADIUS, RADIUS)
+        on = self.isChecked()
+        color = colors.text if on or self.underMouse() else colors.quiet
+        glyph = QRectF(12, (self.height() - GRID) / 2, GRID, GRID)
+        painter.setPen(qcolor(color))
+        painter.setFont(strong_font(self.font()) if on else self.font())
+        if not paint_icon(painter, self._icon, glyph, color):
+            painter.drawText(glyph, Qt.AlignmentFlag.AlignCenter, self.text()[:1])
+        if not self.compact:
+            room = self.rect().adjusted(12 + GRID + 8, 0, 0, 0)
+            painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, self.text())
+        if on:
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(qcolor(colors.accent))
+            painter.drawRoundedRect(QRectF(12, self.height() - 3, self.width() - 24, 3), 1.5, 1.5)
+        if self.hasFocus():
+            paint_focus(painter, place)
+
+
+class ModelerBar(QWidget):
+    """All modelers that can be drawn with; only icons where the names do not fit."""
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self.setObjectName("modelers")
+        self.setWindowTitle(tr("ModelerBar", "Modelers"))
+        self.setAccessibleName(self.windowTitle())
+        self.setFixedHeight(HEIGHT + 1)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(4, 0, 4, 1)
+        self._row.setSpacing(0)
+        self._row.addStretch(1)
+        self._group = QButtonGroup(self)
+        self._buttons: dict[str, _ModelerButton] = {}
+        session.modeler_changed.connect(self._mark)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show the modelers there are now."""
+        for button in self._buttons.values():
+            self._group.removeButton(button)
+            button.hide()
+            button.deleteLater()
+        self._buttons = {}
+        for place, info in enumerate(self._session.modelers):
+            button = _ModelerButton(info.icon, info.title, info.hint)
+            button.clicked.connect(lambda _, name=info.id: self._session.activate_modeler(name))
+            self._group.addButton(button)
+            self._row.insertWidget(place, button)
+            self._buttons[info.id] = button
+        self._mark()
+        self._fit()
+
+    def _mark(self) -> None:
+        active = self._session.active_modeler
+        self._group.setExclusive(active in self._buttons)
+        for name, button in self._buttons.items():
+            button.setChecked(name == active)
+
+    def _fit(self) -> None:
+        compact = sum(b.full_width() for b in self._buttons.values()) + 8 > self.width()
+        for button in self._buttons.values():
+            if button.compact != compact:
+                button.compact = compact
+                button.updateGeometry()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        self._fit()
+        super().resizeEvent(event)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), qcolor(tones().panel))
+        painter.fillRect(0, self.height() - 1, self.width(), 1, qcolor(tones().hairline))

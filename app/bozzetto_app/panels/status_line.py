@@ -1,0 +1,257 @@
+"""The line at the bottom: what to do next, what is under way, and what went wrong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from bozzetto_app.icons import paint_icon
+from bozzetto_app.panels.icon_button import IconButton
+from bozzetto_app.theme import qcolor, tones
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Notice, Session
+
+__all__ = ["FaultBar", "StatusLine"]
+
+ERROR_TIME = 8000
+"""How long an error stays without a new gesture, ms."""
+
+INFO_TIME = 4000
+"""How long a remark stays before the hint returns, ms."""
+
+PATIENCE = 300
+"""Work shorter than this is not shown, ms: the line does not flicker."""
+
+
+class _Sign(QWidget):
+    """The little sign in front of a message."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.kind = "hint"
+        self.setFixedSize(QSize(16, 16))
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        colors = tones()
+        name, color = {
+            "hint": ("pen", colors.quiet),
+            "info": ("info", colors.second),
+            "error": ("warning", colors.warning),
+            "fault": ("fault", colors.accent_text),
+        }[self.kind]
+        paint_icon(QPainter(self), name, QRectF(self.rect()), color)
+
+
+class _Elided(QLabel):
+    """One line of words that never asks for more room than there is."""
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(40, super().minimumSizeHint().height())
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setPen(self.palette().windowText().color())
+        words = self.fontMetrics().elidedText(
+            self.text(), Qt.TextElideMode.ElideRight, self.width()
+        )
+        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignVCenter, words)
+
+
+class FaultBar(QFrame):
+    """Says that a plugin stopped, and goes on letting the person draw.
+
+    Signals
+    -------
+    details_wanted : Notice
+    switch_off_wanted : str
+        The plugin's id.
+    """
+
+    details_wanted = Signal(object)
+    switch_off_wanted = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._notice: Notice | None = None
+        self.setProperty("shape", "fault")
+        self.setAccessibleName(tr("FaultBar", "Fault"))
+        sign = _Sign()
+        sign.kind = "fault"
+        self._words = QLabel()
+        self._words.setWordWrap(True)
+        self._words.setTextFormat(Qt.TextFormat.PlainText)
+        self._details = QPushButton(tr("FaultBar", "Details"))
+        self._switch_off = QPushButton(tr("FaultBar", "Switch off"))
+        close = IconButton("cross", tr("FaultBar", "Close"), side=24, glyph=16, faint=True)
+        self._details.clicked.connect(lambda: self.details_wanted.emit(self._notice))
+        self._switch_off.clicked.connect(self._ask_switch_off)
+        close.clicked.connect(self.hide)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(12, 6, 8, 6)
+        row.setSpacing(8)
+        row.addWidget(sign)
+        row.addWidget(self._words, 1)
+        for button in (self._details, self._switch_off, close):
+            row.addWidget(button)
+        self.hide()
+
+    def show_fault(self, notice: Notice) -> None:
+        """Show a fault in place of the last one."""
+        self._notice = notice
+        self._words.setText(notice.text)
+        self._words.setAccessibleName(notice.text)
+        self._details.setVisible(bool(notice.details))
+        self._switch_off.setVisible(bool(notice.plugin))
+        self.show()
+
+    def _ask_switch_off(self) -> None:
+        if self._notice is not None:
+            self.hide()
+            self.switch_off_wanted.emit(self._notice.plugin)
+
+
+class _Progress(QWidget):
+    """A line two pixels high; without a known share it is drawn faintly over all its length."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.fraction = 0.0
+        self.setFixedHeight(2)
+        self.setAccessibleName(tr("StatusLine", "Progress"))
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        colors = tones()
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), qcolor(colors.hairline))
+        painter.fillRect(
+            QRectF(0, 0, self.width() * min(max(self.fraction, 0.02), 1.0), 2),
+            qcolor(colors.accent),
+        )
+
+
+class StatusLine(QWidget):
+    """Hint, errors, progress and units; the fault bar above them.
+
+    Signals
+    -------
+    details_wanted : Notice
+        The person wants to read a fault's traceback.
+    switched_off : str
+        A plugin was switched off from here.
+    """
+
+    details_wanted = Signal(object)
+    switched_off = Signal(str)
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self.setObjectName("status")
+        self.setWindowTitle(tr("StatusLine", "Status"))
+        self.setAccessibleName(self.windowTitle())
+        self.faults = FaultBar()
+        self.faults.details_wanted.connect(self.details_wanted)
+        self.faults.switch_off_wanted.connect(self._switch_off)
+        self._progress = _Progress()
+        self._sign = _Sign()
+        self._words = _Elided(session.hint)
+        self._step = QLabel()
+        self._step.setProperty("tone", "quiet")
+        self._cancel = IconButton(
+            "cross", tr("StatusLine", "Stop this work"), side=24, glyph=16, faint=True
+        )
+        self._cancel.clicked.connect(session.cancel_work)
+        units = QLabel(tr("StatusLine", "mm"))
+        units.setProperty("tone", "quiet")
+        units.setToolTip(tr("StatusLine", "Lengths are millimetres."))
+        line = QHBoxLayout()
+        line.setContentsMargins(12, 0, 12, 0)
+        line.setSpacing(8)
+        line.addWidget(self._sign)
+        line.addWidget(self._words, 1)
+        for widget in (self._step, self._cancel, units):
+            line.addWidget(widget)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.faults)
+        column.addWidget(self._progress)
+        row = QWidget()
+        row.setFixedHeight(28)
+        row.setLayout(line)
+        column.addWidget(row)
+
+        self._return = QTimer(self, singleShot=True)
+        self._return.timeout.connect(self._show_hint)
+        self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
+        self._patience.timeout.connect(lambda: self._show_work(True))
+        session.noticed.connect(self.show_notice)
+        session.progressed.connect(self._advance)
+        session.busy_changed.connect(self._busy)
+        self._show_work(False)
+        self._show_hint()
+
+    def show_notice(self, notice: Notice) -> None:
+        """Say something in the way that its kind asks for."""
+        if notice.kind == "fault":
+            self.faults.show_fault(notice)
+        elif notice.kind == "hint":
+            if self._sign.kind != "error":
+                self._show_hint()
+        else:
+            self._say(notice.kind, notice.text)
+            self._return.start(ERROR_TIME if notice.kind == "error" else INFO_TIME)
+
+    def gesture_began(self) -> None:
+        """The pen is down again: an old error has been read."""
+        if self._sign.kind == "error":
+            self._show_hint()
+
+    def _show_hint(self) -> None:
+        self._return.stop()
+        self._say("hint", self._session.hint)
+
+    def _say(self, kind: str, words: str) -> None:
+        self._sign.kind = kind
+        self._sign.update()
+        self._words.setText(words)
+        self._words.setToolTip(words)
+        self._words.setAccessibleName(words)
+        self._words.setProperty("tone", "warning" if kind == "error" else "")
+        self._words.style().unpolish(self._words)
+        self._words.style().polish(self._words)
+
+    def _busy(self, busy: bool) -> None:
+        if busy:
+            self._progress.fraction = 0.0
+            self._patience.start()
+        else:
+            self._patience.stop()
+            self._show_work(False)
+
+    def _advance(self, fraction: float, step: str) -> None:
+        self._progress.fraction = fraction
+        self._progress.update()
+        self._step.setText(step)
+
+    def _show_work(self, shown: bool) -> None:
+        if not shown:
+            self._progress.fraction = 0.0
+            self._step.clear()
+        self._progress.setVisible(shown)
+        self._step.setVisible(shown)
+        self._cancel.setVisible(shown)
+
+    def _switch_off(self, plugin: str) -> None:
+        self._session.registry.set_disabled(plugin, True)
+        self.switched_off.emit(plugin)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), qcolor(tones().panel))
+        painter.fillRect(0, 0, self.width(), 1, qcolor(tones().hairline))

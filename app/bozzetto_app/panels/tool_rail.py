@@ -1,0 +1,136 @@
+"""The rail at the left: the active modeler's tools, and what to do with waiting ink."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QButtonGroup, QLabel, QVBoxLayout, QWidget
+
+from bozzetto_app.panels.icon_button import RADIUS, IconButton
+from bozzetto_app.panels.section import hairline
+from bozzetto_app.theme import qcolor, small_font, tones
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["ToolRail"]
+
+SIDE = 44
+"""Side of a tool's button, px: what a finger or a pen on glass hits surely."""
+
+NUMBERED = 9
+"""How many tools have a number key."""
+
+
+class _ToolButton(IconButton):
+    """A tool; the active one has a bar at its left besides its ground."""
+
+    def paint_ground(self, painter: QPainter) -> None:
+        super().paint_ground(painter)
+        if not self.isChecked():
+            return
+        colors = tones()
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(qcolor(colors.chosen))
+        painter.drawRoundedRect(QRectF(self.rect()).adjusted(2, 2, -2, -2), RADIUS, RADIUS)
+        painter.setBrush(qcolor(colors.accent))
+        painter.drawRoundedRect(QRectF(0, 10, 3, self.height() - 20), 1.5, 1.5)
+
+
+class _FinishButton(IconButton):
+    """The one thing to press while ink waits."""
+
+    def paint_ground(self, painter: QPainter) -> None:
+        colors = tones()
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(qcolor(colors.chosen if not self.underMouse() else colors.press))
+        painter.drawEllipse(QRectF(self.rect()).adjusted(2, 2, -2, -2))
+
+
+class ToolRail(QWidget):
+    """Tools as icons with names on hover; below them the waiting ink's buttons."""
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self.setObjectName("tools")
+        self.setWindowTitle(tr("ToolRail", "Tools"))
+        self.setAccessibleName(self.windowTitle())
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setFixedWidth(SIDE + 8)
+        self._group = QButtonGroup(self)
+        self._buttons: dict[str, _ToolButton] = {}
+
+        self._count = QLabel()
+        self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._count.setProperty("type", "small")
+        self._count.setFont(small_font(self.font()))
+        self._finish = _FinishButton(
+            "check",
+            tr("ToolRail", "Finish the waiting strokes"),
+            side=SIDE,
+            key=tr("Keys", "Enter"),
+        )
+        self._finish.clicked.connect(session.commit_pending)
+        self._drop = IconButton(
+            "cross",
+            tr("ToolRail", "Take the waiting strokes back; the pen's eraser end erases one"),
+            side=SIDE,
+        )
+        self._drop.clicked.connect(session.clear_pending)
+        self._waiting = QWidget()
+        waiting = QVBoxLayout(self._waiting)
+        waiting.setContentsMargins(0, 0, 0, 0)
+        waiting.setSpacing(4)
+        for widget in (hairline(), self._count, self._finish, self._drop):
+            waiting.addWidget(widget)
+
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(4, 8, 4, 8)
+        self._column.setSpacing(4)
+        self._column.addStretch(1)
+        self._column.addWidget(self._waiting)
+        session.modeler_changed.connect(self.refresh)
+        session.tool_changed.connect(self._mark)
+        session.pending_changed.connect(self._show_waiting)
+        self.refresh()
+        self._show_waiting()
+
+    def refresh(self) -> None:
+        """Show the tools that the active modeler has now."""
+        for button in self._buttons.values():
+            self._group.removeButton(button)
+            button.hide()
+            button.deleteLater()
+        self._buttons = {}
+        for place, tool in enumerate(self._session.tools):
+            key = str(place + 1) if place < NUMBERED else ""
+            button = _ToolButton(tool.icon, tool.title, side=SIDE, key=key)
+            button.setAccessibleDescription(tool.hint)
+            button.setStatusTip(tool.hint)
+            button.setCheckable(True)
+            button.clicked.connect(lambda _, name=tool.id: self._session.activate_tool(name))
+            self._group.addButton(button)
+            self._column.insertWidget(place, button)
+            self._buttons[tool.id] = button
+        self._mark()
+
+    def _mark(self) -> None:
+        for name, button in self._buttons.items():
+            button.setChecked(name == self._session.active_tool)
+
+    def _show_waiting(self) -> None:
+        count = len(self._session.pending)
+        self._waiting.setVisible(count > 0)
+        self._count.setText(str(count))
+        said = tr("ToolRail", "Strokes waiting: {count}", count=count)
+        self._count.setToolTip(said)
+        self._count.setAccessibleName(said)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), qcolor(tones().panel))
+        painter.fillRect(self.width() - 1, 0, 1, self.height(), qcolor(tones().hairline))

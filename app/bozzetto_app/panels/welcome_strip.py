@@ -1,0 +1,216 @@
+"""The welcome strip: sample drawings and recent files; it closes by drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QScrollArea,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+from bozzetto_app.icons import paint_icon
+from bozzetto_app.panels.icon_button import IconButton, paint_focus
+from bozzetto_app.theme import qcolor, small_font, tones
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["WelcomeStrip"]
+
+PICTURE = QSize(72, 54)
+"""Size of a thumbnail, px."""
+
+Thumbnail = Callable[[Path], QImage | None]
+
+
+class _Card(QAbstractButton):
+    """A picture with two lines of words."""
+
+    def __init__(self, title: str, below: str, picture: QImage | None, icon: str | Path) -> None:
+        super().__init__()
+        self._below = below
+        self._picture = picture
+        self._icon = icon
+        self.setText(title)
+        self.setAccessibleName(title)
+        self.setAccessibleDescription(below)
+        self.setToolTip(f"{title}\n{below}")
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+
+    def sizeHint(self) -> QSize:
+        return QSize(200, PICTURE.height() + 8)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        colors = tones()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        if self.underMouse() or self.isDown():
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(qcolor(colors.press if self.isDown() else colors.hover))
+            painter.drawRoundedRect(QRectF(self.rect()), 6, 6)
+        frame = QRectF(4.5, 4.5, PICTURE.width() - 1, PICTURE.height() - 1)
+        shape = QPainterPath()
+        shape.addRoundedRect(frame, 4, 4)
+        painter.fillPath(shape, qcolor(colors.field))
+        if self._picture is not None and not self._picture.isNull():
+            size = self._picture.size().scaled(PICTURE, Qt.AspectRatioMode.KeepAspectRatio)
+            place = QRectF(0, 0, size.width(), size.height())
+            place.moveCenter(frame.center())
+            painter.setClipPath(shape)
+            painter.drawImage(place, self._picture)
+            painter.setClipping(False)
+        else:
+            glyph = QRectF(0, 0, 24, 24)
+            glyph.moveCenter(frame.center())
+            paint_icon(painter, self._icon, glyph, colors.quiet)
+        painter.setPen(QPen(qcolor(colors.hairline), 1))
+        painter.drawPath(shape)
+        room = self.rect().adjusted(PICTURE.width() + 16, 10, -36, -10)
+        painter.setPen(qcolor(colors.text))
+        title = painter.fontMetrics().elidedText(
+            self.text(), Qt.TextElideMode.ElideRight, room.width()
+        )
+        painter.drawText(
+            room.adjusted(0, 2, 0, -room.height() // 2), Qt.AlignmentFlag.AlignBottom, title
+        )
+        painter.setFont(small_font(self.font()))
+        painter.setPen(qcolor(colors.quiet))
+        below = painter.fontMetrics().elidedText(
+            self._below, Qt.TextElideMode.ElideMiddle, room.width()
+        )
+        painter.drawText(
+            room.adjusted(0, room.height() // 2 + 4, 0, 0), Qt.AlignmentFlag.AlignTop, below
+        )
+        if self.hasFocus():
+            paint_focus(painter, QRectF(self.rect()), 6)
+
+
+def _heading(words: str) -> QLabel:
+    label = QLabel(words)
+    label.setProperty("type", "heading")
+    label.setContentsMargins(4, 8, 0, 4)
+    return label
+
+
+class WelcomeStrip(QScrollArea):
+    """What to begin with, besides a bare pen.
+
+    Parameters
+    ----------
+    session : Session
+    recent : sequence of Path
+        Documents, newest first.
+    thumbnail : callable, optional
+        The picture of a sample or a document, or None.
+
+    Signals
+    -------
+    sample_chosen, sample_watched : str, Path
+        A modeler's id and the sample's ink file: open it, or watch it being drawn.
+    recent_chosen : Path
+    closed
+        By drawing, or by the cross.
+    """
+
+    sample_chosen = Signal(str, object)
+    sample_watched = Signal(str, object)
+    recent_chosen = Signal(object)
+    closed = Signal()
+
+    def __init__(
+        self,
+        session: Session,
+        recent: Sequence[Path] = (),
+        thumbnail: Thumbnail = lambda path: None,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._thumbnail = thumbnail
+        self.setObjectName("welcome")
+        self.setWindowTitle(tr("Welcome", "Welcome"))
+        self.setAccessibleName(self.windowTitle())
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(264)
+        page = QWidget()
+        self._column = QVBoxLayout(page)
+        self._column.setContentsMargins(12, 8, 12, 12)
+        self._column.setSpacing(0)
+        words = QLabel(tr("Welcome", "Take the pen and draw, or begin with one of these."))
+        words.setWordWrap(True)
+        words.setProperty("tone", "quiet")
+        close = IconButton("cross", tr("Welcome", "Close"), side=24, glyph=16, faint=True)
+        close.clicked.connect(self._close)
+        top = QHBoxLayout()
+        top.setContentsMargins(4, 0, 0, 0)
+        top.addWidget(words, 1)
+        top.addWidget(close, 0, Qt.AlignmentFlag.AlignTop)
+        self._column.addLayout(top)
+        self._add_samples()
+        self._add_recent(recent)
+        self._column.addStretch(1)
+        self.setWidget(page)
+        session.pending_changed.connect(self._drawn)
+        session.document_changed.connect(self._drawn)
+
+    def _add_samples(self) -> None:
+        infos = [info for info in self._session.modelers if info.samples]
+        if not infos:
+            return
+        self._column.addWidget(_heading(tr("Welcome", "Sample drawings")))
+        for info in infos:
+            for sample, title in zip(info.samples, info.sample_titles, strict=True):
+                card = _Card(title, info.title, self._thumbnail(sample), info.icon)
+                card.clicked.connect(
+                    lambda _, name=info.id, path=sample: self.sample_chosen.emit(name, path)
+                )
+                watch = IconButton(
+                    "play",
+                    tr("Welcome", "Watch {title} being drawn", title=title),
+                    card,
+                    side=28,
+                    glyph=16,
+                    faint=True,
+                )
+                watch.clicked.connect(
+                    lambda _, name=info.id, path=sample: self.sample_watched.emit(name, path)
+                )
+                beside = QHBoxLayout(card)
+                beside.setContentsMargins(0, 0, 4, 0)
+                beside.addWidget(watch, 0, Qt.AlignmentFlag.AlignRight)
+                self._column.addWidget(card)
+
+    def _add_recent(self, recent: Sequence[Path]) -> None:
+        if not recent:
+            return
+        self._column.addWidget(_heading(tr("Welcome", "Recent")))
+        for path in recent:
+            card = _Card(path.stem, str(path.parent), self._thumbnail(path), "drawing")
+            card.clicked.connect(lambda _, path=path: self.recent_chosen.emit(path))
+            self._column.addWidget(card)
+
+    def _drawn(self) -> None:
+        if self.isHidden():
+            return
+        if self._session.pending or self._session.document.models:
+            self._close()
+
+    def _close(self) -> None:
+        self.hide()
+        self.closed.emit()
