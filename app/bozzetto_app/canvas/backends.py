@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
+from bozzetto.scene.software.shading import Shading
 from bozzetto.view.camera import Camera
 
 __all__ = ["BACKEND_VARIABLE", "BackendName", "Shading", "ViewportBackend", "choose_backend"]
@@ -18,8 +19,6 @@ __all__ = ["BACKEND_VARIABLE", "BackendName", "Shading", "ViewportBackend", "cho
 log = logging.getLogger(__name__)
 
 BackendName = Literal["software", "gl"]
-Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
-
 BACKEND_VARIABLE: Final = "BOZZETTO_VIEWPORT"
 """Environment variable that overrides the choice: "software" or "gl"."""
 

@@ -83,6 +83,7 @@ class Canvas(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_AcceptTouchEvents)
         self.setAcceptDrops(True)
         self.setMinimumSize(200, 160)
+        self.setFocus()
         self.menu_entries: Callable[[], Sequence[MenuEntry]] = tuple
         self._session = session
         self._colors = palette

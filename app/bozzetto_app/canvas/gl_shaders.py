@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
 from OpenGL import GL
 from OpenGL.GL import shaders
+
+from bozzetto.scene.software import shading as matter
+from bozzetto.scene.software.strokes import DASH, GAP
+from bozzetto.scene.software.surfaces import XRAY_LEAST, XRAY_MOST
 
 __all__ = ["ATTRIBUTES", "compile_program"]
 
@@ -29,17 +34,67 @@ ATTRIBUTES: Final = {
 
 SURFACE_VERTEX: Final = """
 uniform mat4 u_view; uniform mat4 u_projection;
-IN vec3 a_place; IN vec3 a_normal; IN vec4 a_color;
-OUT vec3 v_normal; OUT vec3 v_seen; OUT vec4 v_color;
+uniform vec2 u_size; uniform float u_swell;
+IN vec3 a_place; IN vec4 a_normal; IN vec4 a_color;
+OUT vec3 v_normal; OUT vec3 v_seen; OUT vec4 v_color; OUT float v_tinted;
 void main() {
     vec4 seen = u_view * vec4(a_place, 1.0);
-    v_seen = seen.xyz; v_normal = mat3(u_view) * a_normal; v_color = a_color;
+    v_seen = seen.xyz;
+    v_normal = mat3(u_view) * a_normal.xyz;
+    v_tinted = a_normal.w;
+    v_color = a_color;
     gl_Position = u_projection * seen;
+    float reach = length(v_normal.xy);
+    if (u_swell > 0.0 && reach > 1e-4)
+        gl_Position.xy += v_normal.xy / reach * u_swell / (0.5 * u_size) * gl_Position.w;
+}
+"""
+
+SURFACE_FRAGMENT: Final = """
+uniform int u_shading; uniform float u_swell; uniform vec3 u_ink; uniform float u_parallel;
+uniform float u_opacity;
+IN vec3 v_normal; IN vec3 v_seen; IN vec4 v_color; IN float v_tinted;
+vec3 ramp(vec3 base, float light) {
+    vec3 shadow = base * vec3(0.36, 0.33, 0.33);
+    vec3 dark = shadow + (base - shadow) * pow(clamp(light, 0.0, 1.0), 1.15);
+    vec3 bright = base + (1.0 - base) * 0.55;
+    float over = clamp((light - 0.86) / (%(BRIGHTEST)s - 0.86), 0.0, 1.0);
+    return dark + (bright - dark) * over * over;
+}
+void main() {
+    if (u_swell > 0.0) { COLOR = vec4(u_ink, u_opacity); return; }
+    vec3 normal = length(v_normal) > 0.0 ? normalize(v_normal) : vec3(0.0, 0.0, 1.0);
+    bool inside = !gl_FrontFacing;
+    if (inside) normal = -normal;
+    vec3 sight = u_parallel > 0.5 ? vec3(0.0, 0.0, 1.0) : normalize(-v_seen);
+    float facing = clamp(dot(normal, sight), 0.0, 1.0);
+    float light = max(dot(normal, vec3(%(KEY)s)) + %(WRAP)s, 0.0) * %(KEY_PART)s;
+    light += %(SKY_SHARE)s * (0.72 + 0.28 * normal.y);
+    float grazing = (1.0 - facing) * (1.0 - facing);
+    light += %(RIM_SHARE)s * grazing * grazing;
+    if (inside) light *= %(INSIDE)s;
+    vec3 color;
+    if (u_shading == 3) {
+        color = 0.5 * normal + 0.5;
+    } else if (u_shading == 1) {
+        float wave = sin(2.0 * %(ZEBRA_STRIPES)s * atan(normal.x, normal.z));
+        float stripe = clamp(3.0 * wave + 0.5, 0.0, 1.0);
+        color = mix(ramp(vec3(58.0, 58.0, 60.0) / 255.0, light),
+                    ramp(vec3(244.0, 243.0, 240.0) / 255.0, light), stripe);
+    } else if (v_tinted > 0.5) {
+        color = v_color.rgb * ramp(vec3(1.0), light);
+    } else {
+        color = ramp(v_color.rgb, light);
+    }
+    float opacity = v_color.a * u_opacity;
+    if (u_shading == 4) opacity *= mix(%(XRAY_LEAST)s, %(XRAY_MOST)s, grazing);
+    COLOR = vec4(color, opacity);
 }
 """
 
 STRIP_VERTEX: Final = """
-uniform mat4 u_view; uniform mat4 u_projection; uniform vec2 u_size;
+uniform mat4 u_view; uniform mat4 u_projection; uniform vec2 u_size; uniform vec2 u_bias;
+uniform float u_width;
 IN vec3 a_before; IN vec3 a_place; IN vec3 a_after; IN vec3 a_shape; IN vec4 a_color;
 OUT vec2 v_across; OUT float v_along; OUT vec4 v_color;
 vec2 on_sheet(vec4 clip) { return clip.xy / max(clip.w, 1e-6) * 0.5 * u_size; }
@@ -60,14 +115,16 @@ void main() {
     middle = length(middle) > 1e-3 ? normalize(middle) : came;
     vec2 side = vec2(-middle.y, middle.x);
     float mitre = clamp(abs(dot(side, vec2(-goes.y, goes.x))), 0.5, 1.0);
-    float half_ = 0.5 * a_shape.y + 0.75;
+    float width = u_width * a_shape.y;
+    float half_ = 0.5 * width + 0.75;
     vec2 offset = side * (a_shape.x * half_ / mitre);
-    v_across = vec2(a_shape.x * half_, 0.5 * a_shape.y);
+    v_across = vec2(a_shape.x * half_, 0.5 * width);
     v_along = a_shape.z;
     v_color = a_color;
-    place.xy += offset / (0.5 * u_size) * place.w;
-    place.z -= %(LINE_BIAS)s * place.w;
-    gl_Position = place;
+    vec4 seen = u_view * vec4(a_place, 1.0);
+    seen.xyz = seen.xyz * u_bias.x + vec3(0.0, 0.0, u_bias.y);
+    gl_Position = u_projection * seen;
+    gl_Position.xy += offset / (0.5 * u_size) * gl_Position.w;
 }
 """
 
@@ -77,22 +134,25 @@ IN vec2 v_across; IN float v_along; IN vec4 v_color;
 void main() {
     float cover = clamp(v_across.y + 0.5 - abs(v_across.x), 0.0, 1.0);
     cover *= min(2.0 * v_across.y, 1.0);
-    if (u_dash > 0.0 && fract(v_along * u_dash) > 0.5) discard;
+    if (u_dash > 0.0 && fract(v_along * u_dash) > %(DASH_SHARE)s) discard;
     COLOR = vec4(v_color.rgb, v_color.a * u_opacity * cover);
 }
 """
 
 DOT_VERTEX: Final = """
-uniform mat4 u_view; uniform mat4 u_projection; uniform vec2 u_size;
+uniform mat4 u_view; uniform mat4 u_projection; uniform vec2 u_size; uniform vec2 u_bias;
+uniform float u_width;
 IN vec3 a_place; IN vec3 a_shape; IN vec4 a_color;
 OUT vec3 v_corner; OUT vec4 v_color;
 void main() {
-    vec4 place = u_projection * u_view * vec4(a_place, 1.0);
-    float reach = 0.5 * a_shape.z + 0.75;
-    v_corner = vec3(a_shape.xy * reach, 0.5 * a_shape.z);
+    vec4 seen = u_view * vec4(a_place, 1.0);
+    seen.xyz = seen.xyz * u_bias.x + vec3(0.0, 0.0, u_bias.y);
+    vec4 place = u_projection * seen;
+    float radius = 0.5 * u_width * a_shape.z;
+    float reach = radius + 0.75;
+    v_corner = vec3(a_shape.xy * reach, radius);
     v_color = a_color;
     place.xy += a_shape.xy * reach / (0.5 * u_size) * place.w;
-    place.z -= %(DOT_BIAS)s * place.w;
     gl_Position = place;
 }
 """
@@ -126,3 +186,50 @@ void main() {
     COLOR = vec4(texel.rgb, texel.a * u_opacity);
 }
 """
+
+# The software renderer's light, so that both viewports look alike.
+LIGHT: Final = {
+    "BRIGHTEST": matter.BRIGHTEST,
+    "KEY": ", ".join(str(float(v)) for v in matter.KEY / np.linalg.norm(matter.KEY)),
+    "WRAP": matter.WRAP,
+    "KEY_PART": matter.KEY_SHARE / (1.0 + matter.WRAP),
+    "SKY_SHARE": matter.SKY_SHARE,
+    "RIM_SHARE": matter.RIM_SHARE,
+    "INSIDE": matter.INSIDE,
+    "XRAY_LEAST": XRAY_LEAST,
+    "XRAY_MOST": XRAY_MOST,
+    "ZEBRA_STRIPES": matter.ZEBRA_STRIPES,
+}
+
+_SOURCES: Final = {
+    "surface": (SURFACE_VERTEX, SURFACE_FRAGMENT % LIGHT),
+    "strip": (STRIP_VERTEX, STRIP_FRAGMENT % {"DASH_SHARE": DASH / (DASH + GAP)}),
+    "dot": (DOT_VERTEX, DOT_FRAGMENT),
+    "picture": (PICTURE_VERTEX, PICTURE_FRAGMENT),
+}
+
+
+def compile_program(name: str, *, core: bool) -> int:
+    """Compile one of the programs in the current context.
+
+    Parameters
+    ----------
+    name : str
+        A key of `ATTRIBUTES`.
+    core : bool
+        Whether the context has a core profile (GLSL 3.30), else GLSL 1.20.
+    """
+    vertex, fragment = _SOURCES[name]
+    heads = (CORE_VERTEX, CORE_FRAGMENT) if core else (OLD_VERTEX, OLD_FRAGMENT)
+    program = GL.glCreateProgram()
+    for head, body, kind in (
+        (heads[0], vertex, GL.GL_VERTEX_SHADER),
+        (heads[1], fragment, GL.GL_FRAGMENT_SHADER),
+    ):
+        GL.glAttachShader(program, shaders.compileShader([head, body], kind))
+    for place, attribute in enumerate(ATTRIBUTES[name]):
+        GL.glBindAttribLocation(program, place, attribute)
+    GL.glLinkProgram(program)
+    if GL.glGetProgramiv(program, GL.GL_LINK_STATUS) != GL.GL_TRUE:
+        raise RuntimeError(GL.glGetProgramInfoLog(program))
+    return int(program)

@@ -207,7 +207,7 @@ class InkOverlay(QWidget):
         if hot != self._hot:
             for mark in (self._hot, hot):
                 if mark is not None:
-                    self.update(_around(mark[0], mark[1], 16))
+                    self.update(_around(mark[0], mark[1], 18))
             self._hot = hot
 
     def light_up(self, places: Sequence[tuple[float, float]]) -> None:
@@ -262,7 +262,7 @@ class InkOverlay(QWidget):
         if self._hot is not None:
             x, y, color = self._hot
             painter.setPen(QPen(QColor(*color), 2.0))
-            painter.drawEllipse(QPointF(x, y), 11.0, 11.0)
+            painter.drawEllipse(QPointF(x, y), 13.0, 13.0)
         if self._ring is not None:
             x, y, radius = self._ring
             shade = QColor(*self._palette.ink)

@@ -52,9 +52,7 @@ def tablet_sample(event: QTabletEvent) -> RawSample:
 def mouse_sample(event: QMouseEvent) -> RawSample:
     """Copy a mouse event; it knows no pressure."""
     place = event.position()
-    return RawSample(
-        place.x(), place.y(), 0.5, event.timestamp(), 0.0, 0.0, 0.0, perf_counter()
-    )
+    return RawSample(place.x(), place.y(), 0.5, event.timestamp(), 0.0, 0.0, 0.0, perf_counter())
 
 
 def button_of(button: Qt.MouseButton) -> Button | None:
