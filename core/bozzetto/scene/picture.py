@@ -14,6 +14,9 @@ from bozzetto.view.standard import standard_view
 
 __all__ = ["picture", "thumbnail"]
 
+MARGIN = 0.03
+"""Part of a picture left free on each side of the box around the scene."""
+
 
 def picture(
     scene: Scene,
@@ -55,7 +58,7 @@ def picture(
     """
     if camera is None:
         camera = Camera(viewport=(max(size[0], 1), max(size[1], 1)))
-        camera = fit(standard_view(camera, view), scene.bounds())
+        camera = fit(standard_view(camera, view), scene.bounds(), MARGIN)
     return render(
         scene, camera, palette, size=size, scale=scale, shading=shading, background=background
     )

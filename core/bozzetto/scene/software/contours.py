@@ -18,8 +18,11 @@ STRIDE = 4
 REACH = 5
 """Radius of the neighbourhood, in strides."""
 
-DEEPEST = 0.42
+DEEPEST = 0.34
 """Most light that a hollow keeps out."""
+
+STEEPEST = 8.0
+"""Greatest slope of depth that a surface is believed to have."""
 
 JUMP = 3.0
 """Step in depth against the slope before it that makes a contour, in pixel sizes."""
@@ -42,38 +45,61 @@ def _depth(buffer: Buffer, sight: Sight) -> Floats:
     return np.asarray(depth, np.float32)
 
 
-def cavities(buffer: Buffer, sight: Sight, fineness: int) -> Floats:
+def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
     """How much light hollows keep out, shape (h, w), 0 … 1.
 
     The depth buffer is compared with its own blurred copy: what lies deeper than its
     neighbourhood is dark (Luft, Colditz & Deussen, "Image enhancement by unsharp masking
-    the depth buffer", 2006, section 3). The blur leaves out the background, so a shape
-    in front of nothing is not changed.
+    the depth buffer", 2006, section 3). Two departures: the blur leaves out the
+    background, so a shape in front of nothing is not changed; and what is expected in
+    the neighbourhood is the plane through the place itself, so a flat face stays even up
+    to its edges, where its neighbourhood is one-sided.
+
+    Parameters
+    ----------
+    buffer : Buffer
+    sight : Sight
+    normal : (3, h, w) float32
+        Right, up, towards the eye.
+    fineness : int
+        Samples per pixel along each axis.
     """
     stride = STRIDE * fineness
     depth = _depth(buffer, sight)[::stride, ::stride]
+    across, up, near = normal[:, ::stride, ::stride]
     there = np.isfinite(depth)
-    filled = np.where(there, depth, 0.0)
     weight = there.astype(np.float32)
-    for _ in range(2):  # two boxes make a tent
-        filled, weight = _box(filled), _box(weight)
-    mean = np.divide(filled, weight, out=np.zeros_like(filled), where=weight > 1e-3)
-    below = np.where(there, depth - mean, 0.0) / np.float32(stride * REACH)
-    dark = np.float32(DEEPEST) * np.clip(below * np.float32(0.9), 0.0, 1.0)
+    row, column = np.indices(depth.shape, np.float32)
+    total = np.stack((weight, np.where(there, depth, 0), column * weight, row * weight))
+    total = _box(_box(total))  # two boxes make a tent
+    share = np.maximum(total[0], np.float32(1e-6))
+    mean, mean_column, mean_row = total[1:] / share
+    steep = np.float32(stride) / np.maximum(near, np.float32(1.0 / STEEPEST))
+    expected = depth + steep * ((mean_column - column) * across - (mean_row - row) * up)
+    below = np.where(there, expected - mean, 0.0) / np.float32(stride * REACH)
+    dark = np.float32(DEEPEST) * np.clip(below, 0.0, 1.0)
+    # Carried one place over the border, for the interpolation there.
+    carried, share = _spread(dark), _spread(weight)
+    dark = np.where(there, dark, carried / np.maximum(share, np.float32(1e-6)))
     return _enlarged(dark.astype(np.float32), stride, buffer.height, buffer.width)
 
 
-def _box(image: NDArray[np.floating]) -> Floats:
-    """Mean over (2 REACH + 1)² places; zero beyond the border."""
+def _spread(image: Floats) -> Floats:
+    """Sum over the 3 × 3 places around each."""
+    padded = np.pad(image, 1)
+    rows = padded[:-2] + padded[1:-1] + padded[2:]
+    return np.asarray(rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:], np.float32)
+
+
+def _box(images: Floats) -> Floats:
+    """Mean over (2 REACH + 1)² places of each of several images; zero beyond the border."""
     size = 2 * REACH + 1
-    result = np.asarray(image, np.float64)
-    for axis in (0, 1):
-        padding = [(0, 0), (0, 0)]
+    result = images.astype(np.float64)
+    for axis in (1, 2):
+        padding = [(0, 0), (0, 0), (0, 0)]
         padding[axis] = (REACH + 1, REACH)
-        total = np.cumsum(np.pad(result, padding), axis)
-        ahead = total[size:] if axis == 0 else total[:, size:]
-        behind = total[:-size] if axis == 0 else total[:, :-size]
-        result = (ahead - behind) / size
+        total = np.moveaxis(np.cumsum(np.pad(result, padding), axis), axis, 0)
+        result = np.moveaxis(total[size:] - total[:-size], 0, axis) / size
     return result.astype(np.float32)
 
 
@@ -91,7 +117,7 @@ def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
     return result
 
 
-def contours(buffer: Buffer, sight: Sight, normal: Floats | None = None) -> Floats:
+def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
     """Strength of contour lines at each pixel, shape (h, w), 0 … 1.
 
     A contour runs along the nearer side where depth jumps by more than the slope
@@ -101,8 +127,10 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats | None = None) -> Floa
     ----------
     buffer : Buffer
     sight : Sight
-    normal : (3, h, w) float32, optional
-        Normals of what is seen; zero elsewhere.
+    normal : (3, h, w) float32
+        Normals of what is seen.
+    fineness : int
+        Samples per pixel along each axis; lines are as wide as a pixel.
     """
     depth = _depth(buffer, sight)
     there = np.isfinite(depth)
@@ -121,9 +149,18 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats | None = None) -> Floa
         line[:-1][farther] = OUTER
         nearer = seen[1:] & (-step > bound[1:])
         line[1:][nearer] = OUTER
-        if normal is not None:
-            n = normal if axis == 0 else normal.transpose(0, 2, 1)
-            same = np.einsum("kij,kij->ij", n[:, :-1], n[:, 1:])
-            edge = (same < BEND) & seen[:-1] & seen[1:] & (line[:-1] == 0)
-            line[:-1][edge] = INNER
-    return strength
+        n = normal if axis == 0 else normal.transpose(0, 2, 1)
+        same = np.einsum("kij,kij->ij", n[:, :-1], n[:, 1:])
+        edge = (same < BEND) & seen[:-1] & seen[1:] & (line[:-1] == 0)
+        line[:-1][edge] = INNER
+    return strength if fineness == 1 else _widened(strength)
+
+
+def _widened(image: Floats) -> Floats:
+    """The greatest of each place and its four neighbours."""
+    result = image.copy()
+    np.maximum(result[1:], image[:-1], out=result[1:])
+    np.maximum(result[:-1], image[1:], out=result[:-1])
+    np.maximum(result[:, 1:], image[:, :-1], out=result[:, 1:])
+    np.maximum(result[:, :-1], image[:, 1:], out=result[:, :-1])
+    return result

@@ -114,11 +114,11 @@ def _bands(width: int, height: int, fineness: int) -> Iterator[tuple[int, int]]:
 
 def _finished(pixels: Floats, *, opaque: bool) -> NDArray[np.uint8]:
     """Bytes of straight alpha."""
-    rgb, alpha = pixels[..., :3], pixels[..., 3:]
     if opaque:
-        result = np.full(pixels.shape, 255, np.uint8)
-        result[..., :3] = np.clip(rgb + np.float32(0.5), 0, 255)
+        result = (pixels + np.float32(0.5)).astype(np.uint8)
+        result[..., 3] = 255
         return result
+    rgb, alpha = pixels[..., :3], pixels[..., 3:]
     straight = np.divide(rgb, alpha, out=np.zeros_like(rgb), where=alpha > 0)
     both = np.concatenate((straight, alpha * np.float32(255)), -1)
     return np.clip(both + np.float32(0.5), 0, 255).astype(np.uint8)
@@ -138,9 +138,8 @@ def _drawn(
     """A window of the picture, shape (h · w, 4): colour times opacity, opacity."""
     width, height = size
     _, _, w, h = window
-    pixels = np.zeros((h * w, 4), np.float32)
-    if background:
-        pixels[:] = (*palette.paper, 1.0)
+    paper = (*palette.paper, 1.0) if background else (0.0,) * 4
+    pixels = np.full((h * w, 4), paper, np.float32)
     sight = sight_of(camera, height, width, window)
     surfaces = [item for item in items if isinstance(item, Shaded | Image)]
     surface = np.full((h, w), -np.inf, np.float32)
@@ -150,9 +149,9 @@ def _drawn(
         inner = (window[0] + x, window[1] + y, part_w, part_h)
         fine = sight_of(camera, height, width, inner, fineness)
         grid = pixels.reshape(h, w, 4)[y : y + part_h, x : x + part_w]
-        samples = np.repeat(np.repeat(grid, fineness, 0), fineness, 1).reshape(-1, 4)
+        samples = np.full((fine.height * fine.width, 4), paper, np.float32)
         nearness = draw_surfaces(samples, surfaces, fine, palette, shading, fineness)
-        grid[:] = _reduced(samples.reshape(part_h * fineness, part_w * fineness, 4), fineness)
+        grid[:] = _reduced(samples.reshape(fine.height, fine.width, 4), fineness)
         around = _farthest_around(nearness.reshape(fine.height, fine.width), fineness)
         surface[y : y + part_h, x : x + part_w] = sight.backed(around, BIAS * scale)
     _draw_marks(Canvas(pixels, surface, sight, scale), items, palette)

@@ -30,9 +30,9 @@ KEY: Final = np.array((-0.46, 0.62, 0.64), np.float32)
 WRAP: Final = 0.28
 """How far the key light reaches round the terminator; matte clay scatters."""
 
-KEY_SHARE: Final = 0.74
-SKY_SHARE: Final = 0.30
-RIM_SHARE: Final = 0.13
+KEY_SHARE: Final = 0.76
+SKY_SHARE: Final = 0.38
+RIM_SHARE: Final = 0.10
 """Parts of key, soft fill from above, and rim in the light."""
 
 INSIDE: Final = 0.80
@@ -148,9 +148,9 @@ def _interpolated(
     rows = table.take(row, 0)
     for k in range(count):
         result[k] = rows[:, k] + rows[:, count + k] * dx + rows[:, 2 * count + k] * dy
-    # Rounding in slivers must not leave the range of the corners.
-    low, high = values.min((0, 1)), values.max((0, 1))
-    return np.clip(result, low[:, None].astype(np.float32), high[:, None].astype(np.float32))
+    # Rounding in slivers must not leave the range of the corners by much.
+    limit = np.float32(np.abs(table[:, :count]).max(initial=0.0))
+    return np.clip(result, -limit, limit, out=result)
 
 
 def _backs(places: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -192,7 +192,7 @@ def ramp(color: Color) -> Floats:
     """
     light = np.linspace(0.0, BRIGHTEST, STEPS, dtype=np.float32)[:, None]
     base = np.array(color, np.float32)
-    shadow = base * np.array((0.36, 0.33, 0.33), np.float32)
+    shadow = base * np.array((0.44, 0.39, 0.36), np.float32)
     dark = shadow + (base - shadow) * np.clip(light, 0, 1) ** np.float32(1.15)
     bright = base + (np.float32(255) - base) * np.float32(0.55)
     over = np.clip((light - 0.86) / (BRIGHTEST - 0.86), 0, 1)

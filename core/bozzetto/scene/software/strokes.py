@@ -27,6 +27,9 @@ BIAS = 2.0
 FAINT_WIDTH, FAINT_OPACITY = 0.6, 0.32
 """Width and opacity of hidden parts, as parts of the visible ones."""
 
+DASHED_OPACITY = 0.5
+"""Opacity of hidden parts that are dashed."""
+
 DASH, GAP = 5.0, 4.0
 """Lengths along a dashed line, px."""
 
@@ -87,33 +90,21 @@ def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) 
     begin, end = _cut_to_window(begin, end, canvas)
     if not len(begin):
         return
-    hidden = batch[0].hidden
-    shown_pixels, shown_shares = [], []
-    faint_pixels, faint_shares = [], []
+    hidden, opacity = batch[0].hidden, batch[0].opacity
     steps = _step_counts(begin, end)
     ends = np.cumsum(steps)
+    found = []
     first = 0
     while first < len(steps):
         done = int(ends[first - 1]) if first else 0
         last = max(first + 1, int(np.searchsorted(ends, done + STEPS_AT_ONCE, "right")))
         part = slice(first, last)
-        walk = _walked(begin[part], end[part], steps[part])
-        covered = _covered(walk, canvas) if hidden != "show" else np.zeros(len(walk.x), bool)
-        pixels, shares = _spread(walk.only(~covered), canvas, 1.0)
-        shown_pixels.append(pixels)
-        shown_shares.append(shares)
-        if hidden == "dashed":
-            covered &= np.mod(walk.along, (DASH + GAP) * canvas.scale) < DASH * canvas.scale
-        if hidden in ("faint", "dashed"):
-            pixels, shares = _spread(walk.only(covered), canvas, FAINT_WIDTH)
-            faint_pixels.append(pixels)
-            faint_shares.append(shares)
+        found.append(_spread(_walked(begin[part], end[part], steps[part]), canvas, hidden))
         first = last
-    opacity = batch[0].opacity
-    if faint_pixels:
-        faint = opacity * (FAINT_OPACITY if hidden == "faint" else 0.5)
-        canvas.cover(np.concatenate(faint_pixels), np.concatenate(faint_shares), color, faint)
-    canvas.cover(np.concatenate(shown_pixels), np.concatenate(shown_shares), color, opacity)
+    pixel, share, covered = (np.concatenate(column) for column in zip(*found, strict=True))
+    faint = opacity * (DASHED_OPACITY if hidden == "dashed" else FAINT_OPACITY)
+    canvas.cover(pixel[covered], share[covered], color, faint)
+    canvas.cover(pixel[~covered], share[~covered], color, opacity)
 
 
 # Columns of a segment's end: x, y (px), nearness, width (px), length along the polyline (px).
@@ -191,30 +182,24 @@ def _cut_to_window(begin: Array, end: Array, canvas: Canvas) -> tuple[Array, Arr
 
 @dataclass(frozen=True, eq=False)
 class _Walk:
-    """Steps along segments.
+    """Steps along segments, one array entry for each.
 
-    `x`, `y` and `nearness` are of the line's middle at each step; `begin`, `end` the ends
-    of its segment; `steep` says that the step is down the sheet and spreads sideways.
+    On the sheet a step is at `major`, a pixel centre along the segment's major axis, and
+    `minor`, where the line's middle is there; `steep` says that the major axis is y. The
+    segment runs from (`begin_major`, `begin_minor`) by (`span_major`, `span_minor`).
     """
 
-    x: Floats
-    y: Floats
+    steep: NDArray[np.bool_]
+    major: Floats
+    minor: Floats
     nearness: Floats
     along: Floats
-    begin: Floats
-    span: Floats
-    steep: NDArray[np.bool_]
-
-    def only(self, keep: NDArray[np.bool_]) -> _Walk:
-        return _Walk(
-            self.x[keep],
-            self.y[keep],
-            self.nearness[keep],
-            self.along[keep],
-            self.begin[keep],
-            self.span[keep],
-            self.steep[keep],
-        )
+    width: Floats
+    widening: Floats
+    begin_major: Floats
+    begin_minor: Floats
+    span_major: Floats
+    span_minor: Floats
 
 
 def _step_counts(begin: Array, end: Array) -> NDArray[np.int64]:
@@ -239,67 +224,88 @@ def _steep(begin: Array, end: Array) -> NDArray[np.bool_]:
 def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
     """Every pixel centre along the major axis of every segment, and the line's middle there."""
     low, _ = _reach(begin, end)
-    which = np.repeat(np.arange(len(begin)), steps)
-    major = np.arange(len(which)) - np.repeat(np.cumsum(steps) - steps, steps)
-    major = major + np.floor(low)[which] + 0.5
-    steep = _steep(begin, end)
     span = end - begin
-    axis_begin = np.where(steep, begin[:, Y], begin[:, X])
-    axis_span = np.where(steep, span[:, Y], span[:, X])
-    slope = np.divide(1.0, axis_span, out=np.zeros_like(axis_span), where=axis_span != 0)
-    t = np.clip((major - axis_begin[which]) * slope[which], 0.0, 1.0)
-    place = begin[which] + t[:, None] * span[which]
-    # beyond an end the step's own pixel is centred on the cap, not on the line's middle
-    steep = steep[which]
-    x = np.where(steep, place[:, X], major)
-    y = np.where(steep, major, place[:, Y])
-    place, base, rise = (a.astype(np.float32) for a in (place, begin[which], span[which]))
+    steep = _steep(begin, end)
+    begin_major = np.where(steep, begin[:, Y], begin[:, X])
+    begin_minor = np.where(steep, begin[:, X], begin[:, Y])
+    span_major = np.where(steep, span[:, Y], span[:, X])
+    span_minor = np.where(steep, span[:, X], span[:, Y])
+    slope = np.divide(1.0, span_major, out=np.zeros_like(span_major), where=span_major != 0)
+
+    def each(values: NDArray[np.generic]) -> Floats:
+        return np.repeat(values.astype(np.float32), steps)
+
+    first = np.floor(low) - (np.cumsum(steps) - steps) + 0.5
+    major = (np.arange(int(steps.sum())) + np.repeat(first, steps)).astype(np.float32)
+    base_major, base_minor, rise_minor = each(begin_major), each(begin_minor), each(span_minor)
+    t = np.clip((major - base_major) * each(slope), np.float32(0), np.float32(1))
     return _Walk(
-        x.astype(np.float32),
-        y.astype(np.float32),
-        place[:, NEARNESS],
-        place[:, ALONG],
-        base,
-        rise,
-        steep,
+        np.repeat(steep, steps),
+        major,
+        base_minor + t * rise_minor,
+        each(begin[:, NEARNESS]) + t * each(span[:, NEARNESS]),
+        np.repeat(begin[:, ALONG], steps) + t * each(span[:, ALONG]),
+        each(begin[:, WIDTH]),
+        each(span[:, WIDTH]),
+        base_major,
+        base_minor,
+        each(span_major),
+        rise_minor,
     )
 
 
 def _covered(walk: _Walk, canvas: Canvas) -> NDArray[np.bool_]:
     """Which steps lie behind a surface."""
     height, width = canvas.surface.shape
-    column = np.clip(walk.x, 0, width - 1).astype(np.intp)
-    row = np.clip(walk.y, 0, height - 1).astype(np.intp)
-    return np.asarray(walk.nearness < canvas.surface[row, column])
+    column = np.clip(np.where(walk.steep, walk.minor, walk.major), 0, width - 1)
+    row = np.clip(np.where(walk.steep, walk.major, walk.minor), 0, height - 1)
+    surface = canvas.surface[row.astype(np.intp), column.astype(np.intp)]
+    return np.asarray(walk.nearness < surface)
 
 
 def _spread(
-    walk: _Walk, canvas: Canvas, thinning: float
-) -> tuple[NDArray[np.intp], Floats]:
-    """Pixels around each step and how much of them the capsule covers."""
-    if not len(walk.x):
-        return np.zeros(0, np.intp), np.zeros(0, np.float32)
-    half = np.float32(0.5 * thinning)
-    widest = float(np.maximum(walk.begin[:, WIDTH], walk.begin[:, WIDTH] + walk.span[:, WIDTH]).max())
+    walk: _Walk, canvas: Canvas, hidden: str
+) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
+    """Pixels around each step, how much of them its capsule covers, and which are hidden."""
+    if hidden == "show":
+        covered = np.zeros(len(walk.major), bool)
+    else:
+        covered = _covered(walk, canvas)
+    thick = np.where(covered, np.float32(0.5 * FAINT_WIDTH), np.float32(0.5))
+    if hidden == "hide":
+        thick[covered] = 0.0
+    elif hidden == "dashed":
+        gap = np.mod(walk.along, (DASH + GAP) * canvas.scale) > DASH * canvas.scale
+        thick[covered & gap] = 0.0
+    base = walk.width * thick
+    wider = walk.widening * thick
+    square = walk.span_major * walk.span_major + walk.span_minor * walk.span_minor
+    per_length = np.divide(1.0, square, out=np.zeros_like(square), where=square > 0)
+    from_major = walk.major - walk.begin_major
     # across the major axis a line is at most √2 thicker than it is wide
-    reach = int(np.ceil(0.5 * widest * thinning * np.sqrt(2.0) + 0.75))
-    offsets = np.arange(-reach, reach + 1, dtype=np.float32)
-    minor = np.floor(np.where(walk.steep, walk.x, walk.y))[:, None] + offsets + np.float32(0.5)
-    major = np.where(walk.steep, walk.y, walk.x)[:, None]
-    steep = walk.steep[:, None]
-    px, py = np.where(steep, minor, major), np.where(steep, major, minor)
-    rx, ry = px - walk.begin[:, X, None], py - walk.begin[:, Y, None]
-    sx, sy = walk.span[:, X, None], walk.span[:, Y, None]
-    square = sx * sx + sy * sy
-    t = np.divide(rx * sx + ry * sy, square, out=np.zeros_like(rx), where=square > 0)
-    np.clip(t, 0.0, 1.0, out=t)
-    gap = np.hypot(rx - t * sx, ry - t * sy)
-    radius = half * (walk.begin[:, WIDTH, None] + t * walk.span[:, WIDTH, None])
-    share = np.clip(radius + np.float32(0.5) - gap, 0.0, np.minimum(2.0 * radius, 1.0))
+    reach = float((np.maximum(base, base + wider).max(initial=0.0) + 0.5) * np.sqrt(2.0))
+    first = np.ceil(walk.minor - np.float32(reach + 0.5))
     width, height = canvas.sight.width, canvas.sight.height
-    keep = (share > 0) & (px >= 0) & (px < width) & (py >= 0) & (py < height)
-    pixel = py[keep].astype(np.intp) * width + px[keep].astype(np.intp)
-    return pixel, share[keep].astype(np.float32)
+    breadth, length = (np.where(walk.steep, a, b) for a, b in ((width, height), (height, width)))
+    on_sheet = (thick > 0) & (walk.major > 0) & (walk.major < length)
+    pixels, shares, flags = [], [], []
+    for offset in range(int(2.0 * reach) + 1):
+        cell = first + np.float32(offset)
+        from_minor = cell + np.float32(0.5) - walk.begin_minor
+        t = (from_major * walk.span_major + from_minor * walk.span_minor) * per_length
+        np.clip(t, 0.0, 1.0, out=t)
+        away_major = from_major - t * walk.span_major
+        away_minor = from_minor - t * walk.span_minor
+        gaps = np.sqrt(away_major * away_major + away_minor * away_minor)
+        radius = base + t * wider
+        share = np.minimum(radius + np.float32(0.5) - gaps, np.float32(2) * radius)
+        hit = np.flatnonzero((share > 0) & on_sheet & (cell >= 0) & (cell < breadth))
+        major, minor = walk.major[hit].astype(np.intp), cell[hit].astype(np.intp)
+        steep = walk.steep[hit]
+        pixels.append(np.where(steep, major, minor) * width + np.where(steep, minor, major))
+        shares.append(np.minimum(share[hit], np.float32(1)))
+        flags.append(covered[hit])
+    return np.concatenate(pixels), np.concatenate(shares), np.concatenate(flags)
 
 
 def draw_points(canvas: Canvas, item: Points, color: NDArray[np.floating]) -> None:

@@ -111,9 +111,10 @@ def _draw_opaque(
     seen = fragments(buffer.triangle, soup, sight, tinted=bool(tinted.any()))
     if not len(seen.pixel):
         return
+    normal = _spread_normals(seen, buffer)
     cavity = None
     if shading in ("clay", "curvature"):
-        cavity = cavities(buffer, sight, fineness).ravel()[seen.pixel]
+        cavity = cavities(buffer, sight, normal, fineness).ravel()[seen.pixel]
     rgb = colored(
         seen,
         soup.part[seen.triangle],
@@ -123,7 +124,7 @@ def _draw_opaque(
         palette,
         cavity,
     )
-    line = contours(buffer, sight, _spread_normals(seen, buffer)).ravel()[seen.pixel]
+    line = contours(buffer, sight, normal, fineness).ravel()[seen.pixel]
     drawn = np.flatnonzero(line)
     ink = np.array(palette.ink, np.float32)
     rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])

@@ -90,98 +90,126 @@ def _may_be_seen(buffer: Buffer, places: Array, faces: NDArray[np.int32]) -> NDA
     across, down = -(-buffer.width // TILE), -(-buffer.height // TILE)
     full = np.full((down * TILE, across * TILE), np.inf, np.float32)
     full[: buffer.height, : buffer.width] = buffer.nearness.reshape(buffer.height, buffer.width)
-    farthest = full.reshape(down, TILE, across, TILE).min((1, 3))
-    cells = []
-    for axis, count in ((0, across), (1, down)):
-        values = places[:, axis][faces]
-        for end in (values.min(1), values.max(1)):
-            cells.append(np.clip(end / TILE, 0, count - 1).astype(np.int32))
-    left, right, top, bottom = cells
-    behind = np.full(len(faces), np.inf, np.float32)
-    for row in (top, bottom):
-        for column in (left, right):
-            np.minimum(behind, farthest[row, column], out=behind)
-    small = (right - left <= 1) & (bottom - top <= 1)
+    rows = np.minimum.reduce([full[k::TILE] for k in range(TILE)])
+    farthest = np.minimum.reduce([rows[:, k::TILE] for k in range(TILE)])
     # float32, as the buffer is: rounding is monotone, so the comparison stays honest
-    nearest = places[:, 2].astype(np.float32)[faces].max(1)
-    return ~small | (nearest >= behind)
+    x, y, near = (_columns(places[:, axis].astype(np.float32), faces) for axis in range(3))
+    left, right = (_cells(end(x), across) for end in (_least, _most))
+    top, bottom = (_cells(end(y), down) for end in (_least, _most))
+    behind = np.minimum(farthest[top, left], farthest[top, right])
+    np.minimum(behind, farthest[bottom, left], out=behind)
+    np.minimum(behind, farthest[bottom, right], out=behind)
+    small = (right - left <= 1) & (bottom - top <= 1)
+    return np.asarray(~small | (_most(near) >= behind))
+
+
+Columns = tuple[NDArray[np.floating], NDArray[np.floating], NDArray[np.floating]]
+
+
+def _columns(values: NDArray[np.floating], faces: NDArray[np.int32]) -> Columns:
+    """A vertex value at the first, second and third corner of each face."""
+    return values.take(faces[:, 0]), values.take(faces[:, 1]), values.take(faces[:, 2])
+
+
+def _least(corner: Columns) -> NDArray[np.floating]:
+    return np.asarray(np.minimum(np.minimum(corner[0], corner[1]), corner[2]))
+
+
+def _most(corner: Columns) -> NDArray[np.floating]:
+    return np.asarray(np.maximum(np.maximum(corner[0], corner[1]), corner[2]))
+
+
+def _cells(value: NDArray[np.floating], count: int) -> NDArray[np.int32]:
+    return np.clip(value * (1.0 / TILE), 0, count - 1).astype(np.int32)
+
+
+def _centers_before(value: NDArray[np.floating], size: int) -> NDArray[np.int64]:
+    """How many pixel centres of a row or column of `size` lie before a place."""
+    return np.ceil(np.clip(value, 0, size) - 0.5).astype(np.int64)
 
 
 def _draw(
     buffer: Buffer, places: Array, faces: NDArray[np.int32], names: NDArray[np.int32]
 ) -> None:
-    corners = places[faces]
-    x, y = corners[:, :, 0], corners[:, :, 1]
-    low, high = y.min(1), y.max(1)
-    on_sheet = (x.max(1) > 0) & (x.min(1) < buffer.width)
-    top = np.ceil(np.clip(low, 0, buffer.height) - 0.5).astype(np.int32)
-    bottom = np.ceil(np.clip(high, 0, buffer.height) - 0.5).astype(np.int32)
-    rows = np.where(on_sheet, bottom - top, 0)
-    keep = np.flatnonzero(rows > 0)
-    corners, rows, top, names = corners[keep], rows[keep], top[keep], names[keep]
-    upper, middle, lower = _by_height(corners)
-    ends = np.cumsum(rows, dtype=np.int64)
+    x, y = (_columns(places[:, axis], faces) for axis in (0, 1))
+    top = _centers_before(_least(y), buffer.height)
+    rows = _centers_before(_most(y), buffer.height) - top
+    keep = np.flatnonzero((rows > 0) & (_most(x) > 0) & (_least(x) < buffer.width))
+    rows, top, names = rows[keep], top[keep], names[keep]
+    upper, middle, lower = _by_height(places, faces[keep])
+    ends = np.cumsum(rows)
     begin = 0
     while begin < len(keep):
-        done = ends[begin - 1] if begin else 0
+        done = int(ends[begin - 1]) if begin else 0
         end = max(begin + 1, int(np.searchsorted(ends, done + SPANS_AT_ONCE, "right")))
         part = slice(begin, end)
-        _draw_spans(
-            buffer, upper[part], middle[part], lower[part], rows[part], top[part], names[part]
-        )
+        corners = (upper[part], middle[part], lower[part])
+        _draw_spans(buffer, places, corners, rows[part], top[part], names[part])
         begin = end
 
 
-def _by_height(corners: Array) -> tuple[Array, Array, Array]:
-    """Corners of each triangle from the top of the sheet down; (n, 3) each."""
-    order = np.argsort(corners[:, :, 1], axis=1, kind="stable")
-    each = np.arange(len(corners))
-    return tuple(corners[each, order[:, k]] for k in range(3))  # type: ignore[return-value]
+def _by_height(
+    places: Array, faces: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+    """Vertices of each triangle from the top of the sheet down."""
+    y = places[:, 1]
+    a, b, c = faces.T
+    for _ in range(2):  # a bubble sort of three
+        swap = y.take(a) > y.take(b)
+        a, b = np.where(swap, b, a), np.where(swap, a, b)
+        swap = y.take(b) > y.take(c)
+        b, c = np.where(swap, c, b), np.where(swap, b, c)
+    return a, b, c
 
 
 def _draw_spans(
     buffer: Buffer,
-    upper: Array,
-    middle: Array,
-    lower: Array,
-    rows: NDArray[np.int32],
-    top: NDArray[np.int32],
+    places: Array,
+    corners: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]],
+    rows: NDArray[np.int64],
+    top: NDArray[np.int64],
     names: NDArray[np.int32],
 ) -> None:
-    which = np.repeat(np.arange(len(rows)), rows)
+    upper, middle, lower = corners
+    which = np.repeat(np.arange(len(rows), dtype=np.int32), rows)
     row = np.arange(len(which)) - np.repeat(np.cumsum(rows) - rows - top, rows)
     center = row + 0.5
-    a, b, c = upper[which], middle[which], lower[which]
-    x_long, q_long = _on_edge(a, c, center)
-    above = (center < b[:, 1])[:, None]
-    x_short, q_short = _on_edge(np.where(above, a, b), np.where(above, b, c), center)
+    x_long, q_long = _on_edge(places, upper.take(which), lower.take(which), center)
+    turn = middle.take(which)
+    above = center < places[:, 1].take(turn)
+    begin = np.where(above, upper.take(which), turn)
+    end = np.where(above, turn, lower.take(which))
+    x_short, q_short = _on_edge(places, begin, end, center)
     swap = x_short < x_long
     left, right = np.minimum(x_long, x_short), np.maximum(x_long, x_short)
-    q_left, q_right = np.where(swap, q_short, q_long), np.where(swap, q_long, q_short)
-    first = np.ceil(np.clip(left, 0, buffer.width) - 0.5).astype(np.int64)
-    count = np.ceil(np.clip(right, 0, buffer.width) - 0.5).astype(np.int64) - first
+    first = _centers_before(left, buffer.width)
+    count = _centers_before(right, buffer.width) - first
     keep = np.flatnonzero(count > 0)
+    q_left = np.where(swap, q_short, q_long)[keep]
+    q_right = np.where(swap, q_long, q_short)[keep]
     first, count, left, right = first[keep], count[keep], left[keep], right[keep]
-    q_left = q_left[keep]
-    slope = (q_right[keep] - q_left) / (right - left)
+    slope = (q_right - q_left) / (right - left)
     start = q_left + slope * (first + 0.5 - left)
     pixel = row[keep] * buffer.width + first
-    names = names[which[keep]]
+    seen = names.take(which[keep])
     ends = np.cumsum(count)
-    begin = 0
-    while begin < len(keep):
-        done = int(ends[begin - 1]) if begin else 0
-        end = max(begin + 1, int(np.searchsorted(ends, done + FRAGMENTS_AT_ONCE, "right")))
-        part = slice(begin, end)
-        _draw_fragments(buffer, pixel[part], start[part], slope[part], count[part], names[part])
-        begin = end
+    at = 0
+    while at < len(keep):
+        done = int(ends[at - 1]) if at else 0
+        to = max(at + 1, int(np.searchsorted(ends, done + FRAGMENTS_AT_ONCE, "right")))
+        part = slice(at, to)
+        _draw_fragments(buffer, pixel[part], start[part], slope[part], count[part], seen[part])
+        at = to
 
 
-def _on_edge(begin: Array, end: Array, y: Array) -> tuple[Array, Array]:
-    """Where an edge crosses rows: x and nearness."""
-    t = (y - begin[:, 1]) / (end[:, 1] - begin[:, 1])
-    x = begin[:, 0] + t * (end[:, 0] - begin[:, 0])
-    return x, begin[:, 2] + t * (end[:, 2] - begin[:, 2])
+def _on_edge(
+    places: Array, begin: NDArray[np.int32], end: NDArray[np.int32], y: Array
+) -> tuple[Array, Array]:
+    """Where the edges between vertices cross rows: x and nearness."""
+    x0, y0, q0 = (places[:, axis].take(begin) for axis in range(3))
+    x1, y1, q1 = (places[:, axis].take(end) for axis in range(3))
+    t = (y - y0) / (y1 - y0)
+    return x0 + t * (x1 - x0), q0 + t * (q1 - q0)
 
 
 def _draw_fragments(

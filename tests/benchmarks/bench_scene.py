@@ -1,0 +1,127 @@
+"""How long pictures and picking take: ``python -m tests.benchmarks.bench_scene``.
+
+Every function returns the median time of one call in seconds. The scene is a bumpy ball of
+so many triangles with 500 polylines of 64 points around it.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.scene import LIGHT, Layer, Lines, Scene, Shaded
+from bozzetto.scene.bounding_tree import tree_of
+from bozzetto.scene.picking import cast_rays
+from bozzetto.scene.software import render
+from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import fit, turn
+from bozzetto.view.standard import standard_view
+
+SIZE = (1000, 700)
+REPEATS = 9
+
+
+def bumpy_ball(triangles: int) -> Mesh:
+    count = round(np.sqrt(triangles / 2))
+    u, v = np.meshgrid(
+        np.linspace(0, np.pi, count + 1), np.linspace(0, 2 * np.pi, count + 1), indexing="ij"
+    )
+    r = 100 * (1 + 0.15 * np.sin(5 * v) * np.sin(u) ** 3)
+    x, y, z = r * np.sin(u) * np.cos(v), 0.6 * r * np.sin(u) * np.sin(v), 0.8 * r * np.cos(u)
+    a = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
+    b, c, d = a + 1, a + count + 1, a + count + 2
+    faces = np.concatenate((np.stack((a, c, b), 1), np.stack((b, c, d), 1)))
+    return Mesh(np.stack((x.ravel(), y.ravel(), z.ravel()), 1).astype(np.float32), faces)
+
+
+def arcs(count: int = 500, points: int = 64) -> Lines:
+    random = np.random.default_rng(1)
+    begin, axis = (random.normal(size=(count, 1, 3)) for _ in range(2))
+    begin /= np.linalg.norm(begin, axis=2, keepdims=True)
+    axis /= np.linalg.norm(axis, axis=2, keepdims=True)
+    side = np.cross(axis, begin)
+    up = np.cross(axis, side)
+    t = np.linspace(0, 1.2, points)[:, None]
+    arc = begin + side * np.sin(t) + up * (1 - np.cos(t))
+    arc *= 120 / np.linalg.norm(arc, axis=2, keepdims=True)
+    return Lines(arc.reshape(-1, 3).astype(np.float32), starts=np.arange(count) * points)
+
+
+def scene_of(triangles: int, *, lines: bool = True) -> Scene:
+    items = (Shaded(bumpy_ball(triangles)), *((arcs(),) if lines else ()))
+    return Scene((Layer("bench", items),))
+
+
+def view_of(scene: Scene, size: tuple[int, int] = SIZE) -> Camera:
+    return fit(standard_view(Camera(viewport=size), "three-quarter"), scene.bounds())
+
+
+def median_time(call: Callable[[int], object], repeats: int = REPEATS) -> float:
+    call(0)
+    times = []
+    for k in range(repeats):
+        begun = perf_counter()
+        call(k)
+        times.append(perf_counter() - begun)
+    return statistics.median(times)
+
+
+def frame(triangles: int, *, antialias: bool, size: tuple[int, int] = SIZE) -> float:
+    scene = scene_of(triangles)
+    camera = view_of(scene, size)
+
+    def draw(k: int) -> object:
+        return render(scene, turn(camera, 7.0 * k, 0), LIGHT, size=size, antialias=antialias)
+
+    return median_time(draw)
+
+
+def frame_10k() -> float:
+    return frame(10_000, antialias=False)
+
+
+def frame_100k() -> float:
+    return frame(100_000, antialias=False)
+
+
+def still_100k() -> float:
+    return frame(100_000, antialias=True)
+
+
+def frame_100k_full_hd() -> float:
+    return frame(100_000, antialias=False, size=(1920, 1080))
+
+
+def index_100k() -> float:
+    meshes = [bumpy_ball(100_000) for _ in range(REPEATS)]
+    return median_time(lambda k: tree_of(meshes[k]))
+
+
+def rays_100k(count: int) -> float:
+    scene = scene_of(100_000, lines=False)
+    camera = view_of(scene)
+    stroke = np.column_stack((np.linspace(300, 700, count), np.linspace(300, 400, count)))
+    rays = camera.rays(stroke)
+    return median_time(lambda _: cast_rays(scene, rays))
+
+
+def main() -> None:
+    rows = {
+        "frame, 10k triangles, 500 polylines, 1000×700, turning": frame_10k,
+        "frame, 100k": frame_100k,
+        "still, 100k, anti-aliased": still_100k,
+        "frame, 100k, 1920×1080": frame_100k_full_hd,
+        "index for rays, 100k": index_100k,
+        "1 ray, 100k": lambda: rays_100k(1),
+        "500 rays, 100k": lambda: rays_100k(500),
+    }
+    for name, call in rows.items():
+        print(f"{name:60} {1e3 * call():8.1f} ms")
+
+
+if __name__ == "__main__":
+    main()
