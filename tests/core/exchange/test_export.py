@@ -1,0 +1,188 @@
+"""Export as a whole: what is refused, and that no file is ever half written."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+from bozzetto.errors import UserError
+from bozzetto.exchange import files, formats
+from bozzetto.exchange.export import export
+from bozzetto.exchange.solid_check import check_solid
+from bozzetto.geometry import Curve, Mesh, Shapes, Skeleton, Solid, Surface
+
+TETRA = Mesh(
+    [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+)
+LINE = Curve(1, [0, 0, 1, 1], [[0, 0, 0], [10, 0, 5]])
+
+
+def moved(mesh, shift):
+    return Mesh(mesh.vertices + np.float32(shift), mesh.faces)
+
+
+def together(*meshes):
+    starts = np.cumsum([0] + [len(m.vertices) for m in meshes[:-1]])
+    return Mesh(
+        np.vstack([m.vertices for m in meshes]),
+        np.vstack([m.faces + s for m, s in zip(meshes, starts, strict=True)]),
+    )
+
+
+def test_a_solid_is_measured():
+    facts = check_solid(Solid(TETRA))
+    assert facts.volume == pytest.approx(36)
+    assert (facts.genus, facts.parts) == (0, 1)
+
+
+def test_two_bodies_and_a_ring_are_counted():
+    import manifold3d
+
+    ring = manifold3d.CrossSection.circle(2, 24).translate((10, 0)).revolve(32).to_mesh()
+    torus = Mesh(ring.vert_properties[:, :3], ring.tri_verts)
+    facts = check_solid(Solid(together(torus, moved(TETRA, (50, 0, 0)))))
+    assert (facts.genus, facts.parts) == (1, 2)
+    assert facts.volume == pytest.approx(36 + 2 * np.pi**2 * 10 * 2**2, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "said"),
+    [
+        (Mesh(TETRA.vertices, TETRA.faces[:3]), "not closed: 3 edges"),
+        (Mesh(TETRA.vertices, TETRA.faces[:, ::-1]), "inside out"),
+        (Mesh(TETRA.vertices, np.vstack((TETRA.faces, TETRA.faces))), "not closed"),
+        (Mesh(TETRA.vertices * np.float32([1, 1, 0]), TETRA.faces), "flat"),
+        (Mesh(TETRA.vertices, np.vstack((TETRA.faces[:3], [[1, 3, 2]]))), "not closed"),
+        (Mesh(np.zeros((0, 3)), np.zeros((0, 3))), "no surface yet"),
+    ],
+    ids=["open", "inside out", "doubled", "flat", "one face turned", "empty"],
+)
+def test_what_is_no_solid_is_named_and_not_written(tmp_path, mesh, said):
+    path = tmp_path / "a.stl"
+    path.write_bytes(b"old")
+    with pytest.raises(UserError, match=f"“leg”.*{said}"):
+        export(Shapes(solids=(Solid(TETRA, "body"), Solid(mesh, "leg"))), path)
+    assert path.read_bytes() == b"old"
+
+
+def test_nothing_to_export(tmp_path):
+    with pytest.raises(UserError, match="Draw something"):
+        export(Shapes(), tmp_path / "a.stl")
+    with pytest.raises(UserError, match=r"STL.*none.*\.svg"):
+        export(Shapes(curves=(LINE,)), tmp_path / "a.stl")
+    with pytest.raises(UserError, match=r"SVG.*curves.*\.stl"):
+        export(Shapes(solids=(Solid(TETRA),)), tmp_path / "a.svg")
+    with pytest.raises(UserError, match="Draw some"):
+        export(Shapes(skeletons=(Skeleton([[0, 0, 0]], [1], []),)), tmp_path / "a.stl")
+    with pytest.raises(UserError, match=r"\.3mf.*\.svg"):
+        export(Shapes(solids=(Solid(TETRA),)), tmp_path / "a.docx")
+    assert not list(tmp_path.iterdir())
+
+
+def test_parts_without_a_place_are_left_out(tmp_path):
+    export(Shapes(solids=(Solid(TETRA),), curves=(LINE,)), tmp_path / "A.STL")
+    assert (tmp_path / "A.STL").stat().st_size == 84 + 4 * 50
+
+
+# -- files -----------------------------------------------------------------------------------
+
+
+def test_a_link_stays_a_link_and_the_mode_is_ordinary(tmp_path):
+    real, link = tmp_path / "real.bin", tmp_path / "link.bin"
+    real.write_bytes(b"old")
+    link.symlink_to(real)
+    files.write_bytes(link, b"new")
+    assert link.is_symlink()
+    assert real.read_bytes() == b"new"
+    plain = tmp_path / "plain"
+    plain.write_bytes(b"")
+    assert real.stat().st_mode == plain.stat().st_mode
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO])
+def test_a_failing_disk_leaves_the_old_file_and_no_rubbish(tmp_path, monkeypatch, call, number):
+    path = tmp_path / "a.stl"
+    path.write_bytes(b"old")
+
+    def fail(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, call, fail)
+    with pytest.raises(UserError, match="untouched"):
+        files.write_bytes(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.stl"]
+
+
+def test_the_bytes_are_on_the_disk_before_the_name_changes(tmp_path, monkeypatch):
+    calls = []
+    for name in ("fsync", "replace"):
+        real = getattr(os, name)
+        monkeypatch.setattr(
+            os, name, lambda *a, name=name, real=real: (calls.append(name), real(*a))[1]
+        )
+    files.write_bytes(tmp_path / "a", b"x")
+    assert calls == ["fsync", "replace", "fsync"]
+
+
+def test_missing_folders_and_folders_in_the_way_are_told(tmp_path):
+    with pytest.raises(UserError, match="no folder"):
+        files.write_bytes(tmp_path / "none" / "a.stl", b"x")
+    with pytest.raises(UserError, match="is a folder"):
+        files.write_bytes(tmp_path, b"x")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission_is_told(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(UserError, match="may not be written"):
+        files.write_bytes(tmp_path / "a", b"x")
+
+
+# -- the table -----------------------------------------------------------------------------
+
+
+def test_every_format_has_the_functions_that_it_promises():
+    for one in formats.FORMATS:
+        names = []
+        if one.writes and {"mesh", "curves"} & set(one.holds):
+            names.append("write_view" if one.flat else "write_shapes")
+        if "ink" in one.holds:
+            names += ["write_drawing"] * one.writes + ["read_drawing"] * one.reads
+        if "mesh" in one.holds and one.reads:
+            names.append("read_shapes")
+        if "image" in one.holds:
+            names.append("read_pixels")
+        assert names, one.id
+        for name in names:
+            assert callable(formats.function(one, name)), (one.id, name)
+
+
+def test_ids_and_endings_are_unique():
+    endings = [ending for one in formats.FORMATS for ending in one.endings]
+    assert len(set(endings)) == len(endings)
+    assert all(e == e.lower() and e.startswith(".") for e in endings)
+    assert len({one.id for one in formats.FORMATS}) == len(formats.FORMATS)
+
+
+def test_the_table_and_the_way_to_it_import_nothing_heavy():
+    import subprocess
+    import sys
+
+    code = (
+        "import sys; import bozzetto.exchange.export, bozzetto.exchange.importing; "
+        "heavy = {'scipy', 'manifold3d', 'PIL', 'shapely', 'skimage'} & set(sys.modules); "
+        "formats = [m for m in sys.modules if m.startswith('bozzetto.exchange.')]; "
+        "assert not heavy, heavy; assert 'bozzetto.exchange.glb' not in formats"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_surfaces_need_not_be_closed(tmp_path):
+    export(Shapes(surfaces=(Surface(Mesh(TETRA.vertices, TETRA.faces[:2])),)), tmp_path / "a.obj")
+    assert (tmp_path / "a.obj").read_text().count("\nf ") == 2
