@@ -1,0 +1,149 @@
+"""``bozzetto plugins check PACKAGE``: what an author should know before anybody else does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from bozzetto.errors import Unfinished, UserError
+from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.manifest import Manifest, ManifestError, find_folder, read_manifest
+from bozzetto.plugin.registry import Registry
+
+__all__ = ["Finding", "check_package"]
+
+LARGEST_ICON = 64 * 1024
+"""Bytes; an icon is a few strokes."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong, or could be better.
+
+    Attributes
+    ----------
+    serious : bool
+        Whether the plugin cannot be used like this.
+    where : str
+        File, modeler or article of the contract.
+    message : str
+    """
+
+    serious: bool
+    where: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{'error' if self.serious else 'note'}: {self.where}: {self.message}"
+
+
+def check_package(package: str) -> list[Finding]:
+    """Check a plugin: manifest, files, import, hooks, modelers, and the whole contract.
+
+    Parameters
+    ----------
+    package : str
+        Import name; it need not be installed with an entry point.
+
+    Returns
+    -------
+    list of Finding
+        Empty where there is nothing to say.
+    """
+    try:
+        folder = find_folder(package)
+        manifest = read_manifest(folder)
+    except ManifestError as problem:
+        return [Finding(True, package, problem.message)]
+    findings = [Finding(False, package, warning) for warning in manifest.warnings]
+    findings += _check_files(folder, manifest)
+    info = Registry(extra=(package,)).add_package(package)
+    if info.status == "broken":
+        return [*findings, Finding(True, manifest.id, info.fault)]
+    for entry in manifest.modelers:
+        findings += _check_modeler(package, entry.id)
+    return findings
+
+
+def _check_files(folder: Path, manifest: Manifest) -> list[Finding]:
+    findings = []
+    for entry in manifest.modelers:
+        for sample in entry.samples:
+            if not (folder / sample.file).is_file():
+                findings.append(Finding(True, sample.file, "this sample is missing"))
+    for icon in sorted({entry.icon for entry in manifest.modelers}):
+        wrong = icon_fault(folder / icon)
+        if wrong:
+            findings.append(Finding(True, icon, wrong))
+    return findings
+
+
+def icon_fault(path: Path) -> str:
+    """What is wrong with an icon, or "".
+
+    An icon must be an SVG without scripts, entities, event handlers and outside content:
+    it is drawn wherever the list of modelers is, before its plugin is trusted to run.
+    """
+    from xml.parsers import expat
+
+    if not path.is_file():
+        return "this icon is missing"
+    content = path.read_bytes()
+    if len(content) > LARGEST_ICON:
+        return f"an icon has at most {LARGEST_ICON} bytes"
+    found: list[str] = []
+    names: list[str] = []
+
+    def element(name: str, attributes: dict[str, str]) -> None:
+        names.append(name)
+        if name.lower().rpartition(":")[2] in ("script", "foreignobject", "image", "style"):
+            found.append(f"<{name}>")
+        for key, value in attributes.items():
+            outside = key.rpartition(":")[2] == "href" and not value.startswith("#")
+            if key.lower().startswith("on") or outside or "url(http" in value.lower():
+                found.append(key)
+
+    def doctype(*_: object) -> None:
+        found.append("<!DOCTYPE>")
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = element
+    parser.StartDoctypeDeclHandler = doctype
+    parser.EntityDeclHandler = doctype
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as problem:
+        return f"not an SVG file: {problem}"
+    if names[0].rpartition(":")[2] != "svg":
+        return f"its first element is <{names[0]}> and not <svg>"
+    return f"an icon must not contain {', '.join(found)}" if found else ""
+
+
+def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
+    from bozzetto.plugin.testing.checks import CHECKS
+    from bozzetto.plugin.testing.subject import Subject
+
+    registry = Registry(extra=(package,))
+    try:
+        modeler = registry.modeler(modeler_id)
+        tools = registry.guard.check_tools(
+            modeler_id, registry.guard.call(modeler_id, "tools", modeler.tools)
+        )
+    except (UserError, PluginFault) as problem:
+        return [Finding(True, modeler_id, str(problem))]
+    findings = []
+    folder = registry.info(modeler_id).folder
+    for icon in sorted({tool.icon for tool in tools if tool.icon}):
+        wrong = icon_fault(folder / icon)
+        if wrong:
+            findings.append(Finding(True, icon, wrong))
+    subject = Subject(modeler_id, (package,))
+    for check in CHECKS:
+        try:
+            check.run(subject)
+        except (UserError, Unfinished) as problem:
+            told = f"could not be tried with a plain drawing ({problem}); use ModelerContract"
+            findings.append(Finding(False, f"{modeler_id}, {check.name}", told))
+        except (AssertionError, PluginFault) as problem:
+            findings.append(Finding(True, f"{modeler_id}, {check.name}", str(problem)))
+    return findings

@@ -1,0 +1,34 @@
+"""The test kit for authors of modelers.
+
+Installed with the program as a pytest plugin: the fixtures `pen`, `document` and `shell` are
+there in every test, and a class that derives from `ModelerContract` runs the whole contract
+suite against the modeler it names::
+
+    from bozzetto.plugin.testing import ModelerContract
+
+    class TestRibbon(ModelerContract):
+        modeler = "author.ribbon"
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.testing.contract import ModelerContract
+    from bozzetto.plugin.testing.pen import Pen
+    from bozzetto.plugin.testing.sameness import same
+    from bozzetto.plugin.testing.shell import Shell
+
+__all__ = ["ModelerContract", "Pen", "Shell", "same"]
+
+_WHERE = {"ModelerContract": "contract", "Pen": "pen", "Shell": "shell", "same": "sameness"}
+
+
+def __getattr__(name: str) -> Any:
+    # Every pytest run imports this package: what is not used must not cost anything.
+    if name not in _WHERE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(f"{__name__}.{_WHERE[name]}"), name)

@@ -1,0 +1,304 @@
+"""The contract, check by check: used by `ModelerContract` and by ``bozzetto plugins check``.
+
+Each check takes a `Subject` and raises where the modeler breaks its contract: `Broken`, or
+the `PluginFault` that the guard raised. None needs pytest.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from bozzetto.document.codec import decode_state, encode_state, state_digest
+from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.parameters import Field, parameter_fields
+from bozzetto.plugin.testing.sameness import same
+from bozzetto.plugin.testing.shell import Shell
+from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
+from bozzetto.plugin.watchdog import Watchdog
+
+__all__ = ["CHECKS", "Check"]
+
+PREVIEW_TIME = 20.0
+"""Seconds that a preview's solve of one plain drawing may take; it should take some
+hundredths, but the machine that runs the tests may be slow."""
+
+CANCELLATIONS = (1, 2, 4)
+"""At which question whether anyone still waits the answer becomes no."""
+
+
+def check_announced(subject: Subject) -> None:
+    """The modeler is what its manifest announces, and its files are there."""
+    with subject.shell() as shell:
+        info = shell.registry.info(subject.modeler)
+        modeler = shell.registry.modeler(subject.modeler)
+        ensure(
+            modeler.title == info.title,
+            f"its title is {modeler.title!r}, and {info.title!r} in the manifest",
+        )
+        icons = [info.icon] + [info.folder / tool.icon for tool in shell.tools() if tool.icon]
+        for path in [*icons, *info.samples]:
+            ensure(path.is_file(), f"the file {path.relative_to(info.folder)} is missing")
+        for tool in shell.tools():
+            ensure(bool(tool.title and tool.hint), f"the tool {tool.id} lacks a title or a hint")
+
+
+def check_empty(subject: Subject) -> None:
+    """An empty state can be stored, solved, shown and handed over."""
+    with subject.shell() as shell:
+        bench = shell.workbench
+        bench.model_scene(shell.model, None)
+        for quality in ("preview", "final"):
+            result = bench.solve(shell.model, _job(quality))
+            bench.model_scene(shell.model, result)
+        ensure(not shell.shapes(), "an empty state must hand over nothing")
+
+
+def check_drawing(subject: Subject) -> None:
+    """A drawing can be solved in both qualities, shown before and after, and handed over."""
+    with subject.drawn() as shell:
+        bench = shell.workbench
+        bench.model_scene(shell.model, None)
+        for quality in ("preview", "final"):
+            bench.model_scene(shell.model, bench.solve(shell.model, _job(quality)))
+        bench.report(shell.model, Job())
+        with subject.shell() as untouched:
+            drawn = not same(shell.state, untouched.state)
+        ensure(not drawn or bool(shell.shapes()), "a drawing must hand something over")
+
+
+def check_storage(subject: Subject) -> None:
+    """A state comes back from a file as it was, and gives the same shapes."""
+    with subject.drawn() as shell:
+        before, shapes = shell.state, shell.shapes()
+        shell.reopen()
+        ensure(
+            state_digest(shell.state) == state_digest(before), "a saved state comes back another"
+        )
+        ensure(same(shell.state, before), "a saved state comes back with other types or values")
+        ensure(same(shell.shapes(), shapes), "a saved state gives other shapes when it is reopened")
+
+
+def check_history(subject: Subject) -> None:
+    """Undo and redo go back and forth between states that did not change meanwhile."""
+    with subject.drawn() as shell:
+        after, digest = shell.state, state_digest(shell.state)
+        shell.solve()
+        while shell.document.models and not _is_empty(subject, shell):
+            ensure(shell.undo(), "undo does not lead back to the empty model")
+        while shell.redo():
+            pass
+        ensure(shell.state is after, "redo does not lead to the same state")
+        ensure(state_digest(after) == digest, "a state changed after it was made")
+
+
+def _is_empty(subject: Subject, shell: Shell) -> bool:
+    with subject.shell() as fresh:
+        return same(fresh.state, shell.state)
+
+
+def check_cancelling(subject: Subject) -> None:
+    """A solve that nobody waits for any more ends with `Cancelled` and leaves nothing behind."""
+    for seed, question in enumerate(CANCELLATIONS, 1):
+        # Every time another drawing: a modeler may remember what it solved.
+        with subject.drawn(seed) as shell:
+            asked = 0
+
+            def cancelled(question: int = question) -> bool:
+                nonlocal asked
+                asked += 1
+                return asked >= question
+
+            try:
+                shell.workbench.solve(shell.model, Job(cancelled=cancelled))
+                ensure(asked < question, "solve went on although job.checkpoint raised Cancelled")
+            except Cancelled:
+                pass
+            after = shell.shapes()
+            with subject.drawn(seed) as other:
+                ensure(same(other.shapes(), after), "a cancelled solve changed the next one")
+
+
+def check_odd_previews(subject: Subject) -> None:
+    """`preview` copes with every gesture of its kind, on an empty and on a drawn model."""
+
+    def look(shell: Shell, tool: Any, gesture: Any) -> None:
+        shell.preview(gesture, tool=tool)
+
+    _with_odd_gestures(subject, look)
+
+
+def check_odd_gestures(subject: Subject) -> None:
+    """`apply` refuses what it cannot use in plain words; what it takes can be solved or refused."""
+
+    def use(shell: Shell, tool: Any, gesture: Any) -> None:
+        try:
+            model = shell.workbench.apply(shell.model, tool, gesture, shell.context())
+            shell.workbench.solve(model, _job("preview"))
+        except UserError as problem:
+            ensure(bool(problem.message.strip()), "a UserError needs words")
+        except Unfinished as problem:
+            ensure(bool(problem.hint.strip()), "Unfinished needs a hint")
+            ensure(not getattr(gesture, "committed", True), "Unfinished, but the ink is committed")
+
+    _with_odd_gestures(subject, use)
+
+
+def _with_odd_gestures(subject: Subject, act: Callable[[Shell, Any, Any], None]) -> None:
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            for tool in shell.tools():
+                for name, gesture in odd_gestures(shell, tool):
+                    try:
+                        act(shell, tool, gesture)
+                    except (Broken, PluginFault, UserError, Unfinished) as problem:
+                        raise Broken(f"tool {tool.id}, {name}: {problem}") from problem
+
+
+def check_determinism(subject: Subject) -> None:
+    """Equal states give equal shapes and scenes, in whatever thread they are solved."""
+    with subject.drawn() as shell:
+        state_type = type(shell.state)
+        shapes, scene = shell.shapes(), shell.scene()
+        copied = decode_state(state_type, encode_state(shell.state))
+    with subject.shell() as other:
+        other.put(copied)
+        found: list[Any] = []
+
+        def work() -> None:
+            try:
+                found.extend((other.shapes(), other.scene()))
+            except Exception as problem:
+                found.append(problem)
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+        if isinstance(found[-1], Exception):
+            raise found[-1]
+        ensure(same(found[0], shapes), "the same state gave other shapes the second time")
+        owners = {layer.owner for layer in (*scene.layers, *found[1].layers)}
+        ensure(len(owners) <= 2, "the layers of a scene belong to several owners")
+        ensure(same(found[1].owned(""), scene.owned("")), "the same state gave another scene")
+
+
+def check_parameters(subject: Subject) -> None:
+    """Every parameter can be solved at its default and at both ends, and no further."""
+    with subject.drawn() as shell:
+        start = shell.model
+        for field in parameter_fields(type(shell.state)):
+            _check_default(field)
+            for value in _allowed(field):
+                model = shell.workbench.set_parameters(start, {field.name: value})
+                try:
+                    result = shell.workbench.solve(model, _job("preview"))
+                    shell.workbench.model_scene(model, result)
+                except (UserError, PluginFault) as problem:
+                    raise Broken(f"{field.name} = {value!r}: {problem}") from problem
+
+
+def _check_default(field: Field) -> None:
+    try:
+        same_again = field.check(field.default)
+    except UserError as problem:
+        raise Broken(f"the default of {field.name} is not allowed: {problem.message}") from None
+    ensure(same_again == field.default, f"the default of {field.name} is of another kind")
+    low, high = field.parameter.minimum, field.parameter.maximum
+    ensure(low is None or high is None or low < high, f"the range of {field.name} is empty")
+    ensure(bool(field.parameter.label), f"{field.name} needs a label")
+
+
+def _allowed(field: Field) -> list[object]:
+    """The ends of a parameter's range and its default, or all that it can be."""
+    if field.kind == "switch":
+        return [False, True]
+    if field.kind == "choice":
+        return list(field.values)
+    if field.kind == "text":
+        return ["", "Ähre 木 \N{GRINNING FACE}", field.default]
+    ends = (field.parameter.minimum, field.parameter.maximum)
+    return [value for value in (*ends, field.default) if value is not None]
+
+
+def check_preview_time(subject: Subject) -> None:
+    """A solve in preview quality answers in time."""
+    with subject.drawn() as shell:
+        watchdog = Watchdog(shell.registry.guard, PREVIEW_TIME)
+        modeler = shell.registry.modeler(subject.modeler)
+        watchdog.call(subject.modeler, "solve", modeler.solve, shell.state, _job("preview"))
+
+
+_WITHOUT_QT = """
+import sys
+from bozzetto.plugin.registry import Registry
+from bozzetto.plugin import Context, Job
+modeler = Registry(extra=sys.argv[2:]).modeler(sys.argv[1])
+state = modeler.create(Context())
+modeler.tools()
+modeler.scene(state, modeler.solve(state, Job()))
+found = sorted({name.partition(".")[0] for name in sys.modules}
+               & {"PySide6", "PyQt5", "PyQt6", "bozzetto_app", "pyqtgraph"})
+print(" ".join(found))
+"""
+
+
+def check_no_window(subject: Subject) -> None:
+    """The modeler works in a process without Qt, and does not bring it in."""
+    done = subprocess.run(
+        [sys.executable, "-c", _WITHOUT_QT, subject.modeler, *subject.packages],
+        capture_output=True,
+        text=True,
+        env=_environment(),
+        check=False,
+    )
+    ensure(done.returncode == 0, f"it does not work in a process of its own: {done.stderr[-2000:]}")
+    ensure(not done.stdout.strip(), f"it imports {done.stdout.strip()}")
+
+
+def _environment() -> dict[str, str]:
+    """Our environment, with our import path."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+
+
+def _job(quality: str) -> Job:
+    return Job(quality="preview" if quality == "preview" else "final")
+
+
+@dataclass(frozen=True)
+class Check:
+    """One article of the contract."""
+
+    name: str
+    run: Callable[[Subject], None]
+
+    @property
+    def says(self) -> str:
+        """The article in words."""
+        return (self.run.__doc__ or "").strip()
+
+
+CHECKS: Final = tuple(
+    Check(run.__name__.removeprefix("check_"), run)
+    for run in (
+        check_announced,
+        check_empty,
+        check_drawing,
+        check_storage,
+        check_history,
+        check_cancelling,
+        check_odd_previews,
+        check_odd_gestures,
+        check_determinism,
+        check_parameters,
+        check_preview_time,
+        check_no_window,
+    )
+)
+"""All articles, quick ones first."""

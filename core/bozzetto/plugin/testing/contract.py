@@ -1,0 +1,52 @@
+"""The contract suite: derive a test class from it and name the modeler."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pytest
+
+from bozzetto.plugin.testing.checks import CHECKS, Check
+from bozzetto.plugin.testing.pen import Pen
+from bozzetto.plugin.testing.shell import Shell
+from bozzetto.plugin.testing.subject import Subject, plain_sketch
+
+__all__ = ["ModelerContract"]
+
+
+class ModelerContract:
+    """Everything that the program asks of a modeler, as tests.
+
+    Attributes
+    ----------
+    modeler : str
+        Id of the modeler under test.
+    packages : tuple of str
+        Import names of packages that are importable but not installed with an entry
+        point, such as one under development.
+
+    Examples
+    --------
+    >>> class TestRibbon(ModelerContract):
+    ...     modeler = "author.ribbon"
+    """
+
+    modeler: ClassVar[str]
+    packages: ClassVar[tuple[str, ...]] = ()
+
+    def sketch(self, shell: Shell, pen: Pen) -> None:
+        """Draw something that has a solution; override it where a circle is not enough.
+
+        Draw with the given `pen`, so that pens of different seeds give different states.
+        """
+        plain_sketch(shell, pen)
+
+    @property
+    def subject(self) -> Subject:
+        """What the checks are run on."""
+        return Subject(self.modeler, self.packages, self.sketch)
+
+    @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+    def test_contract(self, check: Check) -> None:
+        """One article of the contract; its docstring in `checks` says what it asks."""
+        check.run(self.subject)

@@ -1,0 +1,94 @@
+"""The modeler: state in; ribbons, picture and shapes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from bozzetto.geometry import Curve, Mesh, Shapes, Surface
+from bozzetto.plugin import Context, Job, Tool
+from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
+from bozzetto_ribbon.band import Strip, middle_line, strip, triangles
+from bozzetto_ribbon.state import RibbonState
+from bozzetto_ribbon.tools import DrawRibbon, MoveRibbon, TakeAway, point
+
+PLACES = {"preview": 40, "final": 200}
+"""Places along each ribbon."""
+
+
+class Ribbon:
+    """A stroke becomes a ribbon."""
+
+    id = "example.ribbon"
+    title = "Ribbon"
+    state_type = RibbonState
+    state_version = 2
+
+    def create(self, context: Context) -> RibbonState:
+        """No ribbon yet."""
+        return RibbonState()
+
+    def tools(self) -> Sequence[Tool[RibbonState]]:
+        """Drawing comes first."""
+        return (DrawRibbon(), MoveRibbon(), TakeAway())
+
+    def solve(self, state: RibbonState, job: Job) -> tuple[Strip, ...]:
+        """One strip for every band."""
+        strips = []
+        for number, band in enumerate(state.bands):
+            job.checkpoint(number / len(state.bands), "Ribbons")
+            count = PLACES[job.quality]
+            strips.append(strip(band, count, state.width, state.influence, state.twist))
+        return tuple(strips)
+
+    def scene(self, state: RibbonState, result: tuple[Strip, ...] | None) -> Scene:
+        """The ribbons, their ink as a ghost, and a handle at the beginning of each."""
+        ink, handles = [], []
+        for number, band in enumerate(state.bands):
+            places, _ = middle_line(band)
+            ink.append(Lines(places, color="ghost"))
+            handles.append(Handle(str(number), point(places[0]), tip="Move this ribbon"))
+        layers = [Layer("ink", tuple(ink)), Layer("handles", tuple(handles))]
+        if result is not None:
+            layers.insert(0, Layer("ribbons", tuple(Shaded(mesh(s)) for s in result)))
+        return Scene(tuple(layers))
+
+    def shapes(self, state: RibbonState, result: tuple[Strip, ...]) -> Shapes:
+        """Every ribbon as a surface, and its middle line as a curve."""
+        return Shapes(
+            surfaces=tuple(Surface(mesh(s), name="ribbon") for s in result),
+            curves=tuple(polyline(s.centre) for s in result),
+        )
+
+    def report(self, state: RibbonState, result: tuple[Strip, ...]) -> Mapping[str, Any]:
+        """Length and widest place of every ribbon."""
+        return {
+            "length_mm": [
+                float(np.linalg.norm(np.diff(s.centre, axis=0), axis=1).sum()) for s in result
+            ],
+            "widest_mm": [
+                float(np.linalg.norm(s.right - s.left, axis=1).max()) for s in result
+            ],
+        }
+
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Version 1 had no twist, and called the influence of pressure "pressure"."""
+        if version < 2:
+            state = {**state, "influence": state.get("pressure", 0.7), "twist": 0.0}
+            state.pop("pressure", None)
+        return state
+
+
+def mesh(ribbon: Strip) -> Mesh:
+    """A ribbon as triangles."""
+    vertices = np.concatenate((ribbon.left, ribbon.right))
+    return Mesh(vertices, triangles(len(ribbon.centre)))
+
+
+def polyline(places: np.ndarray) -> Curve:
+    """A curve of degree 1 through places."""
+    count = len(places)
+    knots = np.concatenate(([0.0], np.arange(count), [count - 1.0]))
+    return Curve(1, knots, places, name="middle")

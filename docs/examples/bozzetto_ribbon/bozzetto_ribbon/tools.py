@@ -1,0 +1,136 @@
+"""What the pen can do: draw a ribbon, move one by its handle, take one away."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
+from bozzetto.scene import Layer, Lines, Scene
+from bozzetto_ribbon.band import middle_line
+from bozzetto_ribbon.state import Band, Point, RibbonState
+
+REACH = 3.0
+"""How far from a ribbon's middle a tap still means it, in tolerances of the pen."""
+
+
+class DrawRibbon:
+    """Every stroke makes a ribbon."""
+
+    id = "draw"
+    title = "Draw ribbon"
+    icon = "icons/ribbon.svg"
+    hint = "Draw a stroke; press harder to make the ribbon wider."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
+        """The middle lines of the ribbons to be."""
+        if not isinstance(gesture, Ink):
+            return Scene()
+        lines = []
+        for stroke in gesture.strokes:
+            try:
+                places, _ = middle_line(laid_down(stroke, context))
+            except UserError:
+                continue  # the stroke has just begun
+            lines.append(Lines(places, color="accent", hidden="show"))
+        return Scene((Layer("preview", tuple(lines)),))
+
+    def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
+        """Add one ribbon for each stroke."""
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw a stroke with the pen.")
+        bands = tuple(laid_down(stroke, context) for stroke in gesture.strokes)
+        for band in bands:
+            middle_line(band)  # refuses ink that no ribbon can follow
+        return replace(state, bands=state.bands + bands)
+
+
+class MoveRibbon:
+    """A ribbon's handle takes it along, parallel to the screen."""
+
+    id = "move"
+    title = "Move ribbon"
+    icon = "icons/move.svg"
+    hint = "Drag the dot at the beginning of a ribbon."
+    gesture: Literal["ink", "tap", "drag"] = "drag"
+
+    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
+        """The middle line where it would be."""
+        try:
+            moved = self.apply(state, gesture, context)
+            places = [middle_line(b)[0] for b in moved.bands if b not in state.bands]
+        except UserError:
+            return Scene()
+        return Scene((Layer("preview", tuple(Lines(p, color="accent") for p in places)),))
+
+    def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
+        """The state with one ribbon moved."""
+        number = handle_number(gesture.handle) if isinstance(gesture, Drag) else -1
+        if not isinstance(gesture, Drag) or not 0 <= number < len(state.bands):
+            raise UserError("Take hold of the dot at the beginning of a ribbon.")
+        band = state.bands[number]
+        camera = gesture.camera
+        start = middle_line(band)[0][0]
+        here = camera.on_plane(gesture.path.points[-1:], start, camera.axes[2])[0]
+        if not np.isfinite(here).all():
+            raise UserError("The ribbon lies behind the eye. Turn the view, then drag.")
+        moved = replace(band, shift=point(np.add(band.shift, here - start)))
+        bands = (*state.bands[:number], moved, *state.bands[number + 1 :])
+        return replace(state, bands=bands)
+
+
+class TakeAway:
+    """A tap takes a ribbon away."""
+
+    id = "erase"
+    title = "Take away"
+    icon = "icons/erase.svg"
+    hint = "Tap on the middle of a ribbon to take it away."
+    gesture: Literal["ink", "tap", "drag"] = "tap"
+
+    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
+        """Nothing."""
+        return Scene()
+
+    def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
+        """The state without the ribbon that was tapped."""
+        if not isinstance(gesture, Tap):
+            raise UserError("Tap on a ribbon.")
+        gaps = [gap_to(band, gesture) for band in state.bands]
+        if not gaps or min(gaps) > REACH * context.pen.tolerance:
+            raise UserError("There is no ribbon here. Tap on the middle of one.")
+        number = int(np.argmin(gaps))
+        return replace(state, bands=state.bands[:number] + state.bands[number + 1 :])
+
+
+def laid_down(stroke: Stroke, context: Context) -> Band:
+    """A stroke in the plane parallel to the screen through what is under its first point.
+
+    Where nothing is there, through the point about which the view turns.
+    """
+    camera = stroke.camera
+    hits = context.surface_hit(camera.rays(stroke.points[:1]))
+    return Band(stroke, point(hits.points[0]) if hits.hit[0] else camera.target)
+
+
+def gap_to(band: Band, tap: Tap) -> float:
+    """Distance on the sheet from a tap to the middle of a ribbon, px; inf if out of view."""
+    pixels, _ = tap.camera.project(middle_line(band)[0])
+    gaps = np.hypot(*(pixels - (tap.x, tap.y)).T)
+    return float(np.min(np.where(np.isnan(gaps), np.inf, gaps)))
+
+
+def handle_number(handle: str) -> int:
+    """The number of the ribbon that a handle belongs to; -1 if it is none of ours."""
+    return int(handle) if handle.isdecimal() and handle.isascii() else -1
+
+
+def point(values: np.ndarray) -> Point:
+    """Three plain floats: numpy's own are not stored in documents."""
+    x, y, z = (float(value) for value in values)
+    return x, y, z
