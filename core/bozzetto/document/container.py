@@ -252,6 +252,11 @@ class ContainerReader:
         """Entries that nobody has asked for yet, in the order of the directory."""
         return tuple(self._unread)
 
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """The entries that were declared as arrays, in that order."""
+        return tuple(self._parts)
+
     def declare(self, parts: Sequence[Part]) -> None:
         """Say which entries are arrays, as the manifest does."""
         self._parts = {part.name: part for part in parts}

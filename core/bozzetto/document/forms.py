@@ -389,7 +389,9 @@ class _Array(_Reference):
         return array
 
     def _check(self, array: NDArray[Any]) -> None:
-        if dtype_name(array) is None or self.dtype not in (None, array.dtype):
+        # Not "in (None, …)": numpy holds float64 and None to be equal.
+        fits = array.dtype == self.dtype if self.dtype is not None else True
+        if dtype_name(array) is None or not fits:
             raise Refusal(f"an array of {array.dtype} where {self.dtype or list(DTYPES)} belongs")
 
 

@@ -67,7 +67,9 @@ class UnderlayHeader(msgspec.Struct, frozen=True):
     visible: bool
 
     def with_pixels(self, pixels: NDArray[np.uint8]) -> Underlay:
-        """The underlay."""
+        """The underlay; raises `DocumentError` where these are no pixels."""
+        if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or not pixels.size:
+            raise DocumentError(f"The underlay “{self.name}” has no picture.")
         return Underlay(
             self.id,
             self.name,

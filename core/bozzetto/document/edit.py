@@ -1,0 +1,198 @@
+"""What a person can do to the objects, views and underlays of a document.
+
+Every function takes a document and gives an `Edit`: the new document, and the label under
+which the history keeps it. None of them changes anything; a locked object refuses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from bozzetto.document.model import Document, Model, NamedView, Underlay, new_id
+from bozzetto.errors import UserError
+from bozzetto.geometry.placement import Placement
+from bozzetto.view.camera import Camera
+
+__all__ = [
+    "Edit",
+    "add_model",
+    "add_underlay",
+    "add_view",
+    "change_state",
+    "change_underlay",
+    "color_model",
+    "delete_models",
+    "delete_underlay",
+    "delete_view",
+    "duplicate_model",
+    "lock_model",
+    "move_model",
+    "place_model",
+    "rename_model",
+    "rename_view",
+    "show_model",
+]
+
+Color = tuple[int, int, int]
+
+
+class Edit(NamedTuple):
+    """A new document, and what was done."""
+
+    document: Document
+    label: str
+
+
+# -- objects --------------------------------------------------------------------------------------
+
+
+def add_model(document: Document, model: Model, *, at: int | None = None) -> Edit:
+    """Add an object, under a name that no other has."""
+    named = replace(model, name=document.unused_name(model.name))
+    return Edit(document.with_model(named, at=at), f"Add “{named.name}”")
+
+
+def change_state(document: Document, model_id: str, state: Any, label: str) -> Edit:
+    """Give an object a new state.
+
+    Raises
+    ------
+    UserError
+        If it is locked or gone; so do all functions below that change an object.
+    """
+    model = _unlocked(document, model_id)
+    return Edit(document.with_model(replace(model, state=state)), label)
+
+
+def rename_model(document: Document, model_id: str, name: str) -> Edit:
+    """Call an object something else."""
+    model = _unlocked(document, model_id)
+    renamed = replace(model, name=name.strip())
+    return Edit(document.with_model(renamed), f"Rename to “{renamed.name}”")
+
+
+def show_model(document: Document, model_id: str, visible: bool) -> Edit:
+    """Show or hide an object; locked ones too."""
+    model = document.model(model_id)
+    word = "Show" if visible else "Hide"
+    return Edit(document.with_model(replace(model, visible=visible)), f"{word} “{model.name}”")
+
+
+def lock_model(document: Document, model_id: str, locked: bool) -> Edit:
+    """Lock an object against changes, or unlock it."""
+    model = document.model(model_id)
+    word = "Lock" if locked else "Unlock"
+    return Edit(document.with_model(replace(model, locked=locked)), f"{word} “{model.name}”")
+
+
+def color_model(document: Document, model_id: str, color: Color | None) -> Edit:
+    """Give an object a colour, or the theme's clay."""
+    model = _unlocked(document, model_id)
+    return Edit(document.with_model(replace(model, color=color)), f"Colour “{model.name}”")
+
+
+def place_model(document: Document, model_id: str, placement: Placement) -> Edit:
+    """Put an object somewhere else."""
+    model = _unlocked(document, model_id)
+    return Edit(document.with_model(replace(model, placement=placement)), f"Move “{model.name}”")
+
+
+def delete_models(document: Document, model_ids: Iterable[str]) -> Edit:
+    """Take objects out."""
+    models = [_unlocked(document, model_id) for model_id in model_ids]
+    if not models:
+        raise UserError("Choose an object to delete.")
+    for model in models:
+        document = document.without_model(model.id)
+    what = f"“{models[0].name}”" if len(models) == 1 else f"{len(models)} objects"
+    return Edit(document, f"Delete {what}")
+
+
+def duplicate_model(document: Document, model_id: str) -> Edit:
+    """Put a copy behind an object in the list; it is visible and unlocked."""
+    model = document.model(model_id)
+    name = document.unused_name(model.name)
+    copy = replace(model, id=new_id(), name=name, visible=True, locked=False)
+    after = document.place_of(model_id) + 1
+    return Edit(document.with_model(copy, at=after), f"Duplicate “{model.name}”")
+
+
+def move_model(document: Document, model_id: str, at: int) -> Edit:
+    """Give an object another place in the list, counted from 0 without it; locked ones too."""
+    model = document.model(model_id)
+    return Edit(document.with_model(model, at=at), f"Reorder “{model.name}”")
+
+
+def _unlocked(document: Document, model_id: str) -> Model:
+    model = document.model(model_id)
+    if model.locked:
+        raise UserError(f"“{model.name}” is locked. Unlock it in the object list to change it.")
+    return model
+
+
+# -- views ----------------------------------------------------------------------------------------
+
+
+def add_view(document: Document, name: str, camera: Camera) -> Edit:
+    """Keep a camera under a name; one of that name is replaced."""
+    views = tuple(view for view in document.views if view.name != name.strip())
+    view = NamedView(name.strip(), camera)
+    return Edit(replace(document, views=(*views, view)), f"Keep view “{view.name}”")
+
+
+def rename_view(document: Document, name: str, new_name: str) -> Edit:
+    """Call a view something else."""
+    wish = new_name.strip()
+    if wish != name and any(view.name == wish for view in document.views):
+        raise UserError(f"There is a view “{wish}” already. Choose another name.")
+    place = _view_place(document, name)
+    views = list(document.views)
+    views[place] = NamedView(wish, views[place].camera)
+    return Edit(replace(document, views=tuple(views)), f"Rename view to “{wish}”")
+
+
+def delete_view(document: Document, name: str) -> Edit:
+    """Forget a view."""
+    place = _view_place(document, name)
+    views = document.views[:place] + document.views[place + 1 :]
+    return Edit(replace(document, views=views), f"Delete view “{name}”")
+
+
+def _view_place(document: Document, name: str) -> int:
+    for place, view in enumerate(document.views):
+        if view.name == name:
+            return place
+    raise UserError(f"There is no view “{name}” any more.")
+
+
+# -- underlays ------------------------------------------------------------------------------------
+
+
+def add_underlay(document: Document, underlay: Underlay) -> Edit:
+    """Put a picture under the sheet."""
+    underlays = (*document.underlays, underlay)
+    return Edit(replace(document, underlays=underlays), f"Add underlay “{underlay.name}”")
+
+
+def change_underlay(document: Document, underlay: Underlay) -> Edit:
+    """Exchange an underlay for one of the same id: moved, renamed, fainter, hidden."""
+    place = _underlay_place(document, underlay.id)
+    underlays = (*document.underlays[:place], underlay, *document.underlays[place + 1 :])
+    return Edit(replace(document, underlays=underlays), f"Change underlay “{underlay.name}”")
+
+
+def delete_underlay(document: Document, underlay_id: str) -> Edit:
+    """Take a picture away."""
+    place = _underlay_place(document, underlay_id)
+    underlays = document.underlays[:place] + document.underlays[place + 1 :]
+    name = document.underlays[place].name
+    return Edit(replace(document, underlays=underlays), f"Delete underlay “{name}”")
+
+
+def _underlay_place(document: Document, underlay_id: str) -> int:
+    for place, underlay in enumerate(document.underlays):
+        if underlay.id == underlay_id:
+            return place
+    raise UserError("That underlay is no longer in the document.")

@@ -1,0 +1,166 @@
+"""Undo and redo: a row of snapshots, bounded by the bytes that only they hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from bozzetto.document.difference import difference
+from bozzetto.document.model import Document
+
+__all__ = ["History"]
+
+BYTE_LIMIT: Final = 256 << 20
+"""Default bound of what old snapshots may hold that the present one does not, bytes."""
+
+
+STEP_BYTES: Final = 4096
+"""What a step costs beside its data: its share of the object list, a bit of everything."""
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A change: its name, what it led to, and what lies only on either side of it.
+
+    `revision` is a number no other snapshot has, by which a save is recognised.
+    """
+
+    label: str
+    document: Document
+    revision: int
+    merge_key: str | None = None
+    removed: int = 0
+    added: int = 0
+
+
+class History:
+    """The snapshots of a document, and where in them the person is.
+
+    Nothing in here can fail: a step is two references changing places.
+
+    Parameters
+    ----------
+    document : Document
+        The first snapshot; counts as saved.
+    origin : str
+        What the first row of the history panel says.
+    byte_limit : int
+        When old (or undone) snapshots hold more than this beside the present one, the
+        oldest are forgotten.
+    """
+
+    def __init__(
+        self, document: Document, *, origin: str = "Start", byte_limit: int = BYTE_LIMIT
+    ) -> None:
+        self._steps = [_Step(origin, document, 0)]
+        self._position = 0
+        self._revision = 0
+        self._saved = 0
+        self._open = False
+        self._byte_limit = byte_limit
+        self._held = 0
+
+    @property
+    def document(self) -> Document:
+        """The present snapshot."""
+        return self._steps[self._position].document
+
+    @property
+    def entries(self) -> tuple[str, ...]:
+        """What the history panel lists: the origin, then one label per step."""
+        return tuple(step.label for step in self._steps)
+
+    @property
+    def position(self) -> int:
+        """Which of the `entries` is the present one."""
+        return self._position
+
+    @property
+    def undo_label(self) -> str | None:
+        """What `undo` would take back, or None."""
+        return self._steps[self._position].label if self._position else None
+
+    @property
+    def redo_label(self) -> str | None:
+        """What `redo` would do again, or None."""
+        after = self._steps[self._position + 1 :]
+        return after[0].label if after else None
+
+    @property
+    def is_modified(self) -> bool:
+        """Whether the present snapshot differs from the one last saved."""
+        return self._steps[self._position].revision != self._saved
+
+    @property
+    def held_bytes(self) -> int:
+        """About how many bytes other snapshots hold that the present one does not."""
+        return self._held
+
+    def apply(self, label: str, document: Document, merge_key: str | None = None) -> None:
+        """Make a new snapshot the present one.
+
+        Parameters
+        ----------
+        label : str
+            For the menus: "Undo <label>".
+        document : Document
+        merge_key : str, optional
+            A step with the key of the step just before becomes one with it, until
+            `end_merge`, an undo or a save: the drag of a slider is one step.
+        """
+        if document is self.document:
+            return
+        key = self._steps[self._position].merge_key
+        merging = self._open and merge_key is not None and merge_key == key and self._position > 0
+        if merging:
+            self.undo()
+        self._held -= sum(step.added for step in self._steps[self._position + 1 :])
+        del self._steps[self._position + 1 :]
+        removed, added = (STEP_BYTES + count for count in difference(self.document, document))
+        self._revision += 1
+        self._steps.append(_Step(label, document, self._revision, merge_key, removed, added))
+        self._held += added
+        self.redo()
+        self._open = merge_key is not None
+        while self._position > 0 and self._held > self._byte_limit:
+            self._held -= self._steps[1].removed
+            del self._steps[0]
+            self._position -= 1
+
+    def end_merge(self) -> None:
+        """Let the next step stand by itself, whatever its key."""
+        self._open = False
+
+    def undo(self) -> Document:
+        """Go one step back, where there is one; the present snapshot."""
+        return self.go_to(self._position - 1)
+
+    def redo(self) -> Document:
+        """Go one step forward, where there is one; the present snapshot."""
+        return self.go_to(self._position + 1)
+
+    def go_to(self, position: int) -> Document:
+        """Go to one of the `entries` (the nearest there is); the present snapshot."""
+        self._open = False
+        target = max(0, min(position, len(self._steps) - 1))
+        for step in self._steps[self._position + 1 : target + 1]:
+            self._held += step.removed - step.added
+        for step in self._steps[target + 1 : self._position + 1]:
+            self._held += step.added - step.removed
+        self._position = target
+        return self.document
+
+    def mark_saved(self, document: Document | None = None) -> None:
+        """Remember which snapshot is on the disk.
+
+        Parameters
+        ----------
+        document : Document, optional
+            What was written, where that was an earlier snapshot: a save in another thread
+            ends after the person has drawn on.
+        """
+        self._open = False
+        written = self.document if document is None else document
+        for step in self._steps:
+            if step.document is written:
+                self._saved = step.revision

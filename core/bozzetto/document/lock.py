@@ -1,0 +1,207 @@
+"""The lock file beside a document: who has it open.
+
+``.~lock.NAME#`` holds the user, the host, the process and the time as JSON. It appears with
+its content in one step, so nobody ever reads half of one. A lock whose process is gone
+(on this host; of another host nobody can tell) is stale and is taken over.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import os
+import secrets
+import socket
+import sys
+import time
+from pathlib import Path
+from typing import Final, Self
+
+import msgspec
+
+from bozzetto.errors import UserError
+from bozzetto.storage import explain
+
+__all__ = ["FileLock", "Holder", "Locked", "document_lock_path", "holder"]
+
+
+FRESH_SECONDS: Final = 2.0
+"""How long a lock file may be without content."""
+POLL_SECONDS: Final = 0.05
+
+
+class Holder(msgspec.Struct, frozen=True):
+    """Who holds a lock.
+
+    Attributes
+    ----------
+    user, host : str
+    pid : int
+    since : float
+        Seconds since 1970.
+    token : str
+        Tells one lock from another of the same process.
+    """
+
+    user: str
+    host: str
+    pid: int
+    since: float
+    token: str
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether its process ran on this host and does no longer."""
+        return self.host == socket.gethostname() and not _is_running(self.pid)
+
+
+class Locked(UserError):
+    """Somebody has the document open.
+
+    Attributes
+    ----------
+    holder : Holder
+    """
+
+    def __init__(self, name: str, holder: Holder) -> None:
+        super().__init__(
+            f"“{name}” is open already: {holder.user} on {holder.host} has had it since "
+            f"{time.strftime('%H:%M', time.localtime(holder.since))}. Open a copy, or close it "
+            "there first."
+        )
+        self.holder = holder
+
+
+class FileLock:
+    """A lock that this process holds, until `release` or the end of a ``with`` block."""
+
+    def __init__(self, path: Path, mine: Holder) -> None:
+        self.path = path
+        self._mine = mine
+
+    @classmethod
+    def acquire(cls, path: str | os.PathLike[str], name: str, *, force: bool = False) -> Self:
+        """Take a lock.
+
+        Parameters
+        ----------
+        path : path
+            The lock file itself; see `document_lock_path`.
+        name : str
+            What is locked, for the message.
+        force : bool
+            Take it even from a living holder: the person said so.
+
+        Raises
+        ------
+        Locked
+            If somebody who may still be there holds it.
+        UserError
+            If the folder cannot be written to.
+        """
+        place = Path(path)
+        mine = Holder(_user(), socket.gethostname(), os.getpid(), time.time(), secrets.token_hex(8))
+        draft = place.with_name(f".bozzetto-{mine.token}.lock")
+        try:
+            draft.write_bytes(msgspec.json.encode(mine))
+            try:
+                while not _appear(draft, place):
+                    found = holder(place)
+                    if found is None and _is_fresh(place):
+                        time.sleep(POLL_SECONDS)
+                        continue
+                    if found is not None and not (force or found.is_gone):
+                        raise Locked(name, found)
+                    _set_aside(place, found)
+            finally:
+                with contextlib.suppress(FileNotFoundError):
+                    draft.unlink()
+        except OSError as problem:
+            raise UserError(explain(problem, name)) from problem
+        return cls(place, mine)
+
+    def release(self) -> None:
+        """Give the lock back; nothing happens if somebody took it over meanwhile."""
+        if holder(self.path) == self._mine:
+            with contextlib.suppress(FileNotFoundError):
+                self.path.unlink()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+def document_lock_path(document: str | os.PathLike[str]) -> Path:
+    """Where the lock file of a document lies."""
+    path = Path(os.path.realpath(document))
+    return path.with_name(f".~lock.{path.name}#")
+
+
+def holder(path: str | os.PathLike[str]) -> Holder | None:
+    """Who holds a lock file; None if nobody does, or the file makes no sense."""
+    try:
+        return msgspec.json.decode(Path(path).read_bytes(), type=Holder)
+    except (OSError, msgspec.MsgspecError, ValueError):
+        return None
+
+
+def _appear(draft: Path, place: Path) -> bool:
+    """Let the lock file appear with its content; False if there is one."""
+    try:
+        os.link(draft, place)
+    except FileExistsError:
+        return False
+    except OSError:  # a disk without second names: content follows a moment later
+        try:
+            with open(place, "xb") as file:
+                file.write(draft.read_bytes())
+        except FileExistsError:
+            return False
+    return True
+
+
+def _is_fresh(place: Path) -> bool:
+    """Whether a lock file without content may still be about to get it."""
+    try:
+        return time.time() - place.stat().st_mtime < FRESH_SECONDS
+    except FileNotFoundError:
+        return False
+
+
+def _set_aside(place: Path, stale: Holder | None) -> None:
+    """Remove a stale lock file, unless it has become somebody else's in between."""
+    aside = place.with_name(f".bozzetto-{secrets.token_hex(8)}.stale")
+    with contextlib.suppress(FileNotFoundError):
+        os.rename(place, aside)
+        if holder(aside) != stale:
+            with contextlib.suppress(FileExistsError):
+                os.link(aside, place)
+        aside.unlink()
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError):  # no such name on this system
+        return "someone"
+
+
+def _is_running(pid: int) -> bool:
+    if sys.platform == "win32":
+        import ctypes
+
+        query_limited_information, still_active = 0x1000, 259
+        process = ctypes.windll.kernel32.OpenProcess(query_limited_information, False, pid)
+        code = ctypes.c_ulong()
+        known = ctypes.windll.kernel32.GetExitCodeProcess(process, ctypes.byref(code))
+        ctypes.windll.kernel32.CloseHandle(process)
+        return bool(known) and code.value == still_active
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):
+        return True
+    return True
