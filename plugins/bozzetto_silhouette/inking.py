@@ -35,6 +35,9 @@ JOINT = 0.16
 """Length of ink at an end in which an overlap with the next stroke is looked for, as a share
 of the shorter stroke."""
 
+FEW = 12
+"""A line of fewer samples is a polygon, not ink."""
+
 BESIDE = 0.02
 """Ink that overlaps without crossing runs side by side no farther apart than this."""
 
@@ -176,7 +179,10 @@ def _chains(lines: list[Points]) -> list[list[Points]]:
         for b in range(a + 1, 2 * count):
             gap = float(np.hypot(*(ends[a] - ends[b])))
             if a // 2 == b // 2:
+                line = lines[a // 2]
                 share = gap / max(lengths[a // 2], 1e-12)
+                if len(line) > 2 and gap <= 1.5 * float(np.diff(_arc(line)).max()):
+                    share = gap = 0.0  # only the side back to the first vertex is missing
                 cost = 0.5 * gap if share < 0.1 else gap * (1.0 if share < OWN_GAP else 3.0)
             else:
                 cost = gap
@@ -221,6 +227,13 @@ def _closed(chain: list[Points]) -> Points:
 def _self_joint(line: Points) -> tuple[Points, Points]:
     """Close one stroke onto itself: its halves are joined like two strokes."""
     arc = _arc(line)
+    gap = float(np.hypot(*(line[0] - line[-1])))
+    if len(line) < FEW or gap <= 1.5 * float(np.diff(arc).max()):
+        # A polygon given by its vertices: the missing side is one like the others.
+        import shapely
+
+        if len(line) < FEW or shapely.LinearRing(line).is_simple:
+            return line, np.zeros((0, 2))
     half = int(np.clip(np.searchsorted(arc, 0.5 * arc[-1]), 1, len(line) - 1))
     tail, head, bridge = _joint(line[half:], line[: half + 1])
     return np.concatenate([head[:-1], tail]), bridge

@@ -113,9 +113,23 @@ def _frozen(points: Any) -> Points:
     return array
 
 
-def _without_repeats(ring: Points) -> Points:
+COINCIDENT = 1e-6
+"""Vertices closer than this share of the size are one: nothing can be meshed in between."""
+
+
+def _without_repeats(ring: Points, closer: float) -> Points:
     """Drop vertices that repeat the one before; the closing repetition as well."""
-    return ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
+    while len(ring) > 2:
+        gap = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T)
+        repeats = gap <= closer
+        if not repeats.any():
+            break
+        # Of a run of near repeats every other one goes, until none are left.
+        repeats &= ~np.roll(repeats, 1) | (np.arange(len(ring)) % 2 == 1)
+        if not repeats.any():
+            break
+        ring = ring[~repeats]
+    return ring
 
 
 def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
@@ -133,7 +147,10 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
     """
     import shapely
 
-    clean = [_without_repeats(np.asarray(r, dtype=np.float64).reshape(-1, 2)) for r in rings]
+    given = [np.asarray(r, dtype=np.float64).reshape(-1, 2) for r in rings]
+    everything = np.concatenate([*given, np.zeros((0, 2))])
+    size = float(np.ptp(everything, axis=0).max()) if len(everything) else 0.0
+    clean = [_without_repeats(r, COINCIDENT * size) for r in given]
     clean = [r for r in clean if len(r) >= 3 and signed_area(r) != 0.0]
     solids = [shapely.Polygon(r) for r in clean]
     inside: list[list[int]] = []

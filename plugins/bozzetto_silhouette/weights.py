@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bozzetto_silhouette.kernel import Segments, iso_value, pairs_within_reach, segment_integrals
 from bozzetto_silhouette.skeleton import Skeleton
 
-__all__ = ["design_matrix", "fit_weights"]
+__all__ = ["design_matrix", "fit_weights", "non_negative_least_squares"]
 
 Points = NDArray[np.float64]
 
@@ -54,8 +54,6 @@ def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Poin
     (s,) float array
         Each at least `LOWEST`.
     """
-    from scipy.optimize import nnls
-
     level = iso_value(segments.sigma)
     tops = skeleton.nodes[:, :2]
     heights = skeleton.heights(tops)
@@ -66,8 +64,50 @@ def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Poin
     ])  # fmt: skip
     hold = HOLD * level * np.sqrt(len(samples))
     count = len(segments)
-    left = np.vstack([matrix * importance[:, None], hold * np.eye(count)])
-    right = np.concatenate([level * importance, np.full(count, hold)])
     # Substituting weight = LOWEST + more turns the lower bound into non-negativity.
-    more, _ = nnls(left, right - LOWEST * left.sum(axis=1), maxiter=20 * count + 100)
-    return LOWEST + more
+    weighted = matrix * importance[:, None]
+    normal = weighted.T @ weighted + hold**2 * np.eye(count)
+    right = weighted.T @ (level * importance) + hold**2
+    return LOWEST + non_negative_least_squares(normal, right - LOWEST * normal.sum(axis=1))
+
+
+def non_negative_least_squares(normal: Points, right: Points) -> Points:
+    """Minimise ``x' normal x / 2 - right' x`` over x >= 0.
+
+    Block principal pivoting (Portugal, Judice and Vicente, 1994), which exchanges many
+    variables at a time: ten solves where the classic active-set method needs one for each
+    segment of the skeleton. That method takes over if the exchange should cycle.
+
+    Parameters
+    ----------
+    normal : (n, n) float array
+        Symmetric positive definite.
+    right : (n,) float array
+    """
+    free = np.ones(len(right), dtype=bool)
+    x = np.zeros(len(right))
+    tolerance = 1e-10 * float(np.abs(right).max(initial=1.0))
+    fewest, patience = len(right) + 1, 3
+    for _ in range(60):
+        x = np.zeros(len(right))
+        x[free] = np.linalg.solve(normal[np.ix_(free, free)], right[free])
+        dual = normal @ x - right
+        wrong = (free & (x < 0.0)) | (~free & (dual < -tolerance))
+        count = int(wrong.sum())
+        if count == 0:
+            return x
+        if count < fewest:
+            fewest, patience = count, 3
+        elif patience > 0:
+            patience -= 1
+        else:
+            # Exchange one variable only: slow but certain to end.
+            wrong = np.arange(len(right)) == np.flatnonzero(wrong)[-1]
+        free ^= wrong
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import nnls
+
+    upper = cholesky(normal)
+    result: Points
+    result, _ = nnls(upper, solve_triangular(upper, right, trans="T"), maxiter=50 * len(right))
+    return result
