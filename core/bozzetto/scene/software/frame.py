@@ -39,6 +39,9 @@ not know about the band."""
 ALIGNMENT = 8
 """Windows begin at multiples of this (px), so that all sample depth at the same places."""
 
+SLOPE_SLACK = 1.5
+"""How many pixels' worth of its own slope a surface gives way to a line on it."""
+
 HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
 """Radius of a handle's disc and width of the dark rim around it, px."""
 
@@ -152,8 +155,8 @@ def _drawn(
         samples = np.full((fine.height * fine.width, 4), paper, np.float32)
         nearness = draw_surfaces(samples, surfaces, fine, palette, shading, fineness)
         grid[:] = _reduced(samples.reshape(fine.height, fine.width, 4), fineness)
-        around = _farthest_around(nearness.reshape(fine.height, fine.width), fineness)
-        surface[y : y + part_h, x : x + part_w] = sight.backed(around, BIAS * scale)
+        limit = _threshold(nearness.reshape(fine.height, fine.width), fineness)
+        surface[y : y + part_h, x : x + part_w] = sight.backed(limit, BIAS * scale)
     _draw_marks(Canvas(pixels, surface, sight, scale), items, palette)
     return pixels
 
@@ -194,18 +197,28 @@ def _reduced(samples: Floats, fineness: int) -> Floats:
     return total
 
 
-def _farthest_around(nearness: Floats, fineness: int) -> Floats:
-    """The farthest surface in the 3 × 3 pixels around each pixel."""
-    least = nearness[::fineness, ::fineness].copy()
+def _threshold(nearness: Floats, fineness: int) -> Floats:
+    """Nearness above which a line at a pixel is in front of the surface there, or on it.
+
+    The surface's slope is allowed for, since the line crosses the pixel anywhere: on each
+    axis the smaller of the steps to both neighbours, so that an edge of the surface,
+    where one step is large, hides what passes behind it right up to its rim.
+    """
+    near = nearness[::fineness, ::fineness].copy()
     for row, column in product(range(fineness), repeat=2):
-        np.minimum(least, nearness[row::fineness, column::fineness], out=least)
+        np.maximum(near, nearness[row::fineness, column::fineness], out=near)
+    slack = np.zeros_like(near)
     for axis in (0, 1):
-        source = least.copy()
-        target = np.moveaxis(least, axis, 0)
-        source = np.moveaxis(source, axis, 0)
-        np.minimum(target[1:], source[:-1], out=target[1:])
-        np.minimum(target[:-1], source[1:], out=target[:-1])
-    return least
+        with np.errstate(invalid="ignore"):  # nothing beside nothing
+            step = np.nan_to_num(np.abs(np.diff(near, axis=axis)), nan=np.inf, posinf=np.inf)
+        before, after = [(0, 0), (0, 0)], [(0, 0), (0, 0)]
+        before[axis], after[axis] = (1, 0), (0, 1)
+        least = np.minimum(
+            np.pad(step, before, constant_values=np.inf),
+            np.pad(step, after, constant_values=np.inf),
+        )
+        slack += np.where(np.isfinite(least), least, np.float32(0))
+    return np.asarray(near - np.float32(SLOPE_SLACK) * slack, np.float32)
 
 
 def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None:

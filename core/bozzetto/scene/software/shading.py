@@ -149,7 +149,7 @@ def _interpolated(
     for k in range(count):
         result[k] = rows[:, k] + rows[:, count + k] * dx + rows[:, 2 * count + k] * dy
     # Rounding in slivers must not leave the range of the corners by much.
-    limit = np.float32(np.abs(table[:, :count]).max(initial=0.0))
+    limit = np.float32(np.abs(values).max(initial=0.0))
     return np.clip(result, -limit, limit, out=result)
 
 
@@ -246,7 +246,7 @@ def _zebra(normal: Floats) -> Floats:
     the tubes only the tilt about their direction counts.
     """
     tilt = np.arctan2(normal[1], normal[2])
-    wave = np.sin(np.float32(2.0 * ZEBRA_STRIPES) * tilt * np.float32(0.5) * np.float32(2.0))
+    wave = np.sin(np.float32(2.0 * ZEBRA_STRIPES) * tilt)
     return np.clip(wave * np.float32(3.0) + np.float32(0.5), 0.0, 1.0)
 
 

@@ -2,8 +2,8 @@
 
 A polyline is the union of capsules, one for each segment: so joins and ends are round and
 overlaps do not show. Each capsule is walked along its major axis; every step covers a few
-pixels across. Whether a step is hidden is decided on the middle of the line, against the
-farthest surface around that pixel: a line that lies on a surface is never eaten by it.
+pixels across. Whether a step is hidden is decided on the middle of the line, with some
+allowance for the surface's slope: a line that lies on a surface is never eaten by it.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Canvas:
     pixels : (h · w, 4) float32
         Red, green, blue (0 … 255, already multiplied by opacity), opacity (0 … 1).
     surface : (h, w) float32
-        Nearness of the farthest opaque surface around each pixel; −inf for none.
+        Nearness below which opaque surfaces hide a line at each pixel; −inf for none.
     sight : Sight
     scale : float
         Device pixels per pixel of width.

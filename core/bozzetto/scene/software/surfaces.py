@@ -28,8 +28,11 @@ __all__ = ["draw_surfaces"]
 
 Floats = NDArray[np.float32]
 
-XRAY_LEAST, XRAY_MOST = 0.10, 0.78
+XRAY_LEAST, XRAY_MOST = 0.10, 0.80
 """Opacity of x-rayed surfaces seen face on and edge on."""
+
+XRAY_INK = 0.55
+"""Part of ink in their colour."""
 
 
 def draw_surfaces(
@@ -163,6 +166,7 @@ def _mesh_sheets(
             opacity *= seen.color[:, 3] / np.float32(255)
         if shading == "xray":
             grazing = np.square(np.float32(1) - seen.facing)
+            rgb += np.float32(XRAY_INK) * (np.array(palette.ink, np.float32) - rgb)
             opacity *= np.float32(XRAY_LEAST) + np.float32(XRAY_MOST - XRAY_LEAST) * grazing
         sheets.append(Sheet(seen.pixel, buffer.nearness[seen.pixel], rgb, opacity))
     return sheets

@@ -1,0 +1,109 @@
+"""The ground: a faint grid that says where down is and how large things are."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Layer, Lines
+from bozzetto.view.camera import Camera
+
+__all__ = ["grid_step", "ground_grid"]
+
+STEP_PIXELS = 36.0
+"""Least distance between two lines at the depth of the target, px."""
+
+REACH = 30
+"""Lines on each side of the middle."""
+
+PIECES = 12
+"""Pieces of a line between the middle and its end, over which it fades."""
+
+FINE_WIDTH, COARSE_WIDTH, AXIS_WIDTH = 0.9, 1.3, 1.7
+"""Widths of lines, of every fifth, and of the axes, px. Below one pixel, thinner is
+fainter: that is how the grid fades out."""
+
+FIFTH = 5
+
+AXIS_OPACITY = 0.45
+
+
+def grid_step(camera: Camera) -> float:
+    """Distance between lines that suits a view: 1, 2 or 5 times a power of ten, mm."""
+    least = STEP_PIXELS / camera.pixels_per_mm
+    decade = 10.0 ** np.floor(np.log10(least))
+    for step in (decade, 2.0 * decade, 5.0 * decade):
+        if step >= least:
+            return float(step)
+    return float(10.0 * decade)
+
+
+def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
+    """The ground plane's grid around the place the camera looks at.
+
+    Parameters
+    ----------
+    camera : Camera
+    height : float
+        z of the ground, mm.
+
+    Returns
+    -------
+    Layer
+        Three `Lines`: the grid, the x axis in the accent colour and the y axis in the
+        second, where they pass through the grid. They fade towards the rim.
+    """
+    step = grid_step(camera)
+    middle = np.round(np.asarray(camera.target[:2]) / step)
+    radius = REACH * step
+    points, widths, starts = [], [], []
+    for axis in (0, 1):
+        for k in range(-REACH, REACH + 1):
+            number = middle[axis] + k
+            if number == 0:
+                continue  # an axis
+            width = FINE_WIDTH if number % FIFTH else COARSE_WIDTH
+            starts.append(len(points) * (2 * PIECES + 1))
+            points.append(_line(axis, number * step, middle * step, radius, height))
+            widths.append(width * _fading(k / REACH))
+    items = [
+        Lines(
+            np.concatenate(points).astype(np.float32),
+            np.array(starts, np.int32),
+            "grid",
+            np.concatenate(widths).astype(np.float32),
+            hidden="hide",
+        )
+    ]
+    # The x axis runs where y is 0, and the other way round.
+    for axis, color in ((1, "accent"), (0, "second")):
+        if abs(middle[axis]) <= REACH:
+            line = _line(axis, 0.0, middle * step, radius, height)
+            width = AXIS_WIDTH * _fading(middle[axis] / REACH)
+            items.append(
+                Lines(
+                    line.astype(np.float32),
+                    color=color,
+                    width=width.astype(np.float32),
+                    opacity=AXIS_OPACITY,
+                    hidden="hide",
+                )
+            )
+    return Layer("ground", tuple(items))
+
+
+def _line(
+    axis: int, place: float, middle: NDArray[np.float64], radius: float, height: float
+) -> NDArray[np.float64]:
+    """Points of the line on which the coordinate `axis` has one value."""
+    along = np.linspace(-radius, radius, 2 * PIECES + 1)
+    points = np.full((len(along), 3), height)
+    points[:, axis] = place
+    points[:, 1 - axis] = middle[1 - axis] + along
+    return points
+
+
+def _fading(aside: float) -> NDArray[np.float64]:
+    """Share of the width along a line that runs so far (−1 … 1) aside of the middle."""
+    along = np.linspace(-1.0, 1.0, 2 * PIECES + 1)
+    return np.clip(1.0 - (along**2 + aside**2), 0.0, 1.0)
