@@ -93,14 +93,19 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
         first, second, places = ring_crossings(ring)
         if not len(first):
             break
-        loops = [np.vstack([p, ring[i + 1 : j + 1]]) for i, j, p in zip(first, second, places, strict=True)]
+        loops = [
+            np.vstack([p, ring[i + 1 : j + 1]])
+            for i, j, p in zip(first, second, places, strict=True)
+        ]
         whole, total = _area(ring), _length(ring)
         best, best_area = -1, np.inf
         cut_inner = True
         for k, loop in enumerate(loops):
             for inner in (True, False):
-                part = loop if inner else np.vstack(
-                    [places[k], ring[second[k] + 1 :], ring[: first[k] + 1]]
+                part = (
+                    loop
+                    if inner
+                    else np.vstack([places[k], ring[second[k] + 1 :], ring[: first[k] + 1]])
                 )
                 area, length = _area(part), _length(np.vstack([part, part[:1]]))
                 small = area < SMALL_LOOP * max(whole, 1e-12) and length < SHORT_LOOP * total

@@ -194,12 +194,12 @@ class ConvolutionField:
         top = iso_value(self.softness)
         room = self.softness**2 - 1.0
         weight = self.weights[pairs.segment] / top
-        total = np.bincount(pairs.point, value * weight, count)
+        total: Points = np.bincount(pairs.point, value * weight, count).astype(np.float64)
         total = np.maximum(total, _FAINT)
         level = room * (total ** (2.0 / 7.0) - 1.0)
         if change is None:
             return level, None
-        descent = np.bincount(pairs.point, change * weight, count)
+        descent = np.bincount(pairs.point, change * weight, count).astype(np.float64)
         return level, room * (2.0 / 7.0) * total ** (-5.0 / 7.0) * descent
 
     def heights_inner(self, xy: Points) -> Points:
@@ -314,9 +314,10 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     nodes = raw.skeleton.transformed(1.0 / raw.scale, -raw.origin / raw.scale)
     wanted = nodes.heights(nodes.nodes[:, :2])
     height = field_.heights_inner(nodes.nodes[:, :2])
-    off = np.flatnonzero(
-        (np.abs(height - wanted) > SUMMIT_ERROR * wanted) & (wanted > THINNEST)
-    )
+    error = np.abs(height - wanted) / np.maximum(wanted, THINNEST)
+    # The correction sets in gradually: how a shape is drawn must not switch it on or off.
+    share = np.clip(2.0 * error / SUMMIT_ERROR - 1.0, 0.0, 1.0)
+    off = np.flatnonzero((share > 0.0) & (wanted > THINNEST))
     summit = nodes.nodes[off]
-    missing = -field_._level(summit[:, :2], wanted[off] ** 2)
+    missing = -share[off] * field_._level(summit[:, :2], wanted[off] ** 2)
     return replace(field_, summits=np.column_stack([summit, np.clip(missing, -0.5, 0.5)]))

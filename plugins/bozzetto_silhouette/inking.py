@@ -259,9 +259,13 @@ def _joint(a: Points, b: Points) -> tuple[Points, Points, Points]:
         # The earliest crossing on `a`: what follows of `a` falls away, so no other is left.
         along = shapely.line_locate_point(line_a, shapely.points(meet))
         k = int(along.argmin())
-        return _upto(a, arc_a, arc_a[first] + along[k], meet[k]), _from(
-            b, arc_b, float(shapely.line_locate_point(line_b, shapely.Point(meet[k]))), meet[k]
-        ), np.zeros((0, 2))
+        return (
+            _upto(a, arc_a, arc_a[first] + along[k], meet[k]),
+            _from(
+                b, arc_b, float(shapely.line_locate_point(line_b, shapely.Point(meet[k]))), meet[k]
+            ),
+            np.zeros((0, 2)),
+        )
     # Side by side: the end of one lies beside the other's ink.
     on_b = float(shapely.line_locate_point(line_b, shapely.Point(a[-1])))
     beside_b = float(shapely.distance(line_b, shapely.Point(a[-1])))
@@ -314,4 +318,3 @@ def _bridge(a: Points, b: Points) -> Points:
         + t**2 * (3 - 2 * t) * b[0]
         - t**2 * (1 - t) * arrive
     )
-

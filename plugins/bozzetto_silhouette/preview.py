@@ -68,6 +68,8 @@ def membrane(plan: Plan) -> Points:
     matrix = coo_array(
         (stiffness.ravel()[free], (rows[free] - rim, columns[free] - rim)), shape=(size, size)
     ).tocsc()
+    # A point that no triangle uses (degenerate ink) must not make the system singular.
+    matrix.setdiag(np.maximum(matrix.diagonal(), 1e-9))
     load = np.bincount(t.ravel(), np.repeat(twice / 6.0, 3), count)[rim:]
     u = np.zeros(count)
     u[rim:] = spsolve(matrix, load, permc_spec="MMD_AT_PLUS_A")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,7 +96,7 @@ def corner_mask(ring: Points) -> NDArray[np.bool_]:
     edge = np.roll(ring, -1, axis=0) - ring
     back = np.roll(edge, 1, axis=0)
     turn = np.arctan2(back[:, 0] * edge[:, 1] - back[:, 1] * edge[:, 0], (back * edge).sum(axis=1))
-    return np.abs(turn) > CORNER_TURN
+    return np.asarray(np.abs(turn) > CORNER_TURN)
 
 
 def _frames(points: Points, after: Indices, before: Indices) -> tuple[Points, Points]:
@@ -249,7 +250,7 @@ def sample_rim(
         )
         stops = np.append(corners, corners[0] + len(arc))
         marks = []
-        for a, b in zip(stops[:-1], stops[1:], strict=True):
+        for a, b in itertools.pairwise(stops):
             begin = filled[a]
             end = filled[b] if b <= len(arc) else filled[-1] + filled[b - len(arc)]
             minimum = 3 if len(corners) == 1 else 2 if len(corners) == 2 else 1

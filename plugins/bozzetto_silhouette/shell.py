@@ -56,4 +56,5 @@ def vertex_normals(vertices: Points, faces: Faces) -> Points:
     total = np.stack([
         np.bincount(index, (angle * normal[:, k : k + 1]).ravel(), len(vertices)) for k in range(3)
     ], axis=1)  # fmt: skip
-    return total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
+    unit: Points = total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
+    return unit

@@ -7,6 +7,7 @@ Durikovic, "SketchCo", 2007.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,7 +129,7 @@ def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indic
     keeper[label[order]] = order
     links = np.sort(label[edges], axis=1)
     links = np.unique(links[links[:, 0] != links[:, 1]], axis=0)
-    return nodes[keeper], links
+    return nodes[keeper], links.astype(np.intp)
 
 
 def _hidden(nodes: Points) -> NDArray[np.bool_]:
@@ -212,7 +213,7 @@ def _chains(skeleton: Skeleton) -> list[list[int]]:
         while len(neighbours[path[-1]]) == 2 and path[-1] != start:
             one, two = neighbours[path[-1]]
             path.append(two if one == path[-2] else one)
-        done.update(zip(path[:-1], path[1:], strict=True))
+        done.update(itertools.pairwise(path))
         done.update(zip(path[1:], path[:-1], strict=True))
         chains.append(path)
 
@@ -275,7 +276,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
             kept += [half + k for k in _douglas_peucker(row[half:], tolerance)[1:]]
         else:
             kept = _douglas_peucker(row, tolerance)
-        for i, j in zip(kept[:-1], kept[1:], strict=True):
+        for i, j in itertools.pairwise(kept):
             a, b = row[i], row[j]
             length = float(np.hypot(*(b - a)[:2]))
             # Splits fall on the axis itself, not on the chord that replaced it.
@@ -285,7 +286,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
             for stop in stops:
                 path.append(node_of(chain[stop]))
             path.append(node_of(chain[j]))
-            edges += [(p, q) for p, q in zip(path[:-1], path[1:], strict=True) if p != q]
+            edges += [(p, q) for p, q in itertools.pairwise(path) if p != q]
     connected = {k for edge in axis.edges.tolist() for k in edge}
     for old in range(len(axis.nodes)):
         if old not in connected:

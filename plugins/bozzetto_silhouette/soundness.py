@@ -1,4 +1,4 @@
-"""Is the mesh a solid, and the one that was drawn?"""
+"""Whether the mesh is a solid, and the one that was drawn."""
 
 from __future__ import annotations
 

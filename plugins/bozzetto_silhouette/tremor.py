@@ -33,7 +33,7 @@ _CORNER_TURN = np.deg2rad(55.0)
 def _resampled(ring: Points, spacing: float) -> Points:
     closed = np.vstack([ring, ring[:1]])
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-    count = max(int(round(arc[-1] / spacing)), 12)
+    count = max(round(arc[-1] / spacing), 12)
     at = arc[-1] * np.arange(count) / count
     return np.stack([np.interp(at, arc, closed[:, k]) for k in (0, 1)], axis=1)
 
