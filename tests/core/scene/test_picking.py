@@ -7,34 +7,14 @@ import weakref
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto.scene.picking import HANDLE_TARGET, cast_rays, nearest_item
 from bozzetto.view.camera import Camera, Rays
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
-BOX_FACES = [
-    (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4),
-    (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7),
-]  # fmt: skip
-
-
-def box(size=(2.0, 2.0, 2.0), center=(0.0, 0.0, 0.0)):
-    ring = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    unit = np.array([(x, y, z) for z in (-1, 1) for x, y in ring], float)
-    return Mesh((unit * np.array(size) / 2 + center).astype(np.float32), BOX_FACES)
-
-
-def scene_of(*items, owner="m"):
-    return Scene((Layer("l", tuple(items), owner),))
-
-
-def soup(seed, count):
-    random = np.random.default_rng(seed)
-    center = random.uniform(-10, 10, (count, 1, 3))
-    corners = center + random.normal(0, 2, (count, 3, 3))
-    return Mesh(corners.reshape(-1, 3).astype(np.float32), np.arange(3 * count).reshape(-1, 3))
+from tests.core.scene.shapes import box, scene_of, soup, sphere
 
 
 def rays_of(seed, count, spread=12.0):
@@ -142,18 +122,11 @@ def test_nothing_to_hit():
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e6])
 def test_distance_to_a_sphere_at_any_scale(scale):
-    u, v = np.meshgrid(np.linspace(0, np.pi, 65), np.linspace(0, 2 * np.pi, 129), indexing="ij")
-    x, y, z = np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)
-    i = (np.arange(64)[:, None] * 129 + np.arange(128)).ravel()
-    faces = np.concatenate((np.c_[i, i + 129, i + 1], np.c_[i + 1, i + 129, i + 130]))
-    vertices = scale * np.column_stack((x.ravel(), y.ravel(), z.ravel()))
     rays = rays_of(3, 200, 0.3)
     origins = rays.origins * scale
     along = np.einsum("ij,ij->i", origins, rays.directions)
     exact = -along + np.sqrt(along**2 - (origins**2).sum(1) + scale**2)
-    hits = cast_rays(
-        scene_of(Shaded(Mesh(vertices.astype("f4"), faces))), Rays(origins, rays.directions)
-    )
+    hits = cast_rays(scene_of(Shaded(sphere(scale))), Rays(origins, rays.directions))
     np.testing.assert_allclose(hits.distance, exact, rtol=3e-3)
     assert (hits.distance <= exact * (1 + 1e-6)).all(), "chords lie inside the sphere"
 
