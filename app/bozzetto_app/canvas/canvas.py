@@ -23,6 +23,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QWidget
 
+from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
 from bozzetto.view.camera import Camera, Point
@@ -40,6 +41,7 @@ from bozzetto_app.canvas.samples import PressureCurve
 from bozzetto_app.canvas.sheet_hint import SheetHint
 from bozzetto_app.canvas.software import SoftwareViewport
 from bozzetto_app.canvas.view_cube import ViewCube
+from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
@@ -52,6 +54,13 @@ CUBE_MARGIN: Final = 16
 
 GL_PATIENCE: Final = 4000
 """How long the first OpenGL picture may take before the software one stays, milliseconds."""
+
+
+def _import_gl(job: Job) -> Any:
+    """Import pyqtgraph and OpenGL, which take half a second, beside the window."""
+    from bozzetto_app.canvas.gl import GLViewport
+
+    return GLViewport
 
 
 class Canvas(QWidget):
@@ -93,6 +102,7 @@ class Canvas(QWidget):
         software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
         self._backend: ViewportBackend = software
         self._rising: Any = None
+        self._imports = Channel("import-gl", parent=self)
         self._overlay = InkOverlay(self)
         self._hint = SheetHint(self)
         self._cube = ViewCube(self)
@@ -279,14 +289,17 @@ class Canvas(QWidget):
 
     def _painted_first(self) -> None:
         """The window is on the screen: now there is time to see whether OpenGL works."""
-        if choose_backend() != "gl":
-            return
-        try:
-            from bozzetto_app.canvas.gl import GLViewport
-        except (ImportError, OSError) as problem:
-            log.warning("no OpenGL viewport: %s", problem)
-            return
-        rising = GLViewport(self)
+        if choose_backend() == "gl":
+            self._imports.submit(Request(_import_gl, self._raise_gl, self._gl_missing))
+
+    def _gl_missing(self, problem: BaseException) -> None:
+        if not isinstance(problem, ImportError | OSError | AttributeError):
+            raise problem
+        log.warning("no OpenGL viewport: %s", problem)
+
+    def _raise_gl(self, viewport: Any) -> None:
+        """Make the OpenGL viewport below the software one, which stays until it is proved."""
+        rising = viewport(self)
         rising.proved.connect(self._gl_proved, Qt.ConnectionType.QueuedConnection)
         rising.failed.connect(self._gl_failed, Qt.ConnectionType.QueuedConnection)
         self._rising = rising

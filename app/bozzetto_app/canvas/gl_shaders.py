@@ -77,7 +77,7 @@ void main() {
     if (u_shading == 3) {
         color = 0.5 * normal + 0.5;
     } else if (u_shading == 1) {
-        float wave = sin(2.0 * %(ZEBRA_STRIPES)s * atan(normal.x, normal.z));
+        float wave = sin(2.0 * %(ZEBRA_STRIPES)s * atan(normal.y, normal.z));
         float stripe = clamp(3.0 * wave + 0.5, 0.0, 1.0);
         color = mix(ramp(vec3(58.0, 58.0, 60.0) / 255.0, light),
                     ramp(vec3(244.0, 243.0, 240.0) / 255.0, light), stripe);

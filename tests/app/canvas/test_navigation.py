@@ -1,0 +1,182 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view.navigation import orbit, pan, zoom
+
+MIDDLE = Qt.MouseButton.MiddleButton
+ALT, SHIFT, CTRL = (
+    Qt.KeyboardModifier.AltModifier,
+    Qt.KeyboardModifier.ShiftModifier,
+    Qt.KeyboardModifier.ControlModifier,
+)
+
+
+def same_view(one, other):
+    np.testing.assert_allclose(one.eye, other.eye, atol=1e-6)
+    np.testing.assert_allclose(one.axes, other.axes, atol=1e-9)
+    assert one.visible_height == pytest.approx(other.visible_height)
+
+
+@pytest.fixture
+def on_box(session, canvas, box_scene):
+    """The camera and a place of the canvas under which the box is hit, with that point."""
+    session.set_scene(box_scene)
+    place = (400.0, 330.0)
+    hits = cast_rays(box_scene, session.camera.rays([place]))
+    assert hits.hit[0]
+    return session.camera, place, hits.points[0]
+
+
+def test_middle_drag_orbits_about_the_surface_under_the_cursor(session, canvas, qtbot, on_box):
+    camera, (x, y), pivot = on_box
+    qtbot.mousePress(canvas, MIDDLE, pos=QPoint(int(x), int(y)))
+    qtbot.mouseMove(canvas, QPoint(430, 350))
+    qtbot.mouseMove(canvas, QPoint(460, 370))
+    qtbot.mouseRelease(canvas, MIDDLE, pos=QPoint(460, 370))
+    same_view(session.camera, orbit(camera, 60, 40, pivot))
+    (seen,), _ = session.camera.project([pivot])
+    np.testing.assert_allclose(seen, (x, y), atol=1e-6)
+    assert session.strokes == []
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        (ALT, lambda c, p: orbit(c, 60, 40, p)),
+        (ALT | SHIFT, lambda c, p: pan(c, 60, 40, p)),
+        (ALT | CTRL, lambda c, p: zoom(c, math.exp(-0.4), at=p)),
+    ],
+)
+def test_the_pen_turns_the_view_with_alt(session, pen, on_box, keys, expected):
+    camera, (x, y), pivot = on_box
+    pen.modifiers = keys
+    pen.press(x, y)
+    pen.move(x + 30, y + 20)
+    pen.move(x + 60, y + 40)
+    pen.release(x + 60, y + 40)
+    same_view(session.camera, expected(camera, pivot))
+    assert session.strokes == []
+
+
+def test_the_pen_turns_the_view_with_space(session, canvas, pen, on_box, qtbot):
+    camera, (x, y), pivot = on_box
+    qtbot.keyPress(canvas, Qt.Key.Key_Space)
+    pen.press(x, y)
+    pen.move(x + 60, y + 40)
+    pen.release(x + 60, y + 40)
+    qtbot.keyRelease(canvas, Qt.Key.Key_Space)
+    same_view(session.camera, orbit(camera, 60, 40, pivot))
+    pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
+    assert len(session.strokes) == 1
+
+
+def test_panning_keeps_what_was_gripped_under_the_pen(session, pen, on_box):
+    _, (x, y), pivot = on_box
+    pen.modifiers = ALT | SHIFT
+    pen.press(x, y)
+    pen.move(x + 77, y - 31)
+    pen.release(x + 77, y - 31)
+    (seen,), _ = session.camera.project([pivot])
+    np.testing.assert_allclose(seen, (x + 77, y - 31), atol=1e-6)
+
+
+def test_escape_turns_back(session, canvas, pen, on_box, qtbot):
+    camera, (x, y), _ = on_box
+    pen.modifiers = ALT
+    pen.press(x, y)
+    pen.move(x + 60, y + 40)
+    assert session.camera != camera
+    qtbot.keyClick(canvas, Qt.Key.Key_Escape)
+    assert session.camera == camera
+
+
+def wheel(canvas, x, y, angle):
+    place = QPointF(x, y)
+    event = QWheelEvent(
+        place, QPointF(canvas.mapToGlobal(place)), QPoint(), QPoint(0, angle),
+        Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier,
+        Qt.ScrollPhase.NoScrollPhase, False,
+    )  # fmt: skip
+    QApplication.sendEvent(canvas, event)
+
+
+def test_the_wheel_zooms_to_the_cursor_and_back(session, canvas, on_box):
+    camera, (x, y), pivot = on_box
+    wheel(canvas, x, y, 240)
+    closer = session.camera
+    (seen,), depth = closer.project([pivot])
+    np.testing.assert_allclose(seen, (x, y), atol=1e-6)
+    assert depth[0] < camera.project([pivot])[1][0]
+    wheel(canvas, x, y, -240)
+    same_view(session.camera, camera)
+
+
+SCREEN = []
+
+
+@pytest.fixture
+def screen(qapp):
+    """A touch screen; Qt keeps a bare pointer to it, so it is made once and never dropped."""
+    if not SCREEN:
+        SCREEN.append(QTest.createTouchDevice())
+    return SCREEN[0]
+
+
+def test_one_finger_orbits_and_never_inks(session, canvas, on_box, screen):
+    camera, (x, y), pivot = on_box
+    QTest.touchEvent(canvas, screen).press(0, QPoint(int(x), int(y)), canvas).commit()
+    QTest.touchEvent(canvas, screen).move(0, QPoint(int(x) + 60, int(y) + 40), canvas).commit()
+    QTest.touchEvent(canvas, screen).release(0, QPoint(int(x) + 60, int(y) + 40), canvas).commit()
+    same_view(session.camera, orbit(camera, 60, 40, pivot))
+    assert session.strokes == []
+
+
+def test_two_fingers_pan_and_zoom(session, canvas, on_box, screen):
+    camera, _, _ = on_box
+    QTest.touchEvent(canvas, screen).press(0, QPoint(350, 300), canvas).press(
+        1, QPoint(450, 300), canvas
+    ).commit()
+    QTest.touchEvent(canvas, screen).move(0, QPoint(300, 300), canvas).move(
+        1, QPoint(500, 300), canvas
+    ).commit()
+    QTest.touchEvent(canvas, screen).release(0, QPoint(300, 300), canvas).release(
+        1, QPoint(500, 300), canvas
+    ).commit()
+    same_view(session.camera, zoom(camera, 2.0, (400, 300)))
+
+
+def test_a_palm_beside_the_pen_does_nothing(session, canvas, pen, on_box, screen):
+    camera, _, _ = on_box
+    pen.comes()
+    QTest.touchEvent(canvas, screen).press(0, QPoint(350, 300), canvas).commit()
+    QTest.touchEvent(canvas, screen).move(0, QPoint(400, 350), canvas).commit()
+    QTest.touchEvent(canvas, screen).release(0, QPoint(400, 350), canvas).commit()
+    pen.leaves()
+    QTest.touchEvent(canvas, screen).press(0, QPoint(350, 300), canvas).commit()
+    QTest.touchEvent(canvas, screen).move(0, QPoint(400, 350), canvas).commit()
+    QTest.touchEvent(canvas, screen).release(0, QPoint(400, 350), canvas).commit()
+    assert session.camera == camera
+    assert session.strokes == []
+
+
+def test_the_pen_takes_over_from_the_palm(session, canvas, pen, on_box, screen):
+    QTest.touchEvent(canvas, screen).press(0, QPoint(350, 300), canvas).commit()
+    QTest.touchEvent(canvas, screen).move(0, QPoint(360, 300), canvas).commit()
+    pen.press(100, 100)
+    before = session.camera
+    QTest.touchEvent(canvas, screen).move(0, QPoint(400, 350), canvas).commit()
+    pen.move(150, 100)
+    pen.move(200, 100)
+    QTest.touchEvent(canvas, screen).release(0, QPoint(400, 350), canvas).commit()
+    pen.release(200, 100)
+    assert session.camera == before
+    assert len(session.strokes) == 1
