@@ -58,6 +58,10 @@ SUMMIT_ERROR = 0.06
 """Above a node of the skeleton the height may differ by this share from its ball; where it
 differs more (many limbs in one place) it is brought there."""
 
+GRADIENT_STEP = 2e-3
+"""Half step of the central differences, as a share of the longest side: well above the
+jitter of foot points on a sampled outline, well below a cell."""
+
 _FAINT = 1e-5
 """Field, in iso-values, below which the level is held constant."""
 
@@ -138,7 +142,7 @@ class ConvolutionField:
     def gradient(self, points: ArrayLike) -> Points:
         """Gradient of `value` at points (n, 3), per unit of length; it points inwards."""
         xy, z = self._inner(points)
-        step = 5e-4
+        step = GRADIENT_STEP
         columns = []
         for axis in np.eye(2):
             ahead, back = (self._level(xy + s * step * axis, z * z) for s in (1.0, -1.0))

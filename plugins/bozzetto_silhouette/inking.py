@@ -312,9 +312,10 @@ def _bridge(a: Points, b: Points) -> Points:
     leave *= gap / np.hypot(*leave)
     arrive *= gap / np.hypot(*arrive)
     t = np.linspace(0.0, 1.0, max(int(np.ceil(gap / 0.006)), 3) + 1)[1:-1, None]
-    return (
+    bridge: Points = (
         (1 + 2 * t) * (1 - t) ** 2 * a[-1]
         + t * (1 - t) ** 2 * leave
         + t**2 * (3 - 2 * t) * b[0]
         - t**2 * (1 - t) * arrive
     )
+    return bridge

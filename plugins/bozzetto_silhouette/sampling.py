@@ -132,7 +132,7 @@ def tangent_radii(points: Points, inward: Points, limit: float) -> Points:
     active = np.arange(len(points))
     for _ in range(_SHRINKS):
         centre = points[active] + radius[active, None] * inward[active]
-        gap, near = tree.query(centre)
+        gap, near = (np.asarray(column) for column in tree.query(centre))
         # A hair inside the ball is the point itself, seen through rounding.
         shrinks = (gap < radius[active] * (1.0 - 1e-3)) & (near != active)
         active, near = active[shrinks], near[shrinks]
