@@ -124,6 +124,7 @@ class Canvas(QWidget):
         session.view_style_changed.connect(self._show_style)
         session.noticed.connect(self._notice)
         session.settled.connect(self._settled)
+        self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._hint.fade)
         self.hand.mode_changed.connect(self._mode_changed)
         self.hand.menu_pressed.connect(self.open_menu)
@@ -272,18 +273,13 @@ class Canvas(QWidget):
 
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode
-        if mode is not Mode.IDLE:
-            self.motion.finish()
-            self._menu_gives_way(mode)
+        if mode not in (Mode.IDLE, Mode.CHOOSING):
+            self._menu.close_menu()
         shape = {
             Mode.NAVIGATING: Qt.CursorShape.ClosedHandCursor,
             Mode.DRAGGING: Qt.CursorShape.SizeAllCursor,
         }.get(mode, Qt.CursorShape.CrossCursor)
         self.setCursor(shape)
-
-    def _menu_gives_way(self, mode: Mode) -> None:
-        if mode is not Mode.CHOOSING:
-            self._menu.close_menu()
 
     # -- from the software viewport to OpenGL -----------------------------------------------------
 
@@ -368,7 +364,6 @@ class Canvas(QWidget):
         self.hand.mouse_pressed(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        self.motion.finish()
         self.hand.wheel(event)
 
     def event(self, event: QEvent) -> bool:

@@ -65,8 +65,17 @@ class Hand(QObject):
     session : Session
     overlay : InkOverlay
         Where wet ink, the ring and the hot handle are shown.
+
+    Signals
+    -------
+    pressed
+        Something goes down: the view must be at rest when this returns.
+    menu_pressed, menu_moved : QPointF; menu_released : bool
+        The menu button; whether its release was a flick.
+    ink_began, mode_changed
     """
 
+    pressed = Signal()
     menu_pressed = Signal(QPointF)
     menu_moved = Signal(QPointF)
     menu_released = Signal(bool)
@@ -171,6 +180,7 @@ class Hand(QObject):
         turned = event.angleDelta().y() or event.angleDelta().x()
         if self.machine.mode is not Mode.IDLE or not turned:
             return
+        self.pressed.emit()
         place = event.position()
         factor = ZOOM_PER_NOTCH ** (turned / NOTCH)
         at = self._under(place.x(), place.y())
@@ -187,6 +197,7 @@ class Hand(QObject):
             began = event.type() == QEvent.Type.TouchBegin and points
             if not began or not self.machine.listens_to_touch(now):
                 return
+            self.pressed.emit()
             place = points[0].position()
             press = Press("touch", Button.TIP, place.x(), place.y(), now)
             if not self.machine.begin(press):
@@ -249,6 +260,7 @@ class Hand(QObject):
         *,
         eraser: bool = False,
     ) -> None:
+        self.pressed.emit()
         takes = self._takes()
         found = self._handle_under(sample.x, sample.y)
         press = Press(

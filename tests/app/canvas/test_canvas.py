@@ -1,0 +1,387 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
+from PySide6.QtWidgets import QAbstractButton, QApplication
+
+from bozzetto.scene import DARK, LIGHT, Layer, Scene
+from bozzetto.view.navigation import fit
+from bozzetto.view.standard import standard_view
+from bozzetto_app.canvas.ground import ground, square_size
+from bozzetto_app.settings import settings
+
+VIEWS = ("front", "back", "left", "right", "top", "bottom", "three-quarter")
+
+
+def arrived(canvas, qtbot):
+    qtbot.waitUntil(lambda: not canvas.motion.is_running, timeout=3000)
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_standard_views(session, canvas, qtbot, name):
+    begin = session.camera
+    canvas.look(name)
+    arrived(canvas, qtbot)
+    np.testing.assert_allclose(session.camera.eye, standard_view(begin, name).eye, atol=1e-6)
+
+
+def test_a_change_of_view_passes_through_the_views_between(session, canvas, qtbot):
+    seen = []
+    session.camera_changed.connect(lambda: seen.append(session.camera.axes[2][0]))
+    canvas.look("right")
+    arrived(canvas, qtbot)
+    assert len(seen) >= 3
+    assert seen == sorted(seen, reverse=True)
+    assert seen[-1] == pytest.approx(-1)
+
+
+def test_reduced_motion_goes_at_once_and_never_tilts(session, canvas):
+    canvas.motion.reduced = True
+    canvas.look("top")
+    assert session.camera.axes[2][2] == pytest.approx(-1)
+    before = session.camera
+    session.settled.emit("m1")
+    assert session.camera == before
+    assert not canvas.motion.is_running
+
+
+def test_the_view_tilts_once_and_comes_back_exactly(session, canvas, qtbot):
+    begin = session.camera
+    seen = []
+    session.camera_changed.connect(lambda: seen.append(session.camera))
+    session.settled.emit("m1")
+    arrived(canvas, qtbot)
+    assert session.camera == begin
+    lean = max(np.degrees(np.arccos(np.clip(c.axes[2] @ begin.axes[2], -1, 1))) for c in seen)
+    assert 3 < lean < 15
+    session.settled.emit("m2")
+    assert not canvas.motion.is_running
+
+
+def test_the_tilt_is_a_setting(session, canvas):
+    settings().setValue("view/settle_tilt", False)
+    canvas.read_settings()
+    session.settled.emit("m1")
+    assert not canvas.motion.is_running
+
+
+def test_ink_ends_a_motion_first(session, canvas, pen):
+    begin = session.camera
+    canvas.look("right")
+    pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
+    assert not canvas.motion.is_running
+    (stroke,) = session.strokes
+    np.testing.assert_allclose(stroke.camera.eye, standard_view(begin, "right").eye, atol=1e-6)
+
+
+def test_the_projection_changes_and_the_scale_stays(session, canvas, qtbot):
+    scale = session.camera.pixels_per_mm
+    canvas.toggle_projection()
+    arrived(canvas, qtbot)
+    assert session.camera.kind == "orthographic"
+    assert session.camera.pixels_per_mm == pytest.approx(scale)
+    canvas.toggle_projection()
+    arrived(canvas, qtbot)
+    assert session.camera.kind == "perspective"
+    assert session.camera.pixels_per_mm == pytest.approx(scale)
+
+
+def test_framing_the_selection_and_everything(session, canvas, qtbot, box_scene):
+    far = Scene((Layer("other", (box_scene.layers[0].items[1],), owner="m2"),))
+    session.set_scene(box_scene + far)
+    begin = session.camera
+    session.selected = "m2"
+    canvas.frame_selection()
+    arrived(canvas, qtbot)
+    np.testing.assert_allclose(session.camera.eye, fit(begin, far.bounds()).eye)
+    canvas.fit()
+    arrived(canvas, qtbot)
+    np.testing.assert_allclose(session.camera.target, session.scene.bounds().mean(0))
+
+
+def test_fitting_an_empty_scene_is_no_accident(session, canvas, qtbot):
+    canvas.fit()
+    arrived(canvas, qtbot)
+    assert np.isfinite(session.camera.eye).all()
+
+
+def test_the_camera_follows_the_size_of_the_canvas(session, canvas, qtbot):
+    canvas.resize(640, 480)
+    qtbot.waitUntil(lambda: session.camera.viewport == (640, 480))
+
+
+# -- view cube ---------------------------------------------------------------------------------
+
+
+def test_clicking_a_face_of_the_cube_looks_at_it(session, canvas, qtbot):
+    session.set_camera(standard_view(session.camera, "three-quarter"))
+    cube = canvas._cube
+    _, up, _ = session.camera.axes
+    places = {
+        cube.direction_under(QPointF(x, y)): QPoint(x, y) for x in range(84) for y in range(84)
+    }
+    assert (0.0, 0.0, 1.0) in places
+    qtbot.mouseClick(cube, Qt.MouseButton.LeftButton, pos=places[0.0, 0.0, 1.0])
+    arrived(canvas, qtbot)
+    assert session.camera.axes[2][2] == pytest.approx(-1)
+
+
+def test_faces_edges_and_corners_of_the_cube_can_be_hit(session, canvas):
+    canvas.motion.reduced = True
+    cube = canvas._cube
+    found = set()
+    for view in ("front", "back", "three-quarter", "top", "bottom", "left", "right"):
+        session.set_camera(standard_view(session.camera, view))
+        found |= {
+            cube.direction_under(QPointF(x, y)) for x in range(0, 84, 2) for y in range(0, 84, 2)
+        }
+    kinds = [sum(abs(v) for v in d) for d in found - {None}]
+    assert {1.0, 2.0, 3.0} == set(kinds)
+    assert len(found - {None}) == 26
+
+
+def test_dragging_the_cube_turns_the_view_and_chooses_nothing(session, canvas, qtbot):
+    cube, before = canvas._cube, session.camera
+    qtbot.mousePress(cube, Qt.MouseButton.LeftButton, pos=QPoint(42, 42))
+    qtbot.mouseMove(cube, QPoint(62, 42))
+    qtbot.mouseRelease(cube, Qt.MouseButton.LeftButton, pos=QPoint(62, 42))
+    assert not canvas.motion.is_running
+    assert session.camera.axes[2][0] != pytest.approx(before.axes[2][0])
+    assert session.strokes == []
+
+
+def test_the_buttons_beneath_the_cube(session, canvas, qtbot):
+    cube = canvas._cube
+    name = cube.projection_button.accessibleName()
+    qtbot.mouseClick(cube.projection_button, Qt.MouseButton.LeftButton)
+    arrived(canvas, qtbot)
+    assert session.camera.kind == "orthographic"
+    assert cube.projection_button.accessibleName() not in ("", name)
+
+
+def test_every_button_has_a_name(canvas):
+    buttons = canvas.findChildren(QAbstractButton)
+    assert buttons
+    assert all(b.accessibleName() and b.toolTip() for b in buttons)
+    assert canvas.accessibleName()
+
+
+# -- radial menu -------------------------------------------------------------------------------
+
+
+@dataclass
+class Entry:
+    title: str
+    enabled: bool = True
+    icon: QIcon = None
+    count: int = 0
+
+    def trigger(self):
+        self.count += 1
+
+
+@pytest.fixture
+def entries(canvas):
+    made = [Entry(name) for name in ("up", "right", "down", "left")]
+    canvas.menu_entries = lambda: made
+    return made
+
+
+def test_a_flick_with_the_barrel_button_chooses(session, canvas, pen, entries):
+    pen.press(400, 300, button=Qt.MouseButton.RightButton)
+    assert canvas._menu.isVisible()
+    pen.move(420, 301)
+    pen.move(450, 302)
+    pen.release(450, 302, button=Qt.MouseButton.RightButton)
+    assert [entry.count for entry in entries] == [0, 1, 0, 0]
+    assert not canvas._menu.isVisible()
+    assert session.strokes == []
+
+
+def test_a_short_press_leaves_the_menu_open_for_a_click(canvas, pen, entries, qtbot):
+    pen.press(400, 300, button=Qt.MouseButton.RightButton)
+    pen.release(400, 300, button=Qt.MouseButton.RightButton)
+    menu = canvas._menu
+    assert menu.isVisible()
+    middle = menu.rect().center()
+    qtbot.mouseClick(menu, Qt.MouseButton.LeftButton, pos=middle + QPoint(0, 80))
+    assert [entry.count for entry in entries] == [0, 0, 1, 0]
+    assert not menu.isVisible()
+
+
+def test_the_menu_opens_by_key_and_closes_by_escape(canvas, entries, qtbot):
+    qtbot.keyClick(canvas, Qt.Key.Key_Q)
+    assert canvas._menu.isVisible()
+    qtbot.keyClick(canvas._menu, Qt.Key.Key_Escape)
+    assert not canvas._menu.isVisible()
+    assert not any(entry.count for entry in entries)
+
+
+def test_what_is_disabled_cannot_be_chosen(canvas, entries, pen):
+    entries[1].enabled = False
+    pen.press(400, 300, button=Qt.MouseButton.RightButton)
+    pen.move(460, 300)
+    pen.release(460, 300, button=Qt.MouseButton.RightButton)
+    assert entries[1].count == 0
+
+
+@pytest.mark.parametrize("place", [(0, 0), (799, 599), (2, 400)])
+def test_the_ring_stays_inside_the_canvas(canvas, entries, place):
+    canvas.open_menu(QPointF(*place))
+    assert canvas.rect().contains(canvas._menu.geometry())
+
+
+def test_ink_closes_the_menu(session, canvas, entries, pen):
+    canvas.open_menu(QPointF(600, 400))
+    pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
+    assert not canvas._menu.isVisible()
+    assert len(session.strokes) == 1
+
+
+# -- the rest ----------------------------------------------------------------------------------
+
+
+def test_the_hint_fades_with_the_first_ink(canvas, pen, qtbot):
+    canvas.show_hint("Draw a closed outline.")
+    assert canvas._hint.isVisible()
+    pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
+    qtbot.waitUntil(lambda: not canvas._hint.isVisible(), timeout=2000)
+
+
+@dataclass(frozen=True)
+class Notice:
+    places: tuple = ()
+
+
+def test_places_of_a_notice_are_lit_and_a_plain_hint_does_not_put_them_out(session, canvas):
+    session.noticed.emit(Notice(((100.0, 120.0),)))
+    session.noticed.emit(Notice())
+    assert canvas._overlay.lit_places == ((100.0, 120.0),)
+
+
+def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
+    def keep(stroke):
+        session.calls.append(("pen_lifted", stroke))
+        session.pending = (stroke,)
+        session.pending_changed.emit()
+
+    session.pen_lifted = keep
+    pen.stroke([(100, 100, 0.9), (200, 100, 0.9), (300, 100, 0.9), (400, 100, 0.9)])
+    assert not canvas._overlay.has_wet_ink
+    assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() > 200
+    session.pending = ()
+    session.pending_changed.emit()
+    assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() == 0
+
+
+def drop(canvas, paths):
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    copy, left, none = (
+        Qt.DropAction.CopyAction,
+        Qt.MouseButton.LeftButton,
+        Qt.KeyboardModifier.NoModifier,
+    )
+    enter = QDragEnterEvent(QPoint(10, 10), copy, data, left, none)
+    enter.ignore()
+    QApplication.sendEvent(canvas, enter)
+    if enter.isAccepted():
+        QApplication.sendEvent(canvas, QDropEvent(QPointF(10, 10), copy, data, left, none))
+    return enter.isAccepted()
+
+
+def test_documents_are_opened_and_everything_else_imported(session, canvas, tmp_path):
+    names = [tmp_path / name for name in ("a.bozz", "b.svg", "c.PNG")]
+    for name in names:
+        name.write_bytes(b"x")
+    assert drop(canvas, names)
+    assert session.calls == [
+        ("open", names[0]),
+        ("import_file", names[1]),
+        ("import_file", names[2]),
+    ]
+
+
+def test_what_is_no_file_is_not_taken(session, canvas, tmp_path):
+    assert not drop(canvas, [tmp_path / "absent.svg", tmp_path])
+    assert session.calls == []
+
+
+@pytest.mark.parametrize("visible", [0.003, 1.0, 47.0, 200.0, 1e6])
+def test_the_ground_has_round_squares_of_a_useful_size(visible):
+    side = square_size(visible)
+    assert visible / 10 <= side <= visible / 4
+    mantissa = side / 10 ** np.floor(np.log10(side) + 1e-9)
+    assert round(mantissa, 6) in (1, 2, 5)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_the_ground_lies_at_zero(session, canvas, view):
+    camera = standard_view(replace(session.camera, target=(30.0, -20.0, 5.0)), view)
+    bounds = ground(camera).bounds()
+    np.testing.assert_allclose(bounds[:, 2], 0, atol=1e-6)
+
+
+def test_both_themes_are_shown(canvas, qtbot):
+    for palette in (DARK, LIGHT):
+        canvas.set_palette(palette)
+        color = canvas.grab_picture().pixelColor(5, 5)
+        assert (color.red(), color.green(), color.blue()) == palette.paper
+
+
+WITHOUT_GL = """
+import sys
+from PySide6.QtWidgets import QApplication
+app = QApplication([])
+import bozzetto_app.canvas.canvas
+slow = {"pyqtgraph", "OpenGL", "scipy", "skimage", "manifold3d", "PIL"} & set(sys.modules)
+assert not slow, slow
+"""
+
+
+def test_the_canvas_is_imported_without_anything_slow():
+    subprocess.run([sys.executable, "-c", WITHOUT_GL], check=True, timeout=60)
+
+
+TWICE = """
+import importlib.util, sys
+spec = importlib.util.spec_from_file_location("canvas_conftest", sys.argv[1])
+kit = importlib.util.module_from_spec(spec)
+sys.modules["canvas_conftest"] = kit
+spec.loader.exec_module(kit)
+from PySide6.QtWidgets import QApplication
+app = QApplication([])
+session = kit.FakeSession()
+canvas = kit.Canvas(session, kit.LIGHT)
+canvas.resize(400, 300)
+canvas.show()
+assert canvas.devicePixelRatioF() == 2.0
+pen = kit.Pen(canvas)
+pen.press(100, 100, 1.0)
+for x in range(105, 300, 5):
+    pen.move(x, 100, 1.0)
+app.processEvents()
+picture = canvas._overlay.grab().toImage()
+assert picture.width() == 800
+dark = [y for y in range(600) if picture.pixelColor(400, y).alpha() > 128]
+assert dark and 196 <= dark[0] and dark[-1] <= 204, dark
+assert 7 <= len(dark) <= 9, dark
+pen.release(300, 100)
+assert session.strokes[0].camera.viewport == (400.0, 300.0)
+assert abs(float(session.strokes[0].x[0]) - 100.0) < 1e-3
+assert canvas.grab_picture().width() == 800
+"""
+
+
+def test_ink_is_sharp_and_in_place_on_a_dense_screen():
+    environment = {**os.environ, "QT_SCALE_FACTOR": "2"}
+    kit = Path(__file__).with_name("conftest.py")
+    subprocess.run([sys.executable, "-c", TWICE, str(kit)], check=True, timeout=60, env=environment)

@@ -1,0 +1,250 @@
+"""The same contract for both viewports; the GL half runs where there is an X display."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QApplication
+
+from bozzetto.scene import DARK, LIGHT, Layer, Lines, Points, Scene, Shaded
+from bozzetto.scene.software import render
+from bozzetto.view.camera import Camera
+from bozzetto.view.standard import standard_view
+from bozzetto_app.canvas.backends import choose_backend
+from bozzetto_app.canvas.software import SoftwareViewport
+
+SIZE = (400, 300)
+
+
+def gl_viewport():
+    from bozzetto_app.canvas.gl import GLViewport
+
+    return GLViewport()
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(SoftwareViewport, id="software"),
+        pytest.param(gl_viewport, id="gl", marks=pytest.mark.gl),
+    ]
+)
+def make(request, qtbot):
+    """Makes shown viewports of a kind."""
+
+    def made():
+        if request.param is gl_viewport and choose_backend() != "gl":
+            pytest.skip("no OpenGL here; run with: xvfb-run -a pytest -m gl, QT_QPA_PLATFORM=xcb")
+        viewport = request.param()
+        qtbot.addWidget(viewport)
+        viewport.resize(*SIZE)
+        viewport.set_palette(LIGHT)
+        viewport.set_style("clay", False)
+        viewport.set_camera(CAMERA)
+        viewport.show()
+        qtbot.waitExposed(viewport)
+        QApplication.processEvents()
+        return viewport
+
+    return made
+
+
+CAMERA = standard_view(Camera(viewport=SIZE), "three-quarter")
+
+
+def pixels(image: QImage):
+    image = image.convertToFormat(QImage.Format.Format_RGBA8888)
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1, 4)
+    return rows[..., :3].astype(float)
+
+
+def at(picture, camera, point):
+    (place,), _ = camera.project([point])
+    x, y = np.floor(place).astype(int)
+    return picture[y - 1 : y + 2, x - 1 : x + 2].mean((0, 1))
+
+
+def test_a_scene_is_shown(make, box_scene):
+    viewport = make()
+    empty = pixels(viewport.grab())
+    assert np.abs(empty - LIGHT.paper).max() <= 1
+    viewport.set_scene(box_scene)
+    shown = pixels(viewport.grab())
+    assert (np.abs(shown - empty).max(2) > 10).mean() > 0.1
+    viewport.set_scene(Scene())
+    assert np.abs(pixels(viewport.grab()) - LIGHT.paper).max() <= 1
+
+
+@pytest.mark.parametrize("shading", ["clay", "zebra", "curvature", "normals", "xray"])
+@pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
+def test_colours_are_those_of_the_software_renderer(make, box_scene, shading, palette):
+    viewport = make()
+    viewport.set_palette(palette)
+    viewport.set_style(shading, False)
+    scene = Scene((Layer("box", box_scene.layers[0].items[:1]),))
+    viewport.set_scene(scene)
+    shown = pixels(viewport.grab())
+    expected = render(scene, CAMERA, palette, size=SIZE, shading=shading)[..., :3].astype(float)
+    for point in ((0, -50, 10), (10, -50, -20), (50, 10, 20), (0, 10, 50), (-30, -20, 50)):
+        difference = np.abs(at(shown, CAMERA, point) - at(expected, CAMERA, point))
+        assert difference.max() < 14, point  # hollows are darker in software
+    assert np.abs(shown - expected).mean() < 4
+
+
+def test_a_line_behind_a_box_is_faint_and_beside_it_dark(make, box_scene):
+    viewport = make()
+    viewport.set_scene(box_scene)
+    shown = pixels(viewport.grab())
+    box_only = Scene((Layer("box", box_scene.layers[0].items[:1]),))
+    viewport.set_scene(box_only)
+    without = pixels(viewport.grab())
+    beside, behind = (115.0, 80.0, 0.0), (0.0, 80.0, 0.0)
+    strong = np.abs(at(shown, CAMERA, beside) - at(without, CAMERA, beside)).max()
+    weak = np.abs(at(shown, CAMERA, behind) - at(without, CAMERA, behind)).max()
+    assert strong > 80
+    assert 3 < weak < 0.5 * strong
+
+
+@pytest.mark.parametrize(
+    ("hidden", "least", "most"), [("hide", 0, 1), ("faint", 4, 90), ("show", 80, 255)]
+)
+def test_how_hidden_lines_appear(make, box_scene, hidden, least, most):
+    viewport = make()
+    box = box_scene.layers[0].items[0]
+    line = Lines(np.array([(-120, 80, 0), (120, 80, 0)], np.float32), width=4, hidden=hidden)
+    viewport.set_scene(Scene((Layer("a", (box,)),)))
+    without = pixels(viewport.grab())
+    viewport.set_scene(Scene((Layer("a", (box, line)),)))
+    place = (0.0, 80.0, 0.0)
+    change = np.abs(at(pixels(viewport.grab()), CAMERA, place) - at(without, CAMERA, place)).max()
+    assert least <= change <= most
+
+
+def test_a_line_on_a_surface_is_not_eaten_by_it(make, box_scene):
+    viewport = make()
+    box = box_scene.layers[0].items[0]
+    line = Lines(np.array([(-40, -50, 10), (40, -50, 10)], np.float32), width=3)
+    viewport.set_scene(Scene((Layer("a", (box, line)),)))
+    shown = pixels(viewport.grab())
+    for x in np.linspace(-35, 35, 12):
+        assert at(shown, CAMERA, (x, -50, 10)).max() < 110
+
+
+def test_glass_lets_the_inside_show_through(make, box_scene):
+    viewport = make()
+    box = box_scene.layers[0].items[0]
+    glass = Shaded(box.mesh, color="accent", opacity=0.3)
+    inside = Points(np.array([(0, 0, 0)], np.float32), color=(0, 0, 255), size=12)
+    viewport.set_scene(Scene((Layer("a", (glass, inside)),)))
+    red, _, blue = at(pixels(viewport.grab()), CAMERA, (0, 0, 0))
+    assert blue > red + 60
+
+
+def test_a_new_revision_is_drawn_and_the_old_one_is_gone(make, box_scene):
+    viewport = make()
+    box = box_scene.layers[0].items[0]
+    for color in ((200, 30, 30), (30, 30, 200)):
+        viewport.set_scene(Scene((Layer("a", (Shaded(box.mesh, color=color),)),)))
+        red, _, blue = at(pixels(viewport.grab()), CAMERA, (0, 0, 50))
+        assert (red > blue) == (color[0] > color[2])
+
+
+def test_the_live_scene_comes_and_goes(make, box_scene):
+    viewport = make()
+    empty = pixels(viewport.grab())
+    viewport.set_live(box_scene)
+    assert np.abs(pixels(viewport.grab()) - empty).max() > 30
+    viewport.set_live(Scene())
+    assert np.abs(pixels(viewport.grab()) - empty).max() <= 1
+
+
+def test_handles_and_labels_are_shown_in_place(make, box_scene):
+    viewport = make()
+    viewport.set_scene(Scene((Layer("a", box_scene.layers[0].items[2:]),)))
+    color = at(pixels(viewport.grab()), CAMERA, (50.0, -50.0, 50.0))
+    assert np.abs(color - LIGHT.accent).max() < 12
+
+
+def test_the_picture_has_the_size_of_the_widget(make, box_scene):
+    viewport = make()
+    viewport.set_scene(box_scene)
+    viewport.resize(500, 420)
+    QApplication.processEvents()
+    image = viewport.grab()
+    scale = viewport.devicePixelRatioF()
+    assert (image.width(), image.height()) == (round(500 * scale), round(420 * scale))
+
+
+def test_the_ground_is_shown_when_asked_for(make):
+    viewport = make()
+    plain = pixels(viewport.grab())
+    viewport.set_style("clay", True)
+    assert (np.abs(pixels(viewport.grab()) - plain).max(2) > 4).mean() > 0.003
+    viewport.set_style("clay", False)
+    assert np.abs(pixels(viewport.grab()) - plain).max() <= 1
+
+
+def test_two_viewports_live_side_by_side(make, box_scene):
+    first, second = make(), make()
+    first.set_scene(box_scene)
+    second.set_scene(box_scene)
+    one, two = pixels(first.grab()), pixels(second.grab())
+    np.testing.assert_allclose(one, two, atol=2)
+    first.close()
+    first.deleteLater()
+    QApplication.processEvents()
+    np.testing.assert_allclose(pixels(second.grab()), two, atol=2)
+
+
+def test_it_says_who_draws(make):
+    assert make().describe()
+
+
+# -- software only -----------------------------------------------------------------------------
+
+
+def test_frames_are_made_beside_the_window_and_the_newest_wins(qtbot, box_scene):
+    viewport = SoftwareViewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.set_palette(LIGHT)
+    viewport.set_style("clay", False)
+    viewport.show()
+    viewport.set_scene(box_scene)
+    for name in ("front", "top", "right", "three-quarter"):
+        viewport.set_camera(standard_view(CAMERA, name))
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    shown = pixels(viewport._frame)
+    np.testing.assert_array_equal(shown, pixels(viewport.grab()))
+
+
+def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(qtbot, box_scene):
+    viewport = SoftwareViewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.show()
+    viewport.set_scene(box_scene)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport._frame_time = 10.0  # as on a slow machine
+    widths = set()
+    for angle in range(10):
+        viewport.set_camera(Camera(eye=(30.0 * angle, -500.0, 100.0), viewport=SIZE))
+        qtbot.wait(30)
+        widths.add(viewport._frame.width())
+    assert SIZE[0] // 2 in widths
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    assert viewport._frame.width() == SIZE[0]
+
+
+@pytest.mark.parametrize("asked", ["software", " Software "])
+def test_the_choice_can_be_made_by_hand(qapp, monkeypatch, asked):
+    monkeypatch.setenv("BOZZETTO_VIEWPORT", asked)
+    assert choose_backend() == "software"
+
+
+@pytest.mark.skipif(os.environ["QT_QPA_PLATFORM"] != "offscreen", reason="for screenless Qt")
+def test_without_a_screen_the_software_draws(qapp, monkeypatch):
+    monkeypatch.delenv("BOZZETTO_VIEWPORT", raising=False)
+    assert choose_backend() == "software"
