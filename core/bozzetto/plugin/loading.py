@@ -83,7 +83,7 @@ def look_over_modelers(
     if missing:
         raise Undelivered(
             f"Its manifest announces {', '.join(missing)}, and bozzetto_modelers does not "
-            "deliver it. Is the function decorated with @hookimpl?"
+            "deliver it. See that the function has the decorator @hookimpl."
         )
     unannounced = sorted(set(found) - set(announced))
     if unannounced:

@@ -29,8 +29,8 @@ class Remembered:
     """The frozen objects within some arguments, with the values of their fields.
 
     Dataclasses are followed through their fields, tuples and lists through their entries,
-    dicts through their values; of a stroke only the slots are kept, for its columns are
-    backed by immutable memory.
+    dicts through their values; of a stroke the slots are kept and the camera followed, for
+    its columns are backed by immutable memory.
 
     Parameters
     ----------
@@ -65,8 +65,7 @@ class Remembered:
                 if names:
                     values = read(value)
                     self._objects.append((value, names, values))
-                    if not isinstance(value, Stroke):
-                        waiting.extend(values)
+                    waiting.extend([value.camera] if isinstance(value, Stroke) else values)
 
     def restore(self) -> list[str]:
         """Put everything back.
@@ -127,8 +126,7 @@ def _find_fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
     if dataclasses.is_dataclass(kind):
         names = tuple(entry.name for entry in dataclasses.fields(kind))
     elif kind.__module__.startswith("bozzetto."):
-        slots = getattr(kind, "__slots__", ())
-        names = (slots,) if isinstance(slots, str) else tuple(slots)
+        names = tuple(name for part in kind.__mro__ for name in vars(part).get("__slots__", ()))
     if not names:
         return (), lambda _: ()
     if len(names) == 1:
