@@ -107,6 +107,9 @@ class ModelerBar(QWidget):
         self._mark()
         self._fit()
 
+    def sizeHint(self) -> QSize:
+        return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT + 1)
+
     def _mark(self) -> None:
         active = self._session.active_modeler
         self._group.setExclusive(active in self._buttons)
@@ -114,7 +117,7 @@ class ModelerBar(QWidget):
             button.setChecked(name == active)
 
     def _fit(self) -> None:
-        compact = sum(b.full_width() for b in self._buttons.values()) + 8 > self.width()
+        compact = self.sizeHint().width() > self.width()
         for button in self._buttons.values():
             if button.compact != compact:
                 button.compact = compact

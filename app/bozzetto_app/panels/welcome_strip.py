@@ -123,7 +123,7 @@ class WelcomeStrip(QScrollArea):
         A modeler's id and the sample's ink file: open it, or watch it being drawn.
     recent_chosen : Path
     closed
-        By drawing, or by the cross.
+        By drawing, or by the cross; whoever holds the strip puts it away.
     """
 
     sample_chosen = Signal(str, object)
@@ -156,7 +156,7 @@ class WelcomeStrip(QScrollArea):
         words.setWordWrap(True)
         words.setProperty("tone", "quiet")
         close = IconButton("cross", tr("Welcome", "Close"), side=24, glyph=16, faint=True)
-        close.clicked.connect(self._close)
+        close.clicked.connect(self.closed)
         top = QHBoxLayout()
         top.setContentsMargins(4, 0, 0, 0)
         top.addWidget(words, 1)
@@ -206,11 +206,5 @@ class WelcomeStrip(QScrollArea):
             self._column.addWidget(card)
 
     def _drawn(self) -> None:
-        if self.isHidden():
-            return
-        if self._session.pending or self._session.document.models:
-            self._close()
-
-    def _close(self) -> None:
-        self.hide()
-        self.closed.emit()
+        if self.isVisible() and (self._session.pending or self._session.document.models):
+            self.closed.emit()
