@@ -395,7 +395,8 @@ def _values(gltf: _Gltf, blob: bytes, index: int, width: int | None) -> NDArray[
     if end > min(len(blob), view.byte_offset + view.byte_length):
         raise FormatError("This GLB file is damaged or cut short.")
     raw = np.ndarray((accessor.count, columns), dtype, blob, begin, (stride, dtype.itemsize))
-    values = raw.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # signalling NaNs; refused later
+        values = raw.astype(np.float64)
     if accessor.normalized and dtype.kind != "f":
         values = np.maximum(values / np.iinfo(dtype).max, -1.0)
     return values

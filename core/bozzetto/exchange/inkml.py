@@ -27,6 +27,7 @@ from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, a
 from bozzetto.exchange.sheet import Sheet
 from bozzetto.exchange.xml_tree import Element, parsed, writable
 from bozzetto.ink.drawing import Drawing
+from bozzetto.ink.stroke import MAX_SAMPLES as MAX_STROKE
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.view.camera import Camera
 
@@ -177,7 +178,7 @@ def _channel(element: Element) -> _Channel:
         limit = float(top) if top else None
     except ValueError:
         limit = None
-    if limit is not None and not 0 < limit <= MAX_COORDINATE:
+    if limit is not None and not 1 / MAX_COORDINATE <= limit <= MAX_COORDINATE:
         limit = None
     return _Channel(element.attributes.get("name", ""), element.attributes.get("units", ""), limit)
 
@@ -204,6 +205,7 @@ def _columns(text: str, channels: list[_Channel], number: int) -> dict[str, NDAr
     rows = [row for row in text.split(",") if row.strip()]
     if not rows:
         raise FormatError(f"trace {number}: it holds no sample.")
+    at_most(len(rows), MAX_STROKE, "samples in one trace")
     width = len(channels)
     table = np.zeros((len(rows), width))
     state = [_Running() for _ in channels]

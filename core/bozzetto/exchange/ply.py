@@ -317,7 +317,8 @@ def _shapes(vertex: Columns, face: Columns) -> Shapes:
     name = next((n for n in ("vertex_indices", "vertex_index") if n in face), None)
     if name is None or f"{name} length" not in face or not len(face[name]):
         raise FormatError("There are no faces in this file.")
-    places = np.column_stack([np.asarray(vertex[axis], float) for axis in "xyz"])
+    with np.errstate(invalid="ignore"):  # signalling NaNs; refused below
+        places = np.column_stack([np.asarray(vertex[axis], float) for axis in "xyz"])
     at_most(len(places), MAX_VERTICES, "vertices")
     with np.errstate(invalid="ignore"):
         sane = bool(((face[name] >= 0) & (face[name] < len(places))).all())
@@ -338,5 +339,7 @@ def _colors(vertex: Columns) -> NDArray[np.uint8] | None:
     share = vertex["red"].dtype.kind == "f"
     opaque = np.full(len(vertex["red"]), 1.0 if share else 255.0)
     channels = [*(vertex[name] for name in ("red", "green", "blue")), vertex.get("alpha", opaque)]
-    rgba = np.column_stack([np.asarray(channel, float) for channel in channels])
-    return np.rint(np.clip(np.nan_to_num(255.0 * rgba if share else rgba), 0, 255)).astype(np.uint8)
+    with np.errstate(invalid="ignore", over="ignore"):
+        rgba = np.column_stack([np.asarray(channel, float) for channel in channels])
+        rgba = np.nan_to_num(rgba * (255.0 if share else 1.0))
+    return np.asarray(np.rint(np.clip(rgba, 0, 255)), np.uint8)

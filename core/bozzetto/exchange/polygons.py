@@ -146,7 +146,9 @@ def checked_mesh(
     check_places(vertices)
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise FormatError("A face names a vertex that the file does not hold.")
-    if normals is not None and not np.isfinite(normals).all():
+    if colors is not None and len(colors) != len(vertices):
+        raise FormatError("There are not as many colours in this file as vertices.")
+    if normals is not None and (len(normals) != len(vertices) or not np.isfinite(normals).all()):
         normals = None  # shading can be had again from the faces
     return Mesh(
         vertices.astype(np.float32),

@@ -201,14 +201,15 @@ FORMAT = (
     '<channel name="S" type="boolean"/><channel name="T" type="integer" units="ms"/>'
     '<intermittentChannels><channel name="OTx" units="rad"/></intermittentChannels>'
     "</traceFormat></inkSource></context>"
-    '<context xml:id="c2"><traceFormat><channel name="X"/><channel name="Y"/></traceFormat></context>'
+    '<context xml:id="c2"><traceFormat><channel name="X"/><channel name="Y"/></traceFormat>'
+    "</context>"
 )
 
 
 def test_channels_in_any_order_with_units():
     drawing = ink(
-        '<traceGroup contextRef="#c1"><trace>1 2 500 T 7000, 3 4 1000 F 7008 0.5</trace></traceGroup>'
-        '<trace contextRef="#c2">1 2</trace>',
+        '<traceGroup contextRef="#c1"><trace>1 2 500 T 7000, 3 4 1000 F 7008 0.5</trace>'
+        '</traceGroup><trace contextRef="#c2">1 2</trace>',
         FORMAT,
     )
     stroke = drawing.strokes[0]
@@ -246,7 +247,9 @@ def test_our_inkml_is_plain_inkml_to_others():
     space = "{http://www.w3.org/2003/InkML}"
     contexts = root.findall(f"{space}definitions/{space}context")
     names = {
-        c.get("{http://www.w3.org/XML/1998/namespace}id"): [e.get("name") for e in c.iter(f"{space}channel")]
+        c.get("{http://www.w3.org/XML/1998/namespace}id"): [
+            e.get("name") for e in c.iter(f"{space}channel")
+        ]
         for c in contexts
     }
     traces = root.findall(f"{space}trace")

@@ -27,7 +27,9 @@ def box(size=(10.0, 20.0, 30.0), at=(0.0, 0.0, 0.0), **more):
 
 
 def torus(nu=40, nv=20):
-    u, v = np.meshgrid(np.arange(nu) * 2 * np.pi / nu, np.arange(nv) * 2 * np.pi / nv, indexing="ij")
+    u, v = np.meshgrid(
+        np.arange(nu) * 2 * np.pi / nu, np.arange(nv) * 2 * np.pi / nv, indexing="ij"
+    )
     r = 30 + 8 * np.cos(v)
     vertices = np.stack((r * np.cos(u), r * np.sin(u), 8 * np.sin(v)), -1).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij")
@@ -73,7 +75,9 @@ def test_colours_come_back_to_the_bit(tmp_path, ending):
     path = tmp_path / f"a.{ending}"
     export(Shapes(solids=(Solid(mesh),)), path)
     read = read_mesh(path).solids[0].mesh
-    by_place = {tuple(v): tuple(c) for v, c in zip(mesh.vertices.round(3), mesh.colors, strict=True)}
+    by_place = {
+        tuple(v): tuple(c) for v, c in zip(mesh.vertices.round(3), mesh.colors, strict=True)
+    }
     for v, c in zip(read.vertices.round(3), read.colors, strict=True):
         assert by_place[tuple(v)] == tuple(c)
 
@@ -198,7 +202,16 @@ def test_ply_in_every_order_with_unknown_properties(tmp_path, order, mixed):
     rows = list(quads)
     if mixed:
         rows = [(3, 2, 1), (3, 1, 0), *quads[1:]]
-    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    corners = [
+        (0, 0, 0),
+        (1, 0, 0),
+        (1, 1, 0),
+        (0, 1, 0),
+        (0, 0, 1),
+        (1, 0, 1),
+        (1, 1, 1),
+        (0, 1, 1),
+    ]
     header = (
         f"ply\nformat {order} 1.0\ncomment x\nelement camera 1\nproperty float f\n"
         "element vertex 8\nproperty double x\nproperty double y\nproperty double z\n"
@@ -261,7 +274,7 @@ def test_glb_node_transforms_are_applied_down_the_tree(tmp_path):
     solids = {s.name: s.mesh for s in written(tmp_path, "a.glb", glb(document, blob)).solids}
     # A quarter turn about glTF's y takes x to -z and z to x; then the shift by (1, 2, 3) m;
     # ours is (x, -z, y) in mm.
-    expected = np.array([[0, 0, 0], [0, 0, -2], [0, 2, 0], [2, 0, 0]]) + [1, 2, 3]
+    expected = np.array([[1, 2, 3], [1, 2, 1], [1, 4, 3], [3, 2, 3]])
     np.testing.assert_allclose(
         solids["big"].vertices, expected[:, [0, 2, 1]] * [1000, -1000, 1000], atol=1e-3
     )
@@ -334,7 +347,7 @@ def test_glb_that_cannot_be_read_says_why(tmp_path, change, said):
         ("a.stl", b"solid\nvertex 0 0 0\nvertex 1 0 0\nendsolid", "lacks a corner"),
         ("a.stl", b"x" * 80 + b"\xff\xff\xff\xff" + b"0" * 100, "not an STL"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nend_header\n", "x, y and z"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999999\nend_header\n", "more than"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n", "more than"),
         ("a.ply", b"ply\nelement vertex 3\nproperty quark x\nend_header\n", "quark"),
         ("a.ply", b"plx", "not a PLY"),
         ("a.glb", b"glTF", "not a GLB"),
