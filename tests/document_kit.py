@@ -58,11 +58,11 @@ class Everything:
     marks: tuple[Disc | Line, ...] = ()
     best: Stroke | None = None
     camera: Camera = CAMERA
-    placement: Placement = Placement()  # noqa: RUF009
+    placement: Placement = Placement()
     mesh: Mesh | None = None
     weights: NDArray[np.float64] = field(default_factory=lambda: frozen([], np.float64))
     flags: NDArray[np.uint8] | None = None
-    tree: Tree = Tree("root")  # noqa: RUF009
+    tree: Tree = Tree("root")
     pair: tuple[int, str | None] = (0, None)
 
 

@@ -146,13 +146,19 @@ def is_safe_name(name: str) -> bool:
 class ContainerWriter:
     """Entries to be written; nothing is copied until `write`.
 
+    Parameters
+    ----------
+    first : tuple of str
+        Names of the entries that the file begins with, in this order.
+
     Attributes
     ----------
     parts : list of Part
         The arrays so far, for the manifest.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, first: tuple[str, ...] = ()) -> None:
+        self._first = first
         self.parts: list[Part] = []
         self._entries: dict[str, tuple[memoryview, int]] = {}
         self._bytes = 0
@@ -192,9 +198,9 @@ class ContainerWriter:
         self.parts.append(Part(entry, dtype, array.shape, self.add(entry, view)))
         return entry
 
-    def write(self, file: BinaryIO, first: tuple[str, ...] = ()) -> None:
-        """Write the container; the entries named `first` come first, in that order."""
-        order = [*first, *(name for name in self._entries if name not in first)]
+    def write(self, file: BinaryIO) -> None:
+        """Write the container."""
+        order = [*self._first, *(name for name in self._entries if name not in self._first)]
         directory = []
         place = 0
         for name in order:

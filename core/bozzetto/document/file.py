@@ -182,7 +182,7 @@ def encode_document(document: Document, thumbnail: bytes | None = None) -> bytes
 
 
 def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
-    writer = ContainerWriter()
+    writer = ContainerWriter(first=("mimetype", MANIFEST))
     writer.add("mimetype", MIMETYPE)
     models: list[_ModelEntry] = []
     strokes: list[Stroke] = []

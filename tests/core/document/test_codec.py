@@ -11,17 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from tests.document_kit import (
-    Disc,
-    Everything,
-    Ink,
-    Line,
-    Tree,
-    everything,
-    full_stroke,
-    same_state,
-    stroke,
-)
 
 from bozzetto.document.codec import (
     EncodedState,
@@ -36,6 +25,17 @@ from bozzetto.errors import DocumentError
 from bozzetto.geometry.arrays import frozen
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.plugin.parameters import Parameter
+from tests.document_kit import (
+    Disc,
+    Everything,
+    Ink,
+    Line,
+    Tree,
+    everything,
+    full_stroke,
+    same_state,
+    stroke,
+)
 
 number = st.floats(allow_nan=False, allow_infinity=False)
 text = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)

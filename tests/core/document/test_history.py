@@ -1,0 +1,210 @@
+"""Undo and redo; what they hold, and what an edit costs."""
+
+from __future__ import annotations
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.document.codec import OpaqueState
+from bozzetto.document.difference import difference
+from bozzetto.document.edit import change_state
+from bozzetto.document.history import STEP_BYTES, History
+from bozzetto.document.model import Document, Model
+from bozzetto.ink.stroke import Strokes
+from tests.document_kit import Ink, full_stroke, rich_document, stroke, underlay
+
+
+def documents(count: int) -> list[Document]:
+    return [Document((Model(f"m{n}", f"Model {n}", "test.ink", Ink()),)) for n in range(count)]
+
+
+def test_undo_and_redo_walk_the_snapshots():
+    first, second, third = documents(3)
+    history = History(first)
+    history.apply("Two", second)
+    history.apply("Three", third)
+    assert history.entries == ("Start", "Two", "Three")
+    assert (history.undo_label, history.redo_label) == ("Three", None)
+    assert history.undo() is second
+    assert history.undo() is first
+    assert history.undo() is first
+    assert (history.undo_label, history.redo_label) == (None, "Two")
+    assert history.redo() is second
+    assert history.redo() is third
+    assert history.redo() is third
+    assert history.go_to(0) is first
+    assert history.go_to(99) is third
+    assert history.go_to(-99) is first
+
+
+def test_a_new_step_ends_what_could_be_redone():
+    first, second, third = documents(3)
+    history = History(first)
+    history.apply("Two", second)
+    history.undo()
+    history.apply("Three", third)
+    assert history.entries == ("Start", "Three")
+    assert history.redo_label is None
+    assert history.undo() is first
+
+
+def test_the_drag_of_a_slider_is_one_step():
+    start, *drag = documents(5)
+    history = History(start)
+    for document in drag:
+        history.apply("Softness", document, "m/softness")
+    assert history.entries == ("Start", "Softness")
+    assert history.document is drag[-1]
+    assert history.undo() is start
+    assert history.redo() is drag[-1]
+
+
+@pytest.mark.parametrize("between", ["end_merge", "mark_saved", "other", "unkeyed", "undo"])
+def test_a_drag_ends(between):
+    start, first, second, other = documents(4)
+    history = History(start)
+    history.apply("A", first, "a")
+    if between == "end_merge":
+        history.end_merge()
+    elif between == "mark_saved":
+        history.mark_saved()
+    elif between == "other":
+        history.apply("B", other, "b")
+    elif between == "unkeyed":
+        history.apply("B", other)
+    else:
+        history.undo()
+        history.redo()
+    history.apply("A", second, "a")
+    assert history.document is second
+    assert history.undo() is (other if between in ("other", "unkeyed") else first)
+
+
+def test_nothing_done_is_no_step():
+    (first,) = documents(1)
+    history = History(first)
+    history.apply("Nothing", first)
+    assert history.entries == ("Start",)
+    assert not history.is_modified
+
+
+def test_modified_means_different_from_the_file():
+    first, second, third = documents(3)
+    history = History(first)
+    assert not history.is_modified
+    history.apply("Two", second)
+    assert history.is_modified
+    history.undo()
+    assert not history.is_modified
+    history.redo()
+    history.mark_saved()
+    assert not history.is_modified
+    history.undo()
+    assert history.is_modified
+    history.apply("Three", third)
+    assert history.is_modified
+    history.undo()
+    assert history.is_modified  # the saved snapshot is gone for good
+
+
+def test_a_save_in_another_thread_marks_what_it_wrote():
+    first, second, third = documents(3)
+    history = History(first)
+    history.apply("Two", second)
+    history.apply("Three", third)
+    history.mark_saved(second)
+    assert history.is_modified
+    history.undo()
+    assert not history.is_modified
+    history.mark_saved(Document())  # forgotten meanwhile: nothing happens
+    assert not history.is_modified
+
+
+def ink_document(strokes: Strokes) -> Document:
+    return Document((Model("ink", "Ink", "test.ink", Ink(strokes)),))
+
+
+def test_the_history_is_bounded_by_bytes_and_keeps_the_present():
+    size = stroke(count=10_000).nbytes
+    history = History(ink_document(Strokes()), byte_limit=5 * size)
+    for number in range(20):
+        history.apply(f"Stroke {number}", ink_document(Strokes([stroke(number, 10_000)])))
+    assert history.document.models[0].state.strokes[0] == stroke(19, 10_000)
+    assert 3 <= len(history.entries) <= 6
+    assert history.held_bytes <= 5 * size
+    while history.position:
+        history.undo()
+    assert history.document.models[0].state.strokes[0] == stroke(20 - len(history.entries), 10_000)
+
+
+def test_a_step_larger_than_the_bound_leaves_the_present_alone():
+    history = History(ink_document(Strokes([stroke(count=1000)])), byte_limit=10)
+    history.apply("Gone", ink_document(Strokes()))
+    assert history.entries == ("Gone",)
+    assert history.undo_label is None
+    history.apply("Slide", ink_document(Strokes([stroke(1)])), "key")
+    history.apply("Slide", ink_document(Strokes([stroke(2)])), "key")
+    assert history.document.models[0].state.strokes[0] == stroke(2)
+
+
+def test_adding_and_undoing_hold_the_bytes_of_the_stroke():
+    drawn = stroke(count=5_000)
+    history = History(ink_document(Strokes()))
+    history.apply("Draw", ink_document(Strokes([drawn])))
+    assert history.held_bytes < 2 * STEP_BYTES  # the present holds the stroke itself
+    history.undo()
+    assert history.held_bytes >= drawn.nbytes
+    history.redo()
+    assert history.held_bytes < 2 * STEP_BYTES
+
+
+def test_difference_counts_what_is_not_shared():
+    before = rich_document()
+    assert difference(before, before) == (0, 0)
+    body = before.model("m1")
+    new = full_stroke(3, 100)
+    after = before.with_model(
+        replace(body, state=replace(body.state, strokes=body.state.strokes.extended([new])))
+    )
+    removed, added = difference(before, after)
+    assert removed < 2000
+    assert new.nbytes <= added < new.nbytes + 2000
+    swapped = replace(before, underlays=(replace(underlay(), pixels=np.ones((50, 60, 4))),))
+    removed, added = difference(before, swapped)
+    assert added >= 50 * 60 * 4
+    assert removed >= before.underlays[0].pixels.nbytes
+    hidden = replace(before, underlays=(replace(before.underlays[0], visible=True),))
+    assert sum(difference(before, hidden)) < 1000
+    gone = before.without_model("m2")
+    closed = before.model("m2").state
+    assert isinstance(closed, OpaqueState)
+    assert difference(before, gone)[0] >= closed.strokes[0].nbytes
+    assert difference(before, gone)[1] < 1000
+
+
+@pytest.mark.parametrize("spread", [False, True], ids=["one model", "a thousand models"])
+def test_an_edit_of_a_large_document_costs_less_than_8_kilobytes(spread):
+    """Beyond the new stroke itself; measured by the allocator, not by our own count."""
+    ink = [stroke(n, 2) for n in range(5_000)]
+    if spread:
+        models = [
+            Model(f"m{n}", f"{n}", "test.ink", Ink(Strokes(ink[n::1000]))) for n in range(1000)
+        ]
+    else:
+        models = [Model("m0", "All", "test.ink", Ink(Strokes(ink)))]
+    history = History(Document(models))
+    new = [stroke(10_000 + n, 2) for n in range(200)]
+    tracemalloc.start()
+    start = tracemalloc.get_traced_memory()[0]
+    for number, drawn in enumerate(new):
+        model = history.document.models[number * 7 % len(models)]
+        state = replace(model.state, strokes=model.state.strokes.extended([drawn]))
+        edit = change_state(history.document, model.id, state, "Draw")
+        history.apply(edit.label, edit.document)
+    used = tracemalloc.get_traced_memory()[0] - start
+    tracemalloc.stop()
+    assert len(history.entries) == 201
+    assert used / len(new) < 8_000
