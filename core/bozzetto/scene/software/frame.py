@@ -39,7 +39,7 @@ not know about the band."""
 ALIGNMENT = 8
 """Windows begin at multiples of this (px), so that all sample depth at the same places."""
 
-SLOPE_SLACK = 1.5
+SLOPE_SLACK = 2.5
 """How many pixels' worth of its own slope a surface gives way to a line on it."""
 
 HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
