@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import pytest
+
+from bozzetto.plugin.check import check_package, icon_fault
+
+from_svg = (
+    '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">{}</svg>'
+)
+
+DANGEROUS = {
+    "script": "<script>alert(1)</script>",
+    "script in another case": "<SCRIPT/>",
+    "script with a prefix": '<s:script xmlns:s="http://www.w3.org/2000/svg"/>',
+    "handler": '<path onload="alert(1)"/>',
+    "handler in another case": '<path onClick="x()"/>',
+    "link": '<a href="javascript:alert(1)"/>',
+    "outside image": '<image xlink:href="http://example.org/x.png"/>',
+    "outside use": '<use xlink:href="file:///etc/passwd#x"/>',
+    "foreign content": "<foreignObject><b/></foreignObject>",
+    "style sheet": "<style>@import url(http://example.org/x.css)</style>",
+    "outside paint": '<path fill="url(http://example.org/x.svg#a)"/>',
+}
+
+
+@pytest.mark.parametrize("content", DANGEROUS.values(), ids=DANGEROUS)
+def test_icons_must_not_do_anything(tmp_path, content):
+    path = tmp_path / "icon.svg"
+    path.write_text(from_svg.format(content))
+    assert "must not contain" in icon_fault(path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"not xml",
+        b"<svg>",
+        b"<html/>",
+        b"<svg/><svg/>",
+        b"\x89PNG\r\n",
+        b'<!DOCTYPE svg [<!ENTITY a "b">]><svg/>',
+        b'<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///etc/passwd">]><svg>&a;</svg>',
+        b"<svg>" + b" " * 100_000 + b"</svg>",
+    ],
+)
+def test_what_is_no_icon(tmp_path, content):
+    path = tmp_path / "icon.svg"
+    path.write_bytes(content)
+    assert icon_fault(path)
+
+
+def test_a_plain_icon_is_fine(tmp_path):
+    path = tmp_path / "icon.svg"
+    path.write_text(from_svg.format('<defs><path id="a" d="M0 0h9"/></defs><use href="#a"/>'))
+    assert icon_fault(path) == ""
+    assert "missing" in icon_fault(tmp_path / "none.svg")
+
+
+def messages(package):
+    return "\n".join(map(str, check_package(package)))
+
+
+def test_findings_name_the_place(make_package, faulty):
+    assert "error: nowhere_at_all" in messages("nowhere_at_all")
+    assert "plugin.toml" in messages(make_package("", None))
+    assert "ZeroDivisionError" in messages(make_package("1 / 0"))
+
+
+def test_a_plugin_under_development_is_checked_whole(faulty, monkeypatch):
+    from bozzetto.plugin import check
+    from bozzetto.plugin.testing import checks
+
+    # A process of its own knows nothing of this modeler.
+    rest = [entry for entry in checks.CHECKS if entry.name != "no_window"]
+    monkeypatch.setattr(checks, "CHECKS", rest)
+    assert check.check_package(faulty.package) == []
+    faulty.misdeeds["shapes"] = lambda state, result: None
+    findings = check.check_package(faulty.package)
+    assert {finding.where for finding in findings} >= {"faulty.modeler, drawing"}
+    assert all(finding.serious for finding in findings)
+
+
+def test_a_drawing_that_is_not_plain_is_only_a_note(faulty, monkeypatch):
+    from bozzetto.errors import UserError
+    from bozzetto.plugin import check
+    from bozzetto.plugin.testing import checks
+
+    def refuse(*_):
+        raise UserError("Draw two circles.")
+
+    rest = [entry for entry in checks.CHECKS if entry.name == "drawing"]
+    monkeypatch.setattr(checks, "CHECKS", rest)
+    faulty.misdeeds["apply"] = refuse
+    (finding,) = check.check_package(faulty.package)
+    assert not finding.serious
+    assert "Draw two circles." in finding.message

@@ -1,0 +1,206 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.errors import Cancelled, Unfinished
+from bozzetto.geometry import Mesh, Shapes, Surface
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Job
+from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.testing import ModelerContract, Pen, same
+from bozzetto.plugin.testing.checks import CHECKS
+from bozzetto.plugin.testing.subject import Broken, Subject
+from bozzetto.scene import Layer, Scene
+from bozzetto.view import Camera
+
+
+class TestMesh(ModelerContract):
+    modeler = "bozzetto.mesh"
+
+
+# -- the suite finds what is wrong -----------------------------------------------------------
+
+
+@pytest.fixture
+def subject(faulty):
+    return Subject("faulty.modeler", (faulty.package,))
+
+
+def failing(subject):
+    """Names of the checks that a modeler fails."""
+    names = set()
+    for check in CHECKS:
+        # A process of its own knows nothing of the misdeeds.
+        if check.name == "no_window":
+            continue
+        try:
+            check.run(subject)
+        except (Broken, PluginFault):
+            names.add(check.name)
+    return names
+
+
+def test_a_good_modeler_passes(subject):
+    assert failing(subject) == set()
+
+
+def counting():
+    """A misdeed whose answers differ from call to call."""
+    numbers = iter(range(1, 10_000))
+    return lambda state, result: Shapes(
+        surfaces=(Surface(Mesh(next(numbers) * np.eye(3), [[0, 1, 2]])),)
+    )
+
+
+def swallow(state, job):
+    try:
+        job.checkpoint(0.5, "half")
+    except Cancelled:
+        pass
+    return 1.0
+
+
+def spoil(state, job):
+    object.__setattr__(state, "size", 5.0)
+    return 1.0
+
+
+def only_circles(state, gesture, context):
+    if len(gesture.strokes[0]) < 3:
+        raise IndexError
+    return Scene()
+
+
+def never_enough(state, gesture, context):
+    if len(gesture.strokes[0]) < 3:
+        raise Unfinished("go on")
+    return replace(state, strokes=Strokes(gesture.strokes))
+
+
+def narrow(state, job):
+    if state.size in (0.0, 10.0):
+        raise ZeroDivisionError
+    return 1.0
+
+
+WRONG = {
+    "shapes that change": ("shapes", counting, {"storage", "cancelling", "determinism", "empty"}),
+    "cancelling swallowed": ("solve", lambda: swallow, {"cancelling"}),
+    "a state that is written to": (
+        "solve",
+        lambda: spoil,
+        {"empty", "drawing", "history", "storage"},
+    ),
+    "a preview that fails": ("preview", lambda: only_circles, {"odd_previews"}),
+    "a gesture that fails": ("apply", lambda: lambda s, g, c: 1 / 0, {"odd_gestures", "drawing"}),
+    "unfinished for ever": ("apply", lambda: never_enough, {"odd_gestures"}),
+    "an end of a range": ("solve", lambda: narrow, {"parameters"}),
+    "nothing handed over": ("shapes", lambda: lambda s, r: Shapes(), {"drawing"}),
+    "a scene that fails without a result": (
+        "scene",
+        lambda: lambda s, r: Scene((Layer(str(r + 1.0)),)),
+        {"empty", "drawing"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_the_suite_finds(subject, faulty, name):
+    what, misdeed, expected = WRONG[name]
+    faulty.misdeeds[what] = misdeed()
+    assert expected <= failing(subject)
+
+
+def test_a_missing_icon_and_another_title_are_found(subject, faulty):
+    faulty.title = "Otherwise"
+    assert failing(subject) == {"announced"}
+
+
+# -- the pen ----------------------------------------------------------------------------------
+
+
+def test_pen_draws_in_time():
+    stroke = Pen(speed=500.0, rate=100.0).along([(0, 0), (300, 0), (300, 400)])
+    assert stroke.points[0].tolist() == [0, 0]
+    assert stroke.points[-1].tolist() == [300, 400]
+    assert stroke.t[-1] == pytest.approx(700 / 500)
+    gaps = np.diff(stroke.t)
+    assert gaps == pytest.approx(np.full(len(gaps), gaps[0]), rel=1e-3)
+    assert gaps[0] <= 1 / 100 + 1e-6
+    assert stroke.has_pressure
+    assert stroke.has_time
+
+
+def test_pen_circle_is_round_and_closed():
+    stroke = Pen().circle(500, 400, 120)
+    radius = np.hypot(*(stroke.points - (500, 400)).T)
+    assert radius == pytest.approx(np.full(len(radius), 120.0), rel=1e-3)
+    assert stroke.points[0] == pytest.approx(stroke.points[-1], abs=1e-3)
+
+
+def test_tremor_has_the_size_asked_for_and_the_seed_decides():
+    straight = [(0, 0), (20_000, 0)]
+    shaking = Pen(tremor=3.0, seed=5)
+    offset = shaking.along(straight).y
+    assert np.std(offset) == pytest.approx(3.0, rel=0.15)
+    assert np.std(np.diff(offset)) < 0.5 * np.std(offset)
+    assert shaking.along(straight) == shaking.along(straight)
+    assert shaking.along(straight) != shaking.but(seed=6).along(straight)
+
+
+def test_pressure_is_spread_along_the_stroke():
+    stroke = Pen(pressure=(0.0, 1.0, 0.5)).along([(0, 0), (600, 0)])
+    assert stroke.pressure[[0, -1]].tolist() == [0.0, 0.5]
+    assert stroke.pressure.max() == pytest.approx(1.0, abs=0.02)
+    assert len(Pen().dot()) == 1
+
+
+def test_pen_carries_camera_and_tool():
+    camera = Camera("orthographic")
+    stroke = Pen().but(camera=camera, tool="eraser").polygon((0, 0), (9, 0), (9, 9))
+    assert stroke.camera is camera
+    assert stroke.tool == "eraser"
+    assert stroke.points[0].tolist() == stroke.points[-1].tolist()
+
+
+# -- the shell --------------------------------------------------------------------------------
+
+
+def test_shell_goes_through_a_whole_life(workshop):
+    workshop.draw(Pen().circle())
+    workshop.set(size=4.0)
+    assert workshop.shapes().surfaces[0].mesh.vertices.max() == 4.0
+    assert workshop.undo()
+    assert workshop.state.size == 1.0
+    assert workshop.redo()
+    assert not workshop.redo()
+    before = workshop.state
+    assert list(workshop.reopen()) == []
+    assert workshop.state is not before
+    assert same(workshop.state, before)
+    assert not workshop.undo()
+    assert workshop.solve(Job(quality="preview")) == 4.0
+
+
+# -- sameness ----------------------------------------------------------------------------------
+
+
+def test_same_looks_into_everything():
+    def shapes(x):
+        return Shapes(surfaces=(Surface(Mesh([[x, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2]])),))
+
+    assert same(shapes(1.0), shapes(1.0))
+    assert not same(shapes(1.0), shapes(1.0000001192092896))
+    assert same(Scene((Layer("a"),)), Scene((Layer("a"),)))
+    assert not same(Scene((Layer("a"),)), Scene((Layer("b"),)))
+    assert not same(1, 1.0)
+    assert not same((1,), [1])
+    assert not same(np.zeros(2), np.zeros(2, np.float32))
+    assert not same(np.zeros(2), np.zeros((2, 1)))
+    one, other = Stroke([1], [2], Camera()), Stroke([1], [3], Camera())
+    assert same(Strokes([one]), Strokes([Stroke([1], [2], Camera())]))
+    assert not same(Strokes([one]), Strokes([other]))
+    assert not same({"a": one}, {"a": other})
