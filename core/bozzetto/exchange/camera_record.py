@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
+from msgspec import Meta
 
 from bozzetto.errors import FormatError, UserError
+from bozzetto.exchange.limits import MAX_COORDINATE
 from bozzetto.view.camera import Camera
 
 __all__ = ["CameraRecord", "CanvasRecord", "camera_from", "camera_record", "canvas_record"]
 
-Triple = tuple[float, float, float]
+Number = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
+Triple = tuple[Number, Number, Number]
 
 
 class CanvasRecord(msgspec.Struct):
     """Size of the canvas, pixels."""
 
-    width: float
-    height: float
+    width: Number
+    height: Number
 
 
 class CameraRecord(msgspec.Struct, omit_defaults=True):
@@ -28,8 +31,8 @@ class CameraRecord(msgspec.Struct, omit_defaults=True):
     eye: Triple
     target: Triple
     up: Triple = (0.0, 0.0, 1.0)
-    fov_y: float | None = None
-    height: float | None = None
+    fov_y: Number | None = None
+    height: Number | None = None
 
 
 def camera_record(camera: Camera) -> dict[str, Any]:

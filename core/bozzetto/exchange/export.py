@@ -6,7 +6,7 @@ import os
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.files import write_bytes
-from bozzetto.exchange.formats import Format, find, function, writers
+from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.solid_check import check_solid
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
@@ -46,14 +46,13 @@ def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | Non
 def _check(shapes: Shapes, chosen: Format) -> None:
     if not shapes:
         raise UserError("There is nothing to export yet. Draw something first.")
-    has = {
+    has: dict[Kind, bool] = {
         "mesh": any(len(part.mesh.faces) for part in shapes.meshes()),
         "curves": bool(shapes.curves),
     }
     if not any(has.get(kind) for kind in chosen.holds):
         wanted = " or ".join("surfaces" if kind == "mesh" else kind for kind in chosen.holds)
-        kinds = [kind for kind in ("mesh", "curves") if has[kind]]
-        useful = [f.endings[0] for kind in kinds for f in writers(kind)]  # type: ignore[arg-type]
+        useful = [f.endings[0] for kind in has if has[kind] for f in writers(kind)]
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
     if "mesh" in chosen.holds:

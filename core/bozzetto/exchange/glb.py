@@ -5,7 +5,6 @@ Only what the file itself holds is read: no links, no compression extensions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, Final
 
 import msgspec
@@ -14,7 +13,18 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.color import linear_to_srgb, srgb_to_linear
-from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_VERTICES, at_most
+from bozzetto.exchange.gltf_scene import (
+    TRIANGLES,
+    Accessor,
+    Buffer,
+    Gltf,
+    Material,
+    Primitive,
+    View,
+    item,
+    placed_meshes,
+)
+from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
@@ -35,7 +45,8 @@ ELEMENT_ARRAY_BUFFER: Final = 34963
 FLOAT: Final = 5126
 UNSIGNED_SHORT: Final = 5123
 UNSIGNED_INT: Final = 5125
-TRIANGLES, STRIP, FAN = 4, 5, 6
+STRIP: Final = 5
+FAN: Final = 6
 
 COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -130,85 +141,12 @@ def _material(part: Solid | Surface) -> dict[str, Any]:
 # -- reading -------------------------------------------------------------------------------
 
 
-class _Record(msgspec.Struct, rename="camel"):
-    """A JSON object of the file; unknown fields are passed over."""
-
-
-class _View(_Record):
-    byte_length: int
-    buffer: int = 0
-    byte_offset: int = 0
-    byte_stride: int | None = None
-
-
-class _Accessor(_Record):
-    component_type: int
-    count: int
-    type: str
-    buffer_view: int | None = None
-    byte_offset: int = 0
-    normalized: bool = False
-    sparse: msgspec.Raw | None = None
-
-
-class _Primitive(_Record):
-    attributes: dict[str, int]
-    indices: int | None = None
-    material: int | None = None
-    mode: int = TRIANGLES
-    extensions: dict[str, msgspec.Raw] = {}
-
-
-class _Mesh(_Record):
-    primitives: list[_Primitive]
-    name: str = ""
-
-
-class _Node(_Record):
-    mesh: int | None = None
-    children: list[int] = []
-    name: str = ""
-    matrix: list[float] | None = None
-    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
-    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
-
-
-class _Looks(_Record):
-    base_color_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
-
-
-class _Material(_Record):
-    pbr_metallic_roughness: _Looks = msgspec.field(default_factory=_Looks)
-
-
-class _Scene(_Record):
-    nodes: list[int] = []
-
-
-class _Buffer(_Record):
-    byte_length: int = 0
-    uri: str | None = None
-
-
-class _Gltf(_Record):
-    accessors: list[_Accessor] = []
-    buffer_views: list[_View] = []
-    buffers: list[_Buffer] = []
-    meshes: list[_Mesh] = []
-    materials: list[_Material] = []
-    nodes: list[_Node] = []
-    scenes: list[_Scene] = []
-    scene: int | None = None
-    extensions_required: list[str] = []
-
-
 def read_shapes(data: bytes) -> Shapes:
     """Read the triangles of the scene shown, every node at its place."""
     gltf, blob = _opened(data)
     surfaces: list[Surface] = []
     vertices = faces = 0
-    for name, mesh, matrix in _placed_meshes(gltf):
+    for name, mesh, matrix in placed_meshes(gltf):
         for primitive in mesh.primitives:
             part = _surface(gltf, blob, primitive, matrix, name)
             if part is not None:
@@ -222,7 +160,7 @@ def read_shapes(data: bytes) -> Shapes:
     return Shapes(surfaces=tuple(surfaces))
 
 
-def _opened(data: bytes) -> tuple[_Gltf, bytes]:
+def _opened(data: bytes) -> tuple[Gltf, bytes]:
     """The JSON chunk, understood, and the binary one."""
     if data[:4] != MAGIC or len(data) < 20:
         raise FormatError("This is not a GLB file.")
@@ -232,7 +170,7 @@ def _opened(data: bytes) -> tuple[_Gltf, bytes]:
     if kind != JSON_CHUNK or 20 + size > min(length, len(data)):
         raise FormatError("This GLB file is damaged or cut short.")
     try:
-        gltf = msgspec.json.decode(data[20 : 20 + size].rstrip(b" \0"), type=_Gltf)
+        gltf = msgspec.json.decode(data[20 : 20 + size].rstrip(b" \0"), type=Gltf)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise FormatError(f"Its description cannot be understood: {error}.") from error
     missing = [name for name in gltf.extensions_required if not name.startswith(HARMLESS)]
@@ -249,60 +187,8 @@ def _opened(data: bytes) -> tuple[_Gltf, bytes]:
     return gltf, blob
 
 
-def _item(items: list[Any], index: int, what: str) -> Any:
-    if not 0 <= index < len(items):
-        raise FormatError(f"It names {what} {index}, which it does not hold.")
-    return items[index]
-
-
-def _placed_meshes(gltf: _Gltf) -> Iterator[tuple[str, _Mesh, NDArray[np.float64]]]:
-    """Every mesh of the scene with its name and its matrix (4, 4), parents before children."""
-    if gltf.scenes:
-        roots = _item(gltf.scenes, gltf.scene or 0, "scene").nodes
-    elif gltf.nodes:
-        inner = {child for node in gltf.nodes for child in node.children}
-        roots = [index for index in range(len(gltf.nodes)) if index not in inner]
-    else:
-        for mesh in gltf.meshes:
-            yield mesh.name, mesh, np.eye(4)
-        return
-    seen: set[int] = set()
-    stack = [(index, np.eye(4), 0) for index in reversed(roots)]
-    while stack:
-        index, above, depth = stack.pop()
-        if index in seen:
-            raise FormatError("Its nodes are no tree: one has two parents.")
-        seen.add(index)
-        at_most(depth, MAX_DEPTH, "levels of nodes")
-        node: _Node = _item(gltf.nodes, index, "node")
-        matrix = above @ _matrix(node)
-        if node.mesh is not None:
-            mesh = _item(gltf.meshes, node.mesh, "mesh")
-            yield node.name or mesh.name, mesh, matrix
-        stack += [(child, matrix, depth + 1) for child in reversed(node.children)]
-
-
-def _matrix(node: _Node) -> NDArray[np.float64]:
-    if node.matrix is not None:
-        if len(node.matrix) != 16:
-            raise FormatError("A node's matrix does not have sixteen numbers.")
-        return np.reshape(node.matrix, (4, 4)).T
-    x, y, z, w = node.rotation
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    matrix = np.eye(4)
-    matrix[:3, :3] = turn * node.scale
-    matrix[:3, 3] = node.translation
-    return matrix
-
-
 def _surface(
-    gltf: _Gltf, blob: bytes, primitive: _Primitive, matrix: NDArray[np.float64], name: str
+    gltf: Gltf, blob: bytes, primitive: Primitive, matrix: NDArray[np.float64], name: str
 ) -> Surface | None:
     """One primitive in our axes; None for points and lines."""
     if primitive.mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
@@ -310,19 +196,16 @@ def _surface(
     local = _values(gltf, blob, primitive.attributes["POSITION"], 3)
     check_places(local)
     to_world = MM_PER_METRE * AXES.T @ matrix[:3, :3]
-    with np.errstate(over="ignore", invalid="ignore"):
-        places = local @ to_world.T + MM_PER_METRE * AXES.T @ matrix[:3, 3]
+    places = local @ to_world.T + MM_PER_METRE * AXES.T @ matrix[:3, 3]
     order = np.arange(len(places))
     if primitive.indices is not None:
-        if _item(gltf.accessors, primitive.indices, "accessor").component_type == FLOAT:
+        if item(gltf.accessors, primitive.indices, "accessor").component_type == FLOAT:
             raise FormatError("Its indices are no whole numbers.")
         order = _values(gltf, blob, primitive.indices, 1)[:, 0].astype(np.int64)
     faces = without_degenerate(_faces(order, primitive.mode).astype(np.int64))
     if not len(faces):
         return None
-    with np.errstate(over="ignore", invalid="ignore"):
-        mirrors = np.linalg.det(to_world) < 0
-    if mirrors:
+    if np.linalg.det(to_world) < 0:
         faces = faces[:, ::-1]
     colors = None
     if "COLOR_0" in primitive.attributes:
@@ -332,7 +215,8 @@ def _surface(
         colors = np.hstack((linear_to_srgb(linear[:, :3]), opaque))
     color = None
     if primitive.material is not None:
-        looks = _item(gltf.materials, primitive.material, "material").pbr_metallic_roughness
+        material: Material = item(gltf.materials, primitive.material, "material")
+        looks = material.pbr_metallic_roughness
         red, green, blue = (int(v) for v in linear_to_srgb(looks.base_color_factor[:3]))
         color = (red, green, blue) if (red, green, blue) != (255, 255, 255) else None
     mesh = checked_mesh(places, faces, _normals(gltf, blob, primitive, to_world), colors)
@@ -340,7 +224,7 @@ def _surface(
 
 
 def _normals(
-    gltf: _Gltf, blob: bytes, primitive: _Primitive, to_world: NDArray[np.float64]
+    gltf: Gltf, blob: bytes, primitive: Primitive, to_world: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
     """Unit normals in our axes; None where there are none, or they are of no use."""
     if "NORMAL" not in primitive.attributes:
@@ -366,9 +250,9 @@ def _faces(order: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     return np.column_stack((order[at], order[at + 1 + odd], order[at + 2 - odd]))
 
 
-def _values(gltf: _Gltf, blob: bytes, index: int, width: int | None) -> NDArray[np.float64]:
+def _values(gltf: Gltf, blob: bytes, index: int, width: int | None) -> NDArray[np.float64]:
     """The values of an accessor, shape (n, width); whole numbers only scaled if normalised."""
-    accessor: _Accessor = _item(gltf.accessors, index, "accessor")
+    accessor: Accessor = item(gltf.accessors, index, "accessor")
     kind = COMPONENTS.get(accessor.component_type)
     columns = WIDTHS.get(accessor.type)
     if kind is None or columns is None or (width is not None and columns != width):
@@ -378,8 +262,8 @@ def _values(gltf: _Gltf, blob: bytes, index: int, width: int | None) -> NDArray[
     if columns < 3 and width is None:
         raise FormatError(f"Accessor {index} has too few components for a colour.")
     at_most(accessor.count, 3 * MAX_FACES, "values")
-    view: _View = _item(gltf.buffer_views, accessor.buffer_view, "buffer view")
-    buffer: _Buffer = _item(gltf.buffers, view.buffer, "buffer")
+    view: View = item(gltf.buffer_views, accessor.buffer_view, "buffer view")
+    buffer: Buffer = item(gltf.buffers, view.buffer, "buffer")
     if view.buffer != 0 or buffer.uri is not None:
         raise FormatError("Its data lies in another file. Export it again as one GLB file.")
     dtype = np.dtype(kind)

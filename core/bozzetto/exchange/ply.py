@@ -102,20 +102,15 @@ class _Element:
 def read_shapes(data: bytes) -> Shapes:
     """Read text or binary PLY of either byte order, with vertex colours."""
     order, elements, body = _header(data)
+    words = [] if order else body.split()
     found: dict[str, Columns] = {}
-    if order:
-        at = 0
-        for element in elements:
-            found[element.name], at = _binary(element, body, at, order)
-            if {"vertex", "face"} <= found.keys():
-                break
-    else:
-        words = body.split()
-        at = 0
-        for element in elements:
-            found[element.name], at = _text(element, words, at)
-            if {"vertex", "face"} <= found.keys():
-                break
+    at = 0
+    for element in elements:
+        found[element.name], at = (
+            _binary(element, body, at, order) if order else _text(element, words, at)
+        )
+        if {"vertex", "face"} <= found.keys():
+            break
     return _shapes(found.get("vertex", {}), found.get("face", {}))
 
 
@@ -173,7 +168,7 @@ def _binary(element: _Element, body: bytes, at: int, order: str) -> tuple[Column
             (columns[f"{p.name} length"] == length).all()
             for p, length in zip(_lists(element), lengths, strict=True)
         ):
-            return _with_sizes(element, columns), end
+            return columns, end
     return _row_by_row(element, body, at, order)
 
 
@@ -204,6 +199,7 @@ def _first_lengths(element: _Element, body: bytes, at: int, order: str) -> tuple
 def _table(
     element: _Element, body: bytes, at: int, order: str, lengths: tuple[int, ...]
 ) -> tuple[Columns, int]:
+    """Columns of rows of one size; a list as its values in a row and a column of lengths."""
     fields: list[Any] = []
     names: list[str] = []
     sizes = iter(lengths)
@@ -222,15 +218,8 @@ def _table(
     if not fields or not element.count:
         return {name: np.zeros(0) for name in names}, end
     rows = np.frombuffer(body, record, element.count, at)
-    columns = {name: rows[field[0]] for name, field in zip(names, fields, strict=True)}
+    columns = {name: rows[field[0]].ravel() for name, field in zip(names, fields, strict=True)}
     return columns, end
-
-
-def _with_sizes(element: _Element, columns: Columns) -> Columns:
-    """Lists as one flat column of values and one of lengths."""
-    for p in _lists(element):
-        columns[p.name] = columns[p.name].ravel()
-    return columns
 
 
 def _row_by_row(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
@@ -319,8 +308,7 @@ def _shapes(vertex: Columns, face: Columns) -> Shapes:
         raise FormatError("There are no faces in this file.")
     with np.errstate(invalid="ignore"):  # signalling NaNs; refused below
         places = np.column_stack([np.asarray(vertex[axis], float) for axis in "xyz"])
-    at_most(len(places), MAX_VERTICES, "vertices")
-    with np.errstate(invalid="ignore"):
+        at_most(len(places), MAX_VERTICES, "vertices")
         sane = bool(((face[name] >= 0) & (face[name] < len(places))).all())
     if not sane:
         raise FormatError("A face names a vertex that the file does not hold.")

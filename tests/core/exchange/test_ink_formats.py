@@ -129,6 +129,8 @@ PLAIN_CAMERA = {"eye": [0, 0, 0], "target": [0, 1, 0]}
         ({"camera": {"kind": "perspective", "fov_y": 500, **PLAIN_CAMERA}}, "camera:.*angle"),
         ({"canvas": {"width": 0, "height": 5}}, "camera:.*canvas"),
         ({"canvas": {"width": 5}}, "canvas:.*height"),
+        ({"camera": {"kind": "perspective", "fov_y": 9, "eye": [1e300, 0, 0], "target": [0, 0, 0]}},
+         "camera:.*eye"),
     ],
 )  # fmt: skip
 def test_ink_json_names_the_place(changes, said):

@@ -375,3 +375,12 @@ def test_what_is_not_there_is_no_format_error(tmp_path):
     (tmp_path / "folder.stl").mkdir()
     with pytest.raises(UserError, match="folder"):
         read_mesh(tmp_path / "folder.stl")
+
+
+@pytest.mark.parametrize("key", ["scale", "translation", "rotation"])
+def test_glb_nodes_cannot_be_flung_to_infinity(tmp_path, key):
+    document, blob = tetrahedron_document()
+    big = [1e300] * (4 if key == "rotation" else 3)
+    document["nodes"] = [{"mesh": 0, key: big}]
+    with pytest.raises(FormatError, match="further"):
+        written(tmp_path, "a.glb", glb(document, blob))

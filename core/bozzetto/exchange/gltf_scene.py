@@ -1,0 +1,165 @@
+"""What we understand of a glTF description, and where its nodes stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, at_most
+
+__all__ = ["Accessor", "Buffer", "Gltf", "Material", "Primitive", "View", "item", "placed_meshes"]
+
+TRIANGLES: Final = 4
+
+
+class Record(msgspec.Struct, rename="camel"):
+    """A JSON object of the file; unknown fields are passed over."""
+
+
+class View(Record):
+    """A stretch of a buffer."""
+
+    byte_length: int
+    buffer: int = 0
+    byte_offset: int = 0
+    byte_stride: int | None = None
+
+
+class Accessor(Record):
+    """How numbers lie in a view."""
+
+    component_type: int
+    count: int
+    type: str
+    buffer_view: int | None = None
+    byte_offset: int = 0
+    normalized: bool = False
+    sparse: msgspec.Raw | None = None
+
+
+class Primitive(Record):
+    """Triangles with one material."""
+
+    attributes: dict[str, int]
+    indices: int | None = None
+    material: int | None = None
+    mode: int = TRIANGLES
+
+
+class MeshRecord(Record):
+    """Primitives under one name."""
+
+    primitives: list[Primitive]
+    name: str = ""
+
+
+class Node(Record):
+    """A place in the tree: a matrix, or its three factors."""
+
+    mesh: int | None = None
+    children: list[int] = []
+    name: str = ""
+    matrix: list[float] | None = None
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+class Looks(Record):
+    """The one property of a surface that we keep: linear, 0 … 1."""
+
+    base_color_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+
+
+class Material(Record):
+    """Looks of a surface."""
+
+    pbr_metallic_roughness: Looks = msgspec.field(default_factory=Looks)
+
+
+class SceneRecord(Record):
+    """The roots of what is shown."""
+
+    nodes: list[int] = []
+
+
+class Buffer(Record):
+    """The bytes that follow, or a link to others."""
+
+    byte_length: int = 0
+    uri: str | None = None
+
+
+class Gltf(Record):
+    """The whole description."""
+
+    accessors: list[Accessor] = []
+    buffer_views: list[View] = []
+    buffers: list[Buffer] = []
+    meshes: list[MeshRecord] = []
+    materials: list[Material] = []
+    nodes: list[Node] = []
+    scenes: list[SceneRecord] = []
+    scene: int | None = None
+    extensions_required: list[str] = []
+
+
+def item(items: list[Any], index: int, what: str) -> Any:
+    """One of the records by its number, if there is such a one."""
+    if not 0 <= index < len(items):
+        raise FormatError(f"It names {what} {index}, which it does not hold.")
+    return items[index]
+
+
+def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.float64]]]:
+    """Every mesh of the scene with its name and its matrix (4, 4), parents before children."""
+    if gltf.scenes:
+        roots = item(gltf.scenes, gltf.scene or 0, "scene").nodes
+    elif gltf.nodes:
+        inner = {child for node in gltf.nodes for child in node.children}
+        roots = [index for index in range(len(gltf.nodes)) if index not in inner]
+    else:
+        for mesh in gltf.meshes:
+            yield mesh.name, mesh, np.eye(4)
+        return
+    seen: set[int] = set()
+    stack = [(index, np.eye(4), 0) for index in reversed(roots)]
+    while stack:
+        index, above, depth = stack.pop()
+        if index in seen:
+            raise FormatError("Its nodes are no tree: one has two parents.")
+        seen.add(index)
+        at_most(depth, MAX_DEPTH, "levels of nodes")
+        node: Node = item(gltf.nodes, index, "node")
+        with np.errstate(all="ignore"):
+            matrix = above @ _matrix(node)
+        if not (np.abs(matrix) <= MAX_COORDINATE).all():
+            raise FormatError("A node is moved or stretched further than a mesh can reach.")
+        if node.mesh is not None:
+            mesh = item(gltf.meshes, node.mesh, "mesh")
+            yield node.name or mesh.name, mesh, matrix
+        stack += [(child, matrix, depth + 1) for child in reversed(node.children)]
+
+
+def _matrix(node: Node) -> NDArray[np.float64]:
+    if node.matrix is not None:
+        if len(node.matrix) != 16:
+            raise FormatError("A node's matrix does not have sixteen numbers.")
+        return np.reshape(node.matrix, (4, 4)).T
+    x, y, z, w = node.rotation
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn * node.scale
+    matrix[:3, 3] = node.translation
+    return matrix
