@@ -61,7 +61,8 @@ def noise_of(ring: Points) -> float:
     # On a smooth line neighbours bend alike; tremor makes them differ.
     differ = bend - 0.5 * (np.roll(bend, 1) + np.roll(bend, -1))
     usable = length < 0.03
-    if usable.sum() < 16:
+    # Long edges between short ones: a polygon given by its corners, not ink.
+    if usable.sum() < 16 or usable.mean() < 0.7:
         return 0.0
     return float(np.median(np.abs(differ[usable]))) / 1.5
 
