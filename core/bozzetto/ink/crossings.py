@@ -182,8 +182,11 @@ def _near_pairs(
             one, other = one[one <= other], other[one <= other]
         for at in range(0, len(one), BLOCK // CHUNK**2):
             some = slice(at, at + BLOCK // CHUNK**2)
-            i = (one[some, None, None] * CHUNK + within[:, None] + 0 * within).ravel()
-            j = (other[some, None, None] * CHUNK + within + 0 * within[:, None]).ravel()
+            pairs = np.broadcast_arrays(
+                one[some, None, None] * CHUNK + within[:, None],
+                other[some, None, None] * CHUNK + within,
+            )
+            i, j = (numbers.ravel() for numbers in pairs)
             real = (i < len(low_a)) & (j < len(low_b))
             if itself:
                 real &= i < j
