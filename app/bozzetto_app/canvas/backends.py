@@ -14,7 +14,14 @@ from bozzetto.scene.palette import Palette
 from bozzetto.scene.software.shading import Shading
 from bozzetto.view.camera import Camera
 
-__all__ = ["BACKEND_VARIABLE", "BackendName", "Shading", "ViewportBackend", "choose_backend"]
+__all__ = [
+    "BACKEND_VARIABLE",
+    "BackendName",
+    "Shading",
+    "ViewportBackend",
+    "choose_backend",
+    "may_use_gl",
+]
 
 log = logging.getLogger(__name__)
 
@@ -64,6 +71,13 @@ class ViewportBackend(Protocol):
     def describe(self) -> str:
         """Who draws, for the About dialog."""
         ...
+
+
+def may_use_gl() -> bool:
+    """Whether OpenGL is worth a try, judged without making a context."""
+    if os.environ.get(BACKEND_VARIABLE, "").strip().lower() == "software":
+        return False
+    return QGuiApplication.platformName() not in SCREENLESS
 
 
 def choose_backend() -> BackendName:

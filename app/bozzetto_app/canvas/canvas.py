@@ -30,7 +30,7 @@ from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import fit, with_kind
 from bozzetto.view.standard import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
-from bozzetto_app.canvas.backends import ViewportBackend, choose_backend
+from bozzetto_app.canvas.backends import ViewportBackend, choose_backend, may_use_gl
 from bozzetto_app.canvas.drop import dropped_files, take_file
 from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
@@ -98,6 +98,12 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
 
+        if may_use_gl():
+            from PySide6.QtOpenGLWidgets import QOpenGLWidget
+
+            # A window that gets its first OpenGL child later is made anew: it would vanish
+            # and come back under the person's eyes. A hidden child from the start avoids it.
+            QOpenGLWidget(self).hide()
         software = SoftwareViewport(self)
         software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
         self._backend: ViewportBackend = software
@@ -178,7 +184,7 @@ class Canvas(QWidget):
         self.motion.animate_to(camera)
 
     def look(self, name: str) -> None:
-        """Go to a standard view: "front", "right", "top", "back", "left", "bottom" …"""
+        """Go to a standard view by its name: "front", "three-quarter" and so on."""
         self.motion.finish()
         self.animate_to(standard_view(self._session.camera, name))
 

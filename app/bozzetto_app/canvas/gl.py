@@ -64,8 +64,8 @@ def layer_items(layer: Layer, palette: Palette, shading: Shading) -> list[BatchI
     if solid:
         batch = buffers.surface(solid, palette, shading)
         made.append(SurfaceItem("surface", batch, SURFACES))
-    for item in glass:
-        made.append(GlassItem("surface", buffers.surface([item], palette, shading), GLASS))
+    for pane in glass:
+        made.append(GlassItem("surface", buffers.surface([pane], palette, shading), GLASS))
     for hidden in buffers.HIDDEN_KINDS:
         lines = [i for i in layer.items if isinstance(i, Lines) and i.hidden == hidden]
         if lines:
@@ -154,7 +154,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
 
     def grab(self) -> QImage:
         """The picture as it is now, at full resolution."""
-        image = self.grabFramebuffer()
+        image: QImage = self.grabFramebuffer()
         image.setDevicePixelRatio(self.devicePixelRatioF())
         painter = QPainter(image)
         painter.setFont(self.font())
@@ -282,7 +282,8 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         frame.size = (float(self.width()), float(self.height()))
         frame.pixels_per_mm = camera.pixels_per_mm
         frame.parallel = camera.kind == "orthographic"
-        frame.ink = tuple(part / 255.0 for part in self._palette.ink)
+        red, green, blue = self._palette.ink
+        frame.ink = (red / 255.0, green / 255.0, blue / 255.0)
         pixel = 1.0 / camera.pixels_per_mm  # mm at the target
         frame.bias = (
             (1.0, LINE_BIAS * pixel)

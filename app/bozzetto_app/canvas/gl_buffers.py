@@ -71,7 +71,7 @@ def surface(items: Sequence[Shaded], palette: Palette, shading: str = "clay") ->
         block[:, 3:6] = normal
         block[:, 6] = colors is not None
         if colors is not None:
-            block[:, 7:] = colors[vertex] / np.float32(255.0)
+            block[:, 7:] = colors[vertex].astype(np.float32) / np.float32(255.0)
             block[:, 10] *= item.opacity
         else:
             block[:, 7:] = _rgba(palette.color(item.color), item.opacity)

@@ -156,10 +156,11 @@ def _blend() -> None:
     )
 
 
-def _shade(programs: Programs, program: int, frame: Frame, *, opacity: float = 1.0) -> None:
+def _shade(programs: Programs, program: int, frame: Frame) -> None:
     GL.glUniform1i(programs.place(program, "u_shading"), frame.shading)
+    GL.glUniform3f(programs.place(program, "u_ink"), *frame.ink)
     GL.glUniform1f(programs.place(program, "u_parallel"), float(frame.parallel))
-    GL.glUniform1f(programs.place(program, "u_opacity"), opacity)
+    GL.glUniform1f(programs.place(program, "u_opacity"), 1.0)
     GL.glUniform1f(programs.place(program, "u_swell"), 0.0)
 
 
@@ -175,7 +176,6 @@ class SurfaceItem(BatchItem):
         self.draw()
         _blend()
         GL.glDepthMask(GL.GL_FALSE)
-        GL.glUniform3f(programs.place(program, "u_ink"), *frame.ink)
         GL.glUniform1f(programs.place(program, "u_opacity"), OUTER)
         GL.glUniform1f(programs.place(program, "u_swell"), HULL)
         GL.glEnable(GL.GL_CULL_FACE)

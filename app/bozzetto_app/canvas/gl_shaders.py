@@ -10,7 +10,7 @@ from OpenGL.GL import shaders
 
 from bozzetto.scene.software import shading as matter
 from bozzetto.scene.software.strokes import DASH, GAP
-from bozzetto.scene.software.surfaces import XRAY_LEAST, XRAY_MOST
+from bozzetto.scene.software.surfaces import XRAY_INK, XRAY_LEAST, XRAY_MOST
 
 __all__ = ["ATTRIBUTES", "compile_program"]
 
@@ -87,7 +87,10 @@ void main() {
         color = ramp(v_color.rgb, light);
     }
     float opacity = v_color.a * u_opacity;
-    if (u_shading == 4) opacity *= mix(%(XRAY_LEAST)s, %(XRAY_MOST)s, grazing);
+    if (u_shading == 4) {
+        color = mix(color, u_ink, %(XRAY_INK)s);
+        opacity *= mix(%(XRAY_LEAST)s, %(XRAY_MOST)s, grazing);
+    }
     COLOR = vec4(color, opacity);
 }
 """
@@ -196,6 +199,7 @@ LIGHT: Final = {
     "SKY_SHARE": matter.SKY_SHARE,
     "RIM_SHARE": matter.RIM_SHARE,
     "INSIDE": matter.INSIDE,
+    "XRAY_INK": XRAY_INK,
     "XRAY_LEAST": XRAY_LEAST,
     "XRAY_MOST": XRAY_MOST,
     "ZEBRA_STRIPES": matter.ZEBRA_STRIPES,

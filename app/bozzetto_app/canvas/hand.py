@@ -223,8 +223,8 @@ class Hand(QObject):
             else:
                 camera = pan(camera, dx, dy, self._pivot)
                 if last_spread > 1.0 and spread > 1.0:
-                    place = (middle.x(), middle.y())
-                    camera = zoom(camera, spread / last_spread, place)
+                    at = (middle.x(), middle.y())
+                    camera = zoom(camera, spread / last_spread, at)
             self._session.set_camera(camera)
         self._fingers = (len(points), middle, spread)
 

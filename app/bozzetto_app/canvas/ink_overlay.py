@@ -23,6 +23,7 @@ from bozzetto.scene.display_list import Paint
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.ribbon import InkPoint, Smoother, ribbon_path, smoothed
+from bozzetto_app.theme import qcolor
 
 __all__ = ["InkOverlay", "Tip", "on_sheet"]
 
@@ -41,6 +42,9 @@ PULSE_TIME: Final = 1400
 """How long a place stays lit, milliseconds."""
 PULSE_STEP: Final = 33
 RING_MARGIN: Final = 3
+
+HOT_RADIUS: Final = 13.0
+"""Radius of the ring around the handle that a press would take, pixels."""
 
 
 @dataclass(frozen=True)
@@ -207,7 +211,7 @@ class InkOverlay(QWidget):
         if hot != self._hot:
             for mark in (self._hot, hot):
                 if mark is not None:
-                    self.update(_around(mark[0], mark[1], 18))
+                    self.update(_around(mark[0], mark[1], HOT_RADIUS + RING_MARGIN))
             self._hot = hot
 
     def light_up(self, places: Sequence[tuple[float, float]]) -> None:
@@ -260,20 +264,17 @@ class InkOverlay(QWidget):
     def _paint_marks(self, painter: QPainter) -> None:
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if self._hot is not None:
-            x, y, color = self._hot
-            painter.setPen(QPen(QColor(*color), 2.0))
-            painter.drawEllipse(QPointF(x, y), 13.0, 13.0)
+            x, y, rim = self._hot
+            painter.setPen(QPen(QColor(*rim), 2.0))
+            painter.drawEllipse(QPointF(x, y), HOT_RADIUS, HOT_RADIUS)
         if self._ring is not None:
             x, y, radius = self._ring
-            shade = QColor(*self._palette.ink)
-            shade.setAlphaF(0.55)
-            painter.setPen(QPen(shade, 1.2))
+            painter.setPen(QPen(qcolor(self._palette.ink, 0.55), 1.2))
             painter.drawEllipse(QPointF(x, y), radius, radius)
         if self._lit:
             age = self._lit_age / PULSE_TIME
-            color = QColor(*self._palette.accent)
-            color.setAlphaF(max(0.0, 1.0 - age**3))
-            painter.setPen(QPen(color, 2.5))
+            strength = max(0.0, 1.0 - age**3)
+            painter.setPen(QPen(qcolor(self._palette.accent, strength), 2.5))
             radius = 12.0 + 5.0 * abs(math.sin(3.0 * math.pi * age))
             for x, y in self._lit:
                 painter.drawEllipse(QPointF(x, y), radius, radius)

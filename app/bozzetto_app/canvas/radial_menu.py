@@ -233,7 +233,7 @@ class RadialMenu(QWidget):
         painter.drawPath(_sector_path(middle, index, len(self._entries)))
         angle = math.radians(360.0 / len(self._entries) * index)
         radius = 0.5 * (INNER + RADIUS) + 4.0
-        centre = middle + radius * QPointF(math.sin(angle), -math.cos(angle))
+        centre = middle + QPointF(radius * math.sin(angle), -radius * math.cos(angle))
         color = tones.on_accent if hot and usable else tones.text if usable else tones.disabled
         font = small_font(self.font())
         painter.setFont(font)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Final
 
 from PySide6.QtCore import QPointF, Qt
@@ -117,7 +118,7 @@ def ribbon_path(
             _add_disc(path, kept[0])
         return path
     directions = []
-    for (x0, y0, _), (x1, y1, _) in zip(kept, kept[1:], strict=False):
+    for (x0, y0, _), (x1, y1, _) in pairwise(kept):
         length = math.hypot(x1 - x0, y1 - y0)
         directions.append(((x1 - x0) / length, (y1 - y0) / length))
     begin = 0

@@ -42,7 +42,7 @@ class SheetHint(QWidget):
         if self._fading is not None:
             self._fading.stop()
             self._fading = None
-        self.setGraphicsEffect(None)
+        self.setGraphicsEffect(None)  # type: ignore[arg-type]  # Qt documents null
         self.text = text
         self.setAccessibleName(text)
         self.setVisible(bool(text))

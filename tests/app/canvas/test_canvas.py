@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
-from PySide6.QtWidgets import QAbstractButton, QApplication
+from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
 
 from bozzetto.scene import DARK, LIGHT, Layer, Scene
 from bozzetto.view.navigation import fit
 from bozzetto.view.standard import standard_view
+from bozzetto_app.canvas.backends import choose_backend
+from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.ground import ground, square_size
+from bozzetto_app.canvas.software import SoftwareViewport
 from bozzetto_app.settings import settings
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom", "three-quarter")
@@ -124,7 +127,6 @@ def test_the_camera_follows_the_size_of_the_canvas(session, canvas, qtbot):
 def test_clicking_a_face_of_the_cube_looks_at_it(session, canvas, qtbot):
     session.set_camera(standard_view(session.camera, "three-quarter"))
     cube = canvas._cube
-    _, up, _ = session.camera.axes
     places = {
         cube.direction_under(QPointF(x, y)): QPoint(x, y) for x in range(84) for y in range(84)
     }
@@ -385,3 +387,55 @@ def test_ink_is_sharp_and_in_place_on_a_dense_screen():
     environment = {**os.environ, "QT_SCALE_FACTOR": "2"}
     kit = Path(__file__).with_name("conftest.py")
     subprocess.run([sys.executable, "-c", TWICE, str(kit)], check=True, timeout=60, env=environment)
+
+
+# -- OpenGL ------------------------------------------------------------------------------------
+
+
+@pytest.mark.gl
+def test_the_canvas_goes_over_to_opengl_without_making_its_window_anew(session, canvas, qtbot):
+    if choose_backend() != "gl":
+        pytest.skip("no OpenGL here; run with: xvfb-run -a pytest -m gl, QT_QPA_PLATFORM=xcb")
+    window = canvas.winId()
+    qtbot.waitUntil(lambda: "OpenGL" in canvas.describe_viewport(), timeout=15000)
+    assert canvas.winId() == window
+    assert not canvas.findChildren(SoftwareViewport) or not any(
+        child.isVisible() for child in canvas.findChildren(SoftwareViewport)
+    )
+
+
+def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, monkeypatch):
+    if os.environ["QT_QPA_PLATFORM"] != "offscreen":
+        pytest.skip("here OpenGL would come")
+    monkeypatch.setenv("BOZZETTO_VIEWPORT", "gl")
+    monkeypatch.setattr("bozzetto_app.canvas.canvas.GL_PATIENCE", 200)
+    canvas = Canvas(session, LIGHT)
+    qtbot.addWidget(canvas)
+    canvas.resize(300, 200)
+    canvas.show()
+    qtbot.waitUntil(lambda: canvas._rising is not None, timeout=10000)
+    qtbot.waitUntil(lambda: canvas._rising is None, timeout=10000)
+    assert "Software" in canvas.describe_viewport()
+    assert canvas.grab_picture().width() == 300
+
+
+def test_opengl_that_fails_later_gives_way_to_the_software(session, canvas, qtbot, box_scene):
+    session.set_scene(box_scene)
+    old = canvas._backend
+    failing = QWidget(canvas)
+    canvas._backend = FailedBackend(failing)
+    old.widget.deleteLater()
+    canvas._gl_failed("the driver was reset")
+    assert "Software" in canvas.describe_viewport()
+    picture = canvas.grab_picture()
+    assert picture.pixelColor(400, 330) != picture.pixelColor(5, 5)
+
+
+class FailedBackend:
+    def __init__(self, widget):
+        self.widget = widget
+
+    def ignore(self, *arguments):
+        pass
+
+    set_scene = set_live = set_camera = set_palette = set_style = ignore

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -61,22 +62,16 @@ def test_five_thousand_samples_are_all_kept_in_order(session, pen):
 
 def test_reports_come_at_most_thirty_times_a_second(session, pen, qtbot):
     pen.press(100, 100)
-    begun = pen_time()
+    begun = perf_counter()
     for i in range(40):
         pen.move(100 + 5 * i, 100)
         qtbot.wait(5)
-    lasted = pen_time() - begun
+    lasted = perf_counter() - begun
     reports = session.named("pen_moved")
     assert 2 <= len(reports) <= 30 * lasted + 2
     lengths = [len(call[1]) for call in reports]
     assert lengths == sorted(lengths)
     qtbot.waitUntil(lambda: len(session.named("pen_moved")[-1][1]) == 41)  # the last one, too
-
-
-def pen_time():
-    import time
-
-    return time.perf_counter()
 
 
 def test_the_pressure_curve_is_in_the_stroke(session, canvas, pen):
@@ -243,7 +238,7 @@ def test_a_handle_lights_up_and_is_dragged(session, canvas, pen, box_scene):
     pen.modifiers = Qt.KeyboardModifier.ShiftModifier
     pen.release(x + 70, y)
     assert session.strokes == []
-    name, handle, path, shift, ctrl = session.named("handle_released")[0]
+    _, handle, path, shift, ctrl = session.named("handle_released")[0]
     assert (handle, shift, ctrl) == ("corner", True, False)
     assert path.x[-1] == pytest.approx(x + 70, abs=1e-3)
     assert session.named("handle_moved")

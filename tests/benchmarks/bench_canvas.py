@@ -1,0 +1,169 @@
+"""The pen's way to the screen: cost of an event, and of a sample of ink."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QInputDevice,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPointingDevice,
+    QPolygonF,
+    QTabletEvent,
+)
+from PySide6.QtWidgets import QApplication, QWidget
+
+from bozzetto.scene import LIGHT, Scene
+from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.canvas import Canvas
+from bozzetto_app.canvas.ink_overlay import InkOverlay
+from tests.benchmarks.timing import Row
+
+EVENTS = 5000
+SAMPLES = 2500
+LATE = 2000
+"""Samples after which a stroke counts as long."""
+
+
+class Quiet(QObject):
+    """A session in which nothing happens."""
+
+    scene_changed = Signal()
+    live_changed = Signal()
+    pending_changed = Signal()
+    camera_changed = Signal()
+    view_style_changed = Signal()
+    noticed = Signal(object)
+    settled = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.camera = Camera()
+        self.scene = self.live_scene = Scene()
+        self.pending = self.tools = ()
+        self.active_tool, self.shading, self.selected = "", "clay", None
+        self.show_grid = False
+
+    def set_camera(self, camera: Camera) -> None:
+        """Look from elsewhere."""
+        self.camera = camera
+        self.camera_changed.emit()
+
+    def pen_moved(self, stroke: object) -> None:
+        """Nothing."""
+
+    pen_lifted = pen_moved
+
+    def pen_cancelled(self) -> None:
+        """Nothing."""
+
+
+class Repainted(QWidget):
+    """What a first attempt does: paint the whole polyline for every sample."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.points: list[QPointF] = []
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(*LIGHT.ink), 3))
+        painter.drawPolyline(QPolygonF(self.points))
+        painter.end()
+
+
+def curve(i: int) -> tuple[float, float, float]:
+    """A long lively stroke on a sheet of 1920 × 1080."""
+    return (
+        960 + 800 * math.sin(0.013 * i) * math.cos(0.0031 * i),
+        540 + 480 * math.sin(0.0111 * i),
+        0.5 + 0.4 * math.sin(0.05 * i),
+    )
+
+
+def pen_events(widget: QWidget) -> tuple[QPointingDevice, list[QTabletEvent]]:
+    """A stroke as a tablet sends it; the device must outlive the events."""
+    capability = QInputDevice.Capability
+    device = QPointingDevice(
+        "bench pen", 7, QInputDevice.DeviceType.Stylus, QPointingDevice.PointerType.Pen,
+        capability.Position | capability.Pressure, 1, 3,
+    )  # fmt: skip
+    kinds = [QEvent.Type.TabletPress] + [QEvent.Type.TabletMove] * EVENTS
+    left, none = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
+    made = []
+    for i, kind in enumerate(kinds):
+        x, y, pressure = curve(i)
+        place = QPointF(x, y)
+        event = QTabletEvent(
+            kind, device, place, place, pressure, 3.0, 5.0, 0.0, 0.0, 0.0,
+            Qt.KeyboardModifier.NoModifier, left if i == 0 else none, left,
+        )  # fmt: skip
+        event.setTimestamp(1000 + i)
+        made.append(event)
+    return device, made
+
+
+def handler() -> Row:
+    """Microseconds from Qt's call of the handler to its return, per event."""
+    canvas = Canvas(Quiet(), LIGHT)
+    canvas.resize(1920, 1080)
+    canvas.show()
+    QApplication.processEvents()
+    _device, (press, *moves) = pen_events(canvas)
+    QApplication.sendEvent(canvas, press)
+    times = []
+    for begin in range(0, EVENTS, 100):
+        started = time.perf_counter()
+        for event in moves[begin : begin + 100]:
+            QApplication.sendEvent(canvas, event)
+        times.append((time.perf_counter() - started) / 100 * 1e6)
+        QApplication.processEvents()
+    canvas.hand.cancel()
+    canvas.close()
+    return Row("canvas", "Pen event, sent and taken", statistics.median(times), "µs", "≤ 10 µs")
+
+
+def ink() -> Row:
+    """Milliseconds per sample, painted, late in a long stroke; against repainting it all."""
+    wet, whole = InkOverlay(), Repainted()
+    for widget in (wet, whole):
+        widget.resize(1920, 1080)
+        widget.show()
+    QApplication.processEvents()
+    wet.begin()
+    ours, theirs = [], []
+    for i in range(SAMPLES):
+        sample = curve(i)
+        started = time.perf_counter()
+        wet.extend([sample])
+        QApplication.processEvents()
+        middle = time.perf_counter()
+        whole.points.append(QPointF(*sample[:2]))
+        if i >= LATE and i % 10 == 0:
+            begun = time.perf_counter()
+            whole.update()
+            QApplication.processEvents()
+            theirs.append(1e3 * (time.perf_counter() - begun))
+        if i >= LATE:
+            ours.append(1e3 * (middle - started))
+    for widget in (wet, whole):
+        widget.close()
+    return Row(
+        "canvas", f"Ink, one sample after {LATE}, 1920 × 1080", statistics.median(ours), "ms",
+        "≤ 0.1 ms", "repainting the polyline", statistics.median(theirs),
+    )  # fmt: skip
+
+
+def rows() -> list[Row]:
+    """All rows of this room."""
+    application = QApplication.instance() or QApplication([])
+    made = [handler(), ink()]
+    application.processEvents()
+    return made
