@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
 
-__all__ = ["Curve", "Mesh", "Placement", "Shapes", "Skeleton", "Solid", "Surface"]
+__all__ = ["Curve", "Mesh", "Placement", "Shapes", "Skeleton", "Solid", "Surface", "frozen"]
