@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
 
 import msgspec
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from bozzetto.document.forms import Aside, form_of
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Stroke
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.parameters import Field
 
 __all__ = [
     "EncodedState",
@@ -163,10 +167,15 @@ def state_digest(state: Any) -> bytes:
 
 def _check_parameters(state: Any) -> None:
     """Raise ValueError where a parameter is out of its range."""
-    from bozzetto.plugin.parameters import parameter_fields  # the contract imports this room
-
-    for entry in parameter_fields(type(state)):
+    for entry in _parameters(type(state)):
         try:
             entry.check(getattr(state, entry.name))
         except UserError as problem:
             raise ValueError(f"state.{entry.name}: {problem}") from problem
+
+
+@cache
+def _parameters(state_type: Hashable) -> tuple[Field, ...]:
+    from bozzetto.plugin.parameters import parameter_fields  # the contract imports this room
+
+    return parameter_fields(cast("type[Any]", state_type))

@@ -14,6 +14,7 @@ import secrets
 import socket
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Self
 
@@ -105,14 +106,8 @@ class FileLock:
         try:
             draft.write_bytes(msgspec.json.encode(mine))
             try:
-                while not _appear(draft, place):
-                    found = holder(place)
-                    if found is None and _is_fresh(place):
-                        time.sleep(POLL_SECONDS)
-                        continue
-                    if found is not None and not (force or found.is_gone):
-                        raise Locked(name, found)
-                    _set_aside(place, found)
+                while not _appear(draft, place) and not _taken_over(draft, place, name, force):
+                    time.sleep(POLL_SECONDS)
             finally:
                 with contextlib.suppress(FileNotFoundError):
                     draft.unlink()
@@ -122,8 +117,8 @@ class FileLock:
 
     def release(self) -> None:
         """Give the lock back; nothing happens if somebody took it over meanwhile."""
-        if holder(self.path) == self._mine:
-            with contextlib.suppress(FileNotFoundError):
+        with contextlib.suppress(OSError), _turn(self.path.parent):
+            if holder(self.path) == self._mine:
                 self.path.unlink()
 
     def __enter__(self) -> Self:
@@ -162,23 +157,52 @@ def _appear(draft: Path, place: Path) -> bool:
     return True
 
 
-def _is_fresh(place: Path) -> bool:
-    """Whether a lock file without content may still be about to get it."""
+def _taken_over(draft: Path, place: Path, name: str, force: bool) -> bool:
+    """Put the new lock in the place of a stale one; False to try again from the start.
+
+    Raises
+    ------
+    Locked
+        If the lock is not stale.
+    """
+    with _turn(place.parent):
+        found = holder(place)
+        if found is not None and not (force or found.is_gone):
+            raise Locked(name, found)
+        try:
+            age = time.time() - place.stat().st_mtime
+        except FileNotFoundError:  # released meanwhile
+            return False
+        if found is None and age < FRESH_SECONDS:
+            return False
+        os.replace(draft, place)
+        return True
+
+
+@contextlib.contextmanager
+def _turn(folder: Path) -> Iterator[None]:
+    """One at a time on this host: two must not take over the same stale lock.
+
+    The system ends a turn when its process dies. Where the disk knows no such locks the
+    turn is not kept.
+    """
+    if sys.platform == "win32":
+        import msvcrt
+
+        flags = os.O_RDWR | os.O_CREAT | os.O_TEMPORARY
+        handle = os.open(folder / ".bozzetto-turn", flags)
+        with contextlib.suppress(OSError):
+            msvcrt.locking(handle, msvcrt.LK_LOCK, 1)
+    else:
+        import fcntl
+
+        handle = os.open(folder, os.O_RDONLY)
+        with contextlib.suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
     try:
-        return time.time() - place.stat().st_mtime < FRESH_SECONDS
-    except FileNotFoundError:
-        return False
-
-
-def _set_aside(place: Path, stale: Holder | None) -> None:
-    """Remove a stale lock file, unless it has become somebody else's in between."""
-    aside = place.with_name(f".bozzetto-{secrets.token_hex(8)}.stale")
-    with contextlib.suppress(FileNotFoundError):
-        os.rename(place, aside)
-        if holder(aside) != stale:
-            with contextlib.suppress(FileExistsError):
-                os.link(aside, place)
-        aside.unlink()
+        yield
+    finally:
+        os.close(handle)
 
 
 def _user() -> str:
