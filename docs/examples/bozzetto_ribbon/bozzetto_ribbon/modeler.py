@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.geometry import Curve, Mesh, Shapes, Surface
 from bozzetto.plugin import Context, Job, Tool
@@ -48,7 +49,7 @@ class Ribbon:
         ink, handles = [], []
         for number, band in enumerate(state.bands):
             places, _ = middle_line(band)
-            ink.append(Lines(places, color="ghost"))
+            ink.append(Lines(places.astype(np.float32), color="ghost"))
             handles.append(Handle(str(number), point(places[0]), tip="Move this ribbon"))
         layers = [Layer("ink", tuple(ink)), Layer("handles", tuple(handles))]
         if result is not None:
@@ -68,9 +69,7 @@ class Ribbon:
             "length_mm": [
                 float(np.linalg.norm(np.diff(s.centre, axis=0), axis=1).sum()) for s in result
             ],
-            "widest_mm": [
-                float(np.linalg.norm(s.right - s.left, axis=1).max()) for s in result
-            ],
+            "widest_mm": [float(np.linalg.norm(s.right - s.left, axis=1).max()) for s in result],
         }
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
@@ -84,10 +83,10 @@ class Ribbon:
 def mesh(ribbon: Strip) -> Mesh:
     """A ribbon as triangles."""
     vertices = np.concatenate((ribbon.left, ribbon.right))
-    return Mesh(vertices, triangles(len(ribbon.centre)))
+    return Mesh(vertices.astype(np.float32), triangles(len(ribbon.centre)))
 
 
-def polyline(places: np.ndarray) -> Curve:
+def polyline(places: NDArray[np.float64]) -> Curve:
     """A curve of degree 1 through places."""
     count = len(places)
     knots = np.concatenate(([0.0], np.arange(count), [count - 1.0]))

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
@@ -37,7 +38,7 @@ class DrawRibbon:
                 places, _ = middle_line(laid_down(stroke, context))
             except UserError:
                 continue  # the stroke has just begun
-            lines.append(Lines(places, color="accent", hidden="show"))
+            lines.append(Lines(places.astype(np.float32), color="accent", hidden="show"))
         return Scene((Layer("preview", tuple(lines)),))
 
     def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
@@ -63,10 +64,11 @@ class MoveRibbon:
         """The middle line where it would be."""
         try:
             moved = self.apply(state, gesture, context)
-            places = [middle_line(b)[0] for b in moved.bands if b not in state.bands]
+            places = [middle_line(band)[0] for band in moved.bands if band not in state.bands]
         except UserError:
             return Scene()
-        return Scene((Layer("preview", tuple(Lines(p, color="accent") for p in places)),))
+        lines = tuple(Lines(line.astype(np.float32), color="accent") for line in places)
+        return Scene((Layer("preview", lines),))
 
     def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
         """The state with one ribbon moved."""
@@ -130,7 +132,7 @@ def handle_number(handle: str) -> int:
     return int(handle) if handle.isdecimal() and handle.isascii() else -1
 
 
-def point(values: np.ndarray) -> Point:
+def point(values: NDArray[np.float64]) -> Point:
     """Three plain floats: numpy's own are not stored in documents."""
     x, y, z = (float(value) for value in values)
     return x, y, z

@@ -1,0 +1,106 @@
+"""What the guide says is so: its files are the example's, its signatures the program's."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from bozzetto.plugin import hooks
+from bozzetto.plugin.hooks import hookimpl
+from bozzetto.plugin.manifest import read_manifest
+from bozzetto.plugin.testing import ModelerContract, Pen, Shell
+from bozzetto.plugin.testing.checks import CHECKS
+
+ROOT = Path(__file__).resolve().parents[3]
+EXAMPLE = ROOT / "docs" / "examples" / "bozzetto_ribbon"
+GUIDE = (ROOT / "docs" / "plugin-authors-guide.md").read_text("utf-8")
+FILES = dict(re.findall(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```\n", GUIDE, re.S))
+SIGNATURES = re.search(r"<!-- signatures -->\n```python\n(.*?)```", GUIDE, re.S)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_printed_files_are_the_examples(name):
+    assert (EXAMPLE / name).read_text("utf-8") == FILES[name]
+
+
+def test_every_source_file_is_printed():
+    sources = {
+        path.relative_to(EXAMPLE).as_posix()
+        for ending in ("py", "toml")
+        for path in EXAMPLE.rglob(f"*.{ending}")
+    }
+    assert set(FILES) == sources
+
+
+@pytest.mark.parametrize("line", SIGNATURES[1].splitlines() if SIGNATURES else [])
+def test_signatures_are_the_programs(line):
+    call = ast.parse(line, mode="eval").body
+    assert isinstance(call, ast.Call)
+    module, _, name = ast.unparse(call.func).rpartition(".")
+    actual = inspect.signature(getattr(import_module(module), name)).parameters
+    written = {ast.unparse(argument): inspect.Parameter.empty for argument in call.args}
+    for keyword in call.keywords:
+        written[keyword.arg] = ast.literal_eval(keyword.value)
+    assert list(written) == list(actual)
+    for argument, default in written.items():
+        if default is ...:
+            assert actual[argument].default is not inspect.Parameter.empty
+        else:
+            assert actual[argument].default == default, argument
+
+
+def test_all_that_a_plugin_may_import_is_mentioned():
+    for module in ("plugin", "ink", "view", "geometry", "scene"):
+        for name in import_module(f"bozzetto.{module}").__all__:
+            if name not in ("DARK", "LIGHT", "Palette", "Item", "Paint", "Placement", "Rays"):
+                assert re.search(rf"\b{name}\b", GUIDE), f"{module}.{name}"
+
+
+def test_checks_hooks_and_helpers_are_explained():
+    for check in CHECKS:
+        assert f"* `{check.name}`:" in GUIDE
+    for name in dir(hooks):
+        if name.startswith("bozzetto_"):
+            assert name in GUIDE
+    for kind in (Pen, Shell):
+        for name, member in vars(kind).items():
+            if not name.startswith("_") and inspect.isfunction(member):
+                assert re.search(rf"\b{name}\b", GUIDE), name
+
+
+def test_manifest_keys_are_explained(tmp_path):
+    """A manifest made of the keys in the guide's table is read without a warning."""
+    table = GUIDE.partition("| key | meaning |")[2].partition("\n\n")[0]
+    keys = set(re.findall(r"`(\w+)`", "\n".join(r.split("|")[1] for r in table.splitlines()[2:])))
+    values = {
+        "id": '"a.b"',
+        "title": '"T"',
+        "version": '"1"',
+        "summary": '"S"',
+        "api": '">=1,<2"',
+        "icon": '"i.svg"',
+        "hint": '"H"',
+        "samples": '["s.json"]',
+        "order": "1",
+        "listed": "false",
+        "panel": "true",
+    }
+    assert keys == values.keys()
+    top = ("id", "title", "version", "summary", "api")
+    inner = ("id", "title", "icon", "hint", "samples", "order", "listed", "panel")
+    text = "\n".join(f"{key} = {values[key]}" for key in top)
+    text += "\n[[modeler]]\n" + "\n".join(f"{key} = {values[key]}" for key in inner)
+    (tmp_path / "plugin.toml").write_text(text)
+    assert read_manifest(tmp_path).warnings == ()
+
+
+def test_short_pieces_of_code_run():
+    pieces = re.findall(r"(?<!-->\n)```python\n(.*?)```", GUIDE, re.S)
+    assert pieces
+    for piece in pieces:
+        exec(piece, {"hookimpl": hookimpl, "ModelerContract": ModelerContract})  # noqa: S102
