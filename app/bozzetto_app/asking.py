@@ -82,7 +82,9 @@ class FileQuestions:
         if path is not None:
             self._session.files.export(path)
 
-    def when_safe(self, then: Callable[[], None], refused: Callable[[], None] | None = None) -> None:
+    def when_safe(
+        self, then: Callable[[], None], refused: Callable[[], None] | None = None
+    ) -> None:
         """Do something that would lose unsaved work, after asking about it.
 
         Parameters
@@ -98,9 +100,7 @@ class FileQuestions:
         box = QMessageBox(self._window)
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(
-            tr("Files", "“{name}” has changes that are not saved.").format(
-                name=self._session.title
-            )
+            tr("Files", "“{name}” has changes that are not saved.").format(name=self._session.title)
         )
         save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
         drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)

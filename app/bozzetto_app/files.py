@@ -114,12 +114,13 @@ class Files(QObject):
 
         def work(job: Job) -> None:
             from bozzetto.document.file import write_document
+            from bozzetto.document.underlays import encode_png
             from bozzetto.scene.picture import thumbnail
 
             write_document(
                 replace(snapshot, camera=session.camera),
                 target,
-                thumbnail=thumbnail(scene, THUMBNAIL),
+                thumbnail=encode_png(thumbnail(scene, THUMBNAIL)),
                 backups=backups,
             )
 

@@ -16,6 +16,8 @@ from typing import Any, Literal
 
 from PySide6.QtCore import QObject, Signal
 
+from bozzetto.document import edit
+from bozzetto.document.edit import Edit
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.errors import Unfinished, UserError
@@ -44,6 +46,9 @@ APPLY_LIMIT = 5.0
 
 PREVIEW_LIMIT = 2.0
 """Seconds a live preview may take before it counts as hung."""
+
+FIRST_VIEW = Camera(eye=(0.0, -500.0, 90.0), target=(0.0, 0.0, 90.0))
+"""From the front, with the ground below the middle of the sheet."""
 
 GHOST_LAYER = "ink"
 """Name of the layers that hold processed ink; they can be hidden together."""
@@ -136,7 +141,7 @@ class Session(QObject):
         self.history = History(Document())
         self.path: Path | None = None
         self.read_only = False
-        self.camera = Camera()
+        self.camera = FIRST_VIEW
         self.pending: tuple[Stroke, ...] = ()
         self.live_scene = Scene()
         self.report: dict[str, Any] = {}
@@ -148,6 +153,7 @@ class Session(QObject):
         self.active_tool = ""
         self.tools: tuple[ToolInfo, ...] = ()
         self._selected: str | None = None
+        self._recovered = False
         self._scene: Scene | None = None
         self.files = Files(self)
 
@@ -176,7 +182,7 @@ class Session(QObject):
     @property
     def is_modified(self) -> bool:
         """Whether something would be lost by closing."""
-        return self.history.is_modified or bool(self.pending)
+        return self._recovered or self.history.is_modified or bool(self.pending)
 
     @property
     def modelers(self) -> tuple[ModelerInfo, ...]:
@@ -441,14 +447,16 @@ class Session(QObject):
         self.history.apply(label, document, merge_key)
         self._document_replaced()
 
-    def edit(self, change: Callable[[Document], tuple[Document, str]]) -> None:
-        """Make an edit that may refuse; each is one undo step."""
+    def edit(
+        self, change: Callable[..., Edit], *details: Any, merge_key: str | None = None
+    ) -> None:
+        """Make an edit of `bozzetto.document.edit` that may refuse; each is one undo step."""
         try:
-            document, label = change(self.document)
+            document, label = change(self.document, *details)
         except UserError as problem:
             self.complain(problem)
             return
-        self._commit(label, document)
+        self._commit(label, document, merge_key)
 
     def undo(self) -> None:
         """Take back the newest pending stroke, or else the last step."""
@@ -457,13 +465,13 @@ class Session(QObject):
             return
         self._edits.cancel()
         self._set_live(Scene())
-        if self.history.undo():
-            self._document_replaced()
+        self.history.undo()
+        self._document_replaced()
 
     def redo(self) -> None:
         """Do again what was taken back."""
-        if self.history.redo():
-            self._document_replaced()
+        self.history.redo()
+        self._document_replaced()
 
     def go_to(self, index: int) -> None:
         """Jump to a step of the history."""
@@ -510,51 +518,55 @@ class Session(QObject):
 
     def set_placement(self, model_id: str, placement: Placement) -> None:
         """Move a model."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.set_placement(document, model_id, placement))
+        self.edit(edit.place_model, model_id, placement)
 
     def rename(self, model_id: str, name: str) -> None:
         """Call a model something else."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.rename(document, model_id, name))
+        self.edit(edit.rename_model, model_id, name)
 
     def set_visible(self, model_id: str, visible: bool) -> None:
         """Show or hide a model."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.set_visible(document, model_id, visible))
+        self.edit(edit.show_model, model_id, visible)
 
     def set_locked(self, model_id: str, locked: bool) -> None:
         """Lock or unlock a model."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.set_locked(document, model_id, locked))
+        self.edit(edit.lock_model, model_id, locked)
 
     def set_color(self, model_id: str, color: tuple[int, int, int] | None) -> None:
         """Give a model a colour, or the clay again."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.set_color(document, model_id, color))
+        self.edit(edit.color_model, model_id, color)
 
     def delete(self, model_id: str) -> None:
         """Take a model out of the document."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.delete(document, model_id))
+        self.edit(edit.delete_models, [model_id])
 
     def duplicate(self, model_id: str) -> None:
         """Put a copy of a model beside it."""
-        from bozzetto.document import edit
+        self.edit(edit.duplicate_model, model_id)
 
-        self.edit(lambda document: edit.duplicate(document, model_id))
+    def set_underlay_opacity(
+        self, underlay_id: str, opacity: float, *, dragging: bool = False
+    ) -> None:
+        """Let an underlay shine through more or less."""
+        key = f"underlay {underlay_id}" if dragging else None
+        self._change_underlay(underlay_id, key, opacity=opacity)
+
+    def set_underlay_visible(self, underlay_id: str, visible: bool) -> None:
+        """Show or hide an underlay."""
+        self._change_underlay(underlay_id, None, visible=visible)
+
+    def delete_underlay(self, underlay_id: str) -> None:
+        """Take an underlay away."""
+        self.edit(edit.delete_underlay, underlay_id)
+
+    def _change_underlay(self, underlay_id: str, key: str | None, **changes: Any) -> None:
+        for underlay in self.document.underlays:
+            if underlay.id == underlay_id:
+                self.edit(edit.change_underlay, replace(underlay, **changes), merge_key=key)
 
     def move_to(self, model_id: str, index: int) -> None:
         """Change a model's place in the list."""
-        from bozzetto.document import edit
-
-        self.edit(lambda document: edit.reorder(document, model_id, index))
+        self.edit(edit.move_model, model_id, index)
 
     # -- the view --
 
@@ -594,8 +606,7 @@ class Session(QObject):
     def take_in(self, thing: Model | Underlay, label: str) -> None:
         """Put something new into the document, and select it."""
         if isinstance(thing, Underlay):
-            underlays = (*self.document.underlays, thing)
-            self._commit(label, replace(self.document, underlays=underlays))
+            self.edit(edit.add_underlay, thing)
             return
         named = replace(thing, name=self.document.unused_name(thing.name))
         self._showing.await_final(named.id)
@@ -629,8 +640,7 @@ class Session(QObject):
         self._previews.cancel()
         self._showing.forget()
         self.history = History(document)
-        if not saved:
-            self.history.mark_unsaved()
+        self._recovered = not saved
         self.path = path
         self.read_only = read_only
         self.pending = pending
@@ -650,6 +660,7 @@ class Session(QObject):
         self.path = path
         self.read_only = False
         self.history.mark_saved(snapshot)
+        self._recovered = False
         self.document_changed.emit()
 
     # -- solving and showing --

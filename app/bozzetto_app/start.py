@@ -20,7 +20,6 @@ from bozzetto_app.canvas.gl_setup import prepare
 from bozzetto_app.places import log_file, state_folder
 from bozzetto_app.session import Session
 from bozzetto_app.settings import ORGANISATION, PROGRAM, settings
-from bozzetto_app.theme import apply_theme
 from bozzetto_app.window import Window
 
 __all__ = ["application", "start"]
@@ -92,6 +91,6 @@ def _log_to_disk() -> TextIO:
     )
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     logging.getLogger().addHandler(handler)
-    file = open(state_folder() / "crash.log", "a", encoding="utf-8")  # noqa: SIM115
+    file = open(state_folder() / "crash.log", "a", encoding="utf-8")
     faulthandler.enable(file)
     return file

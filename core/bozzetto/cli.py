@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -50,6 +51,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(argv)
     from bozzetto.plugin.guard import PluginFault
 
+    logging.basicConfig(level=logging.DEBUG if options.verbose else logging.CRITICAL)
     try:
         code: int = options.run(options)
         return code
@@ -57,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complain(problem.message)
         return EXIT_ERROR
     except PluginFault as fault:
-        _complain(f"{fault} Run “bozzetto plugins check” on it, or tell its author.")
+        _complain(_words_of_fault(fault))
         return EXIT_FAULT
     except KeyboardInterrupt:
         _complain("stopped. Nothing was left half-written.")
@@ -65,8 +67,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="bozzetto", description="Draw, and get 3D. Without a command, the window opens.")
+    parser = _Parser(
+        prog="bozzetto", description="Draw, and get 3D. Without a command, the window opens."
+    )
     parser.add_argument("--version", action="version", version=f"bozzetto {__version__}")
+    parser.add_argument("-v", "--verbose", action="store_true", help="show tracebacks of faults")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     build = commands.add_parser("build", help="turn drawings into shapes")
@@ -119,6 +124,10 @@ def _complain(message: str) -> None:
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
 
 
+def _words_of_fault(fault: Exception) -> str:
+    return f"{fault} Its author can find the place with “bozzetto -v …”."
+
+
 def _workbench() -> Any:
     from bozzetto.plugin.registry import Registry
     from bozzetto.workbench import Workbench
@@ -131,6 +140,7 @@ def _workbench() -> Any:
 
 def _build(options: argparse.Namespace) -> int:
     from bozzetto.exchange.formats import find, writers
+    from bozzetto.plugin.guard import PluginFault
 
     bench = _workbench()
     modeler_id = bench.registry.resolve(options.modeler)
@@ -141,23 +151,25 @@ def _build(options: argparse.Namespace) -> int:
         if target.suffix.lower() != ".bozz":
             find(target, writers("mesh", "curves"))
     reports: list[dict[str, Any]] = []
-    failed = 0
+    code = 0
     for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
         if len(inputs) > 1:
             print(f"[{number}/{len(inputs)}] {source.name} → {target}", file=sys.stderr)
         try:
             report = _build_one(bench, modeler_id, source, target, values, bool(options.report))
-        except UserError as problem:
+        except (UserError, PluginFault) as problem:
             if len(inputs) == 1:
                 raise
-            _complain(f"{source.name}: {problem.message}")
-            failed += 1
+            fault = isinstance(problem, PluginFault)
+            words = _words_of_fault(problem) if fault else str(problem)
+            _complain(f"{source.name}: {words}")
+            code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
             continue
         reports.append({"input": str(source), "output": str(target), "report": report})
-    if options.report:
+    if options.report and reports:
         said = reports[0]["report"] if len(inputs) == 1 else {"files": reports}
         _write_text(options.report, json.dumps(said, indent=2, ensure_ascii=False) + "\n")
-    return EXIT_ERROR if failed else 0
+    return code
 
 
 def _build_one(
@@ -334,8 +346,8 @@ def _facts(path: Path) -> dict[str, Any]:
     """What a file holds, in plain JSON values."""
     import numpy as np
 
-    from bozzetto.exchange.importing import read_drawing, read_mesh
     from bozzetto.exchange.formats import find, readers
+    from bozzetto.exchange.importing import read_drawing, read_mesh
 
     if path.suffix.lower() == ".bozz":
         from bozzetto.document.file import document_info

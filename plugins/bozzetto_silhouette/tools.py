@@ -43,12 +43,14 @@ class DrawOutline:
         points = np.concatenate(on_sheet)
         if not np.isfinite(points).all():
             return Scene()
-        swollen = inflate(points)
+        swollen = inflate(points, inflation=state.inflation)
         if swollen is None:
             return Scene()
-        vertices, faces = swollen
-        vertices = vertices * (1.0, 1.0, state.inflation)
-        mesh = Mesh(sheet.to_world(vertices), faces)
+        mesh = Mesh(
+            sheet.to_world(swollen.vertices),
+            swollen.faces,
+            sheet.turn(swollen.normals).astype(np.float32),
+        )
         return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:

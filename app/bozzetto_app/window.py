@@ -1,0 +1,392 @@
+"""The window: the sheet in the middle, everything else around it and out of its way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from PySide6.QtCore import QByteArray, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QIcon
+from PySide6.QtWidgets import (
+    QApplication,
+    QDialog,
+    QDockWidget,
+    QHBoxLayout,
+    QMainWindow,
+    QMenuBar,
+    QSizePolicy,
+    QStatusBar,
+    QWidget,
+)
+
+from bozzetto.ink.drawing import Drawing
+from bozzetto_app.actions import ActionRegistry
+from bozzetto_app.asking import FileQuestions
+from bozzetto_app.canvas.canvas import Canvas
+from bozzetto_app.commands import commands_of, number_keys
+from bozzetto_app.files import recent_files
+from bozzetto_app.keeping import Keeper
+from bozzetto_app.panels.history import HistoryPanel
+from bozzetto_app.panels.modeler_bar import ModelerBar
+from bozzetto_app.panels.objects import ObjectsPanel
+from bozzetto_app.panels.parameters import ParametersPanel
+from bozzetto_app.panels.status_line import StatusLine
+from bozzetto_app.panels.tool_rail import ToolRail
+from bozzetto_app.panels.welcome_strip import WelcomeStrip
+from bozzetto_app.places import recovery_folder
+from bozzetto_app.replay import Replay
+from bozzetto_app.session import Notice, Session
+from bozzetto_app.settings import settings
+from bozzetto_app.theme import Theme, apply_theme, current_palette, palette_for
+
+__all__ = ["Window"]
+
+LAYOUT_VERSION = 1
+"""Raised when docks come or go, so that an old layout is not forced on a new window."""
+
+FIRST_SIZE = (1280, 800)
+DOCK_HEIGHTS = (190, 360, 190)
+"""Of objects, parameters and history at the first start, pixels."""
+
+THEME = "view/theme"
+RADIAL = (
+    "edit.undo",
+    "edit.redo",
+    "view.fit",
+    "view.front",
+    "view.right",
+    "view.three-quarter",
+    "edit.commit",
+    "object.delete",
+)
+"""What the radial menu offers, clockwise from the top."""
+
+
+@dataclass(frozen=True)
+class _MenuEntry:
+    """An action as the radial menu wants it."""
+
+    title: str
+    icon: QIcon
+    enabled: bool
+    registry: ActionRegistry
+    action: str
+
+    def trigger(self) -> None:
+        self.registry.run(self.action)
+
+
+class Window(QMainWindow):
+    """The one window of the program.
+
+    Parameters
+    ----------
+    session : Session
+    recovery : Path, optional
+        Folder of the recovery data; default the program's own.
+    """
+
+    def __init__(self, session: Session, recovery: Path | None = None) -> None:
+        super().__init__()
+        self.setObjectName("window")
+        self.session = session
+        self.files = FileQuestions(session, self)
+        self.keeper = Keeper(session, recovery or recovery_folder())
+        self._dress(Theme(settings().value(THEME, Theme.SYSTEM.value)))
+        self.canvas = Canvas(session, current_palette(), self)
+        self.actions_ = ActionRegistry(self, self.canvas)
+        self.canvas.menu_entries = self._radial_entries
+        self._replay: Replay | None = None
+        self._closing = False
+
+        self.status = StatusLine(session)
+        self.status.details_wanted.connect(self._show_details)
+        self.modelers = ModelerBar(session)
+        self.setCentralWidget(self._middle())
+        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
+        self.parameters = ParametersPanel(session)
+        self._docks = [
+            self._dock(ObjectsPanel(session)),
+            self._dock(self.parameters),
+            self._dock(HistoryPanel(session)),
+        ]
+        self.welcome = self._welcome()
+        self.actions_.register(*commands_of(self), *number_keys(self))
+        self.setMenuWidget(self._top())
+        self.setStatusBar(self._bottom())
+
+        session.document_changed.connect(self._show_title)
+        for signal in (
+            session.document_changed,
+            session.selection_changed,
+            session.pending_changed,
+            session.view_style_changed,
+            session.modeler_changed,
+        ):
+            signal.connect(self.actions_.refresh)
+        self.canvas.hand.ink_began.connect(self._ink_began)
+        self._restore_layout()
+        self._show_title()
+        if session.modelers and not session.active_modeler:
+            session.activate_modeler(session.modelers[0].id)
+        self.canvas.show_hint(session.hint)
+        self.canvas.setFocus()
+
+    # -- putting it together --
+
+    def _top(self) -> QWidget:
+        """Menus on the left, the row of modelers on the right."""
+        top = QWidget()
+        top.setObjectName("top")
+        menus = QMenuBar(top)
+        self.actions_.attach(menus)
+        menus.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
+        row = QHBoxLayout(top)
+        row.setContentsMargins(4, 0, 0, 0)
+        row.setSpacing(16)
+        row.addWidget(menus, 0, Qt.AlignmentFlag.AlignVCenter)
+        row.addStretch(1)
+        row.addWidget(self.modelers)
+        return top
+
+    def _middle(self) -> QWidget:
+        """Rail and sheet side by side."""
+        middle = QWidget()
+        row = QHBoxLayout(middle)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)
+        row.addWidget(ToolRail(self.session))
+        row.addWidget(self.canvas, 1)
+        return middle
+
+    def _bottom(self) -> QStatusBar:
+        """The status line over the whole width."""
+        bar = QStatusBar()
+        bar.setSizeGripEnabled(False)
+        bar.setContentsMargins(0, 0, 0, 0)
+        bar.addPermanentWidget(self.status, 1)
+        return bar
+
+    def _dock(self, panel: QWidget, *, side: Qt.DockWidgetArea | None = None) -> QDockWidget:
+        dock = QDockWidget(panel.windowTitle(), self)
+        dock.setObjectName(f"dock-{panel.objectName()}")
+        dock.setWidget(panel)
+        dock.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetMovable)
+        self.addDockWidget(side or Qt.DockWidgetArea.RightDockWidgetArea, dock)
+        return dock
+
+    def _welcome(self) -> QDockWidget:
+        strip = WelcomeStrip(self.session, recent_files())
+        strip.sample_chosen.connect(self._open_sample)
+        strip.sample_watched.connect(self.watch)
+        strip.recent_chosen.connect(self.open)
+        dock = self._dock(strip, side=Qt.DockWidgetArea.LeftDockWidgetArea)
+        strip.closed.connect(dock.hide)
+        return dock
+
+    def _radial_entries(self) -> Sequence[_MenuEntry]:
+        self.actions_.refresh()
+        entries = []
+        for name in RADIAL:
+            made = self.actions_.qaction(name)
+            title = made.text().replace("&", "").split(",")[0]
+            entries.append(_MenuEntry(title, made.icon(), made.isEnabled(), self.actions_, name))
+        return entries
+
+    # -- the layout is remembered --
+
+    def _restore_layout(self) -> None:
+        self.resize(*FIRST_SIZE)
+        kept = settings()
+        geometry, state = kept.value("window/geometry"), kept.value("window/state")
+        if isinstance(geometry, QByteArray):
+            self.restoreGeometry(geometry)
+        if isinstance(state, QByteArray):
+            self.restoreState(state, LAYOUT_VERSION)
+        else:
+            self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
+        self.welcome.setVisible(not len(self.session.document))
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        if self._closing or not self.session.is_modified:
+            self._leave()
+            event.accept()
+            return
+        event.ignore()
+        QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
+
+    def _close_now(self) -> None:
+        self._closing = True
+        self.close()
+
+    def _leave(self) -> None:
+        kept = settings()
+        kept.setValue("window/geometry", self.saveGeometry())
+        kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
+        self.keeper.close()
+
+    # -- documents --
+
+    def open(self, path: Path) -> None:
+        """Open a document once unsaved work is safe."""
+        self.files.when_safe(lambda: self.session.open(path))
+
+    def _open_sample(self, modeler_id: str, path: Path) -> None:
+        self.session.activate_modeler(modeler_id)
+        self.session.import_file(path)
+
+    def watch(self, modeler_id: str, path: Path) -> None:
+        """Play a recorded drawing, stroke by stroke, on an empty sheet."""
+        from bozzetto.exchange.importing import read_drawing
+
+        def begin() -> None:
+            drawing = read_drawing(path)
+            self.session.files.new()
+            self.session.activate_modeler(modeler_id)
+            self._play(drawing)
+
+        self.files.when_safe(begin)
+
+    def _play(self, drawing: Drawing) -> None:
+        if self._replay is not None:
+            self._replay.stop()
+        self.session.set_camera(drawing.camera.with_viewport(*self.session.camera.viewport))
+        self._replay = Replay(self.session, drawing, parent=self)
+        self._replay.start()
+
+    def offer_recovery(self) -> None:
+        """Ask about drawings that a crash left behind, if there are any."""
+        crashed = self.keeper.crashed()
+        if crashed:
+            from bozzetto_app.dialogs.recovery import RecoveryDialog
+
+            self._show(
+                RecoveryDialog(
+                    crashed, lambda one: self.keeper.recover(one, lambda back: None), self
+                )
+            )
+
+    # -- what the commands need --
+
+    def toggle_visible(self) -> None:
+        """Show or hide the selected object."""
+        model = self.session.selected_model
+        if model is not None:
+            self.session.set_visible(model.id, not model.visible)
+
+    def toggle_locked(self) -> None:
+        """Lock or unlock the selected object."""
+        model = self.session.selected_model
+        if model is not None:
+            self.session.set_locked(model.id, not model.locked)
+
+    @property
+    def panels_shown(self) -> bool:
+        """Whether any dock is open."""
+        return any(not dock.isHidden() for dock in self._docks)
+
+    def toggle_panels(self) -> None:
+        """Hide all docks, or show them again."""
+        shown = not self.panels_shown
+        for dock in self._docks:
+            dock.setVisible(shown)
+        if not shown:
+            self.welcome.hide()
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether the dark theme is on."""
+        return current_palette().name == "dark"
+
+    def toggle_theme(self) -> None:
+        """Change between the light and the dark theme, and remember it."""
+        self.set_theme(Theme.LIGHT if self.is_dark else Theme.DARK)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Dress the program."""
+        settings().setValue(THEME, theme.value)
+        self._dress(theme)
+        self.canvas.set_palette(current_palette())
+        self.actions_.retint()
+
+    def _dress(self, theme: Theme) -> None:
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        apply_theme(application, palette_for(theme))
+
+    # -- dialogs --
+
+    def open_palette(self) -> None:
+        """Find a command by name."""
+        from bozzetto_app.dialogs.command_palette import CommandPalette
+
+        palette = CommandPalette(
+            self.actions_,
+            self.session,
+            self,
+            recent=recent_files,
+            open_document=self.open,
+            focus_parameter=self.parameters.focus_parameter,
+        )
+        palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        palette.open_over(self)
+
+    def open_shortcuts(self) -> None:
+        """List keys and gestures."""
+        from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
+
+        self._show(ShortcutsDialog(self.actions_, self))
+
+    def open_preferences(self) -> None:
+        """Change what the program remembers."""
+        from bozzetto_app.dialogs.preferences import PreferencesDialog
+
+        dialog = PreferencesDialog(self)
+        dialog.theme_chosen.connect(self.set_theme)
+        dialog.changed.connect(self.canvas.read_settings)
+        dialog.pen_tester_wanted.connect(self.open_pen_tester)
+        self._show(dialog)
+
+    def open_pen_tester(self) -> None:
+        """Try the pen."""
+        from bozzetto_app.dialogs.pen_tester import PenTester
+
+        dialog = PenTester(self)
+        dialog.finished.connect(self.canvas.read_settings)
+        self._show(dialog)
+
+    def open_plugins(self) -> None:
+        """See the plugins, switch them on and off."""
+        from bozzetto_app.dialogs.plugin_manager import PluginManager
+
+        self._show(PluginManager(self.session, self))
+
+    def open_about(self) -> None:
+        """Say who this is."""
+        from bozzetto_app.dialogs.about import AboutDialog
+
+        self._show(AboutDialog(self.canvas.describe_viewport(), self))
+
+    def _show_details(self, notice: Notice) -> None:
+        from bozzetto_app.dialogs.fault_details import FaultDetails
+
+        self._show(FaultDetails(notice.text, notice.details, self))
+
+    def _show(self, dialog: QDialog) -> None:
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setModal(False)
+        dialog.show()
+
+    # -- small things --
+
+    def _ink_began(self) -> None:
+        self.status.gesture_began()
+        if self._replay is not None:
+            self._replay.stop()
+            self._replay = None
+
+    def _show_title(self) -> None:
+        self.setWindowTitle(f"{self.session.title}[*] — Bozzetto")
+        self.setWindowModified(self.session.is_modified)

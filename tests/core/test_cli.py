@@ -1,0 +1,222 @@
+"""The command line, as a person would use it."""
+
+from __future__ import annotations
+
+import json
+import struct
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from bozzetto.cli import main
+
+SQUARE = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="-10 -10 60 60">'
+    '<path d="M0,0 L40,0 L40,30 L0,30 Z"/></svg>'
+)
+RING = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'
+    '<circle cx="50" cy="50" r="40"/><circle cx="50" cy="50" r="20"/></svg>'
+)
+EIGHT = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'
+    '<path d="M10,10 L90,90 L90,10 L10,90 Z"/></svg>'
+)
+
+
+class Finished(NamedTuple):
+    """What a finished command leaves."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def bozzetto(tmp_path, monkeypatch, capfd):
+    """Run a command in an empty folder, in this process: most of a second is saved each time."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        capfd.readouterr()
+        try:
+            code = main([str(word) for word in words])
+        except SystemExit as end:
+            code = end.code
+        return Finished(code, *capfd.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def square(tmp_path):
+    path = tmp_path / "square.svg"
+    path.write_text(SQUARE)
+    return path
+
+
+def read_stl(path: Path) -> np.ndarray:
+    """Triangle corners of a binary STL, read by hand; shape (n, 3, 3)."""
+    data = path.read_bytes()
+    (count,) = struct.unpack_from("<I", data, 80)
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
+    return np.frombuffer(data, record, count, 84)["corners"]
+
+
+def refused(process) -> str:
+    """The one line of an error; fails where there is more, or a traceback."""
+    assert process.returncode == 2, process
+    lines = process.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("error: "), process.stderr
+    return lines[0]
+
+
+def test_an_svg_point_lies_at_x_0_minus_y(bozzetto, square, tmp_path):
+    process = bozzetto("build", "silhouette", square, "-o", "out.stl")
+    assert process.returncode == 0, process.stderr
+    corners = read_stl(tmp_path / "out.stl").reshape(-1, 3)
+    assert corners[:, 0].min() == pytest.approx(0, abs=0.05)
+    assert corners[:, 0].max() == pytest.approx(40, abs=0.05)
+    assert corners[:, 2].min() == pytest.approx(-30, abs=0.05)
+    assert corners[:, 2].max() == pytest.approx(0, abs=0.05)
+    assert corners[:, 1].max() == pytest.approx(-corners[:, 1].min(), rel=1e-3)
+
+
+def test_every_format_is_written_and_described(bozzetto, square, tmp_path):
+    for ending in ("stl", "3mf", "glb", "obj", "ply", "bozz"):
+        process = bozzetto("build", "silhouette", square, "-o", f"out.{ending}")
+        assert process.returncode == 0, process.stderr
+        assert (tmp_path / f"out.{ending}").stat().st_size > 500
+    facts = json.loads(bozzetto("info", "out.ply", "--json").stdout)
+    assert facts["kind"] == "mesh" and facts["parts"] == 1
+    assert facts["size_mm"][0] == pytest.approx(40, abs=0.1)
+    facts = json.loads(bozzetto("info", "out.bozz", "--json").stdout)
+    assert facts["plugins"] == ["bozzetto.silhouette"]
+    assert json.loads(bozzetto("info", square, "--json").stdout)["strokes"] == 1
+
+
+def test_inflation_deepens_and_keeps_the_silhouette(bozzetto, square, tmp_path):
+    sizes = {}
+    for inflation in ("0.5", "1", "2"):
+        process = bozzetto(
+            "build", "silhouette", square, "-o", "out.stl", "--set", f"inflation={inflation}"
+        )
+        assert process.returncode == 0, process.stderr
+        sizes[inflation] = np.ptp(read_stl(tmp_path / "out.stl").reshape(-1, 3), axis=0)
+    assert sizes["2"][1] == pytest.approx(4 * sizes["0.5"][1], rel=0.03)
+    for inflation in sizes:
+        assert sizes[inflation][[0, 2]] == pytest.approx(sizes["1"][[0, 2]], rel=2e-3)
+
+
+def test_a_report_says_how_true_the_shape_is(bozzetto, tmp_path):
+    (tmp_path / "ring.svg").write_text(RING)
+    process = bozzetto("build", "silhouette", "ring.svg", "-o", "r.stl", "--report", "r.json")
+    assert process.returncode == 0, process.stderr
+    (part,) = json.loads((tmp_path / "r.json").read_text())["parts"]
+    assert part["genus"] == part["expected_genus"] == 1
+    assert part["iou"] > 0.99 and part["watertight"] is True
+
+
+def test_several_inputs_go_to_a_folder_with_progress(bozzetto, square, tmp_path):
+    (tmp_path / "ring.svg").write_text(RING)
+    (tmp_path / "eight.svg").write_text(EIGHT)
+    process = bozzetto(
+        "build", "silhouette", "square.svg", "eight.svg", "ring.svg",
+        "-o", "out/", "--format", "stl", "--report", "all.json",
+    )  # fmt: skip
+    assert process.returncode == 2
+    assert "[3/3]" in process.stderr and "error: eight.svg:" in process.stderr
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["ring.stl", "square.stl"]
+    files = json.loads((tmp_path / "all.json").read_text())["files"]
+    assert [Path(entry["input"]).name for entry in files] == ["square.svg", "ring.svg"]
+
+
+def test_a_document_is_exported_and_rendered(bozzetto, square, tmp_path):
+    bozzetto("build", "silhouette", square, "-o", "a.stl")
+    bozzetto("build", "silhouette", square, "-o", "doc.bozz")
+    process = bozzetto("export", "doc.bozz", "-o", "b.stl", "--object", "square")
+    assert process.returncode == 0, process.stderr
+    assert np.array_equal(read_stl(tmp_path / "a.stl"), read_stl(tmp_path / "b.stl"))
+    process = bozzetto("render", "doc.bozz", "-o", "p.png", "--size", "320x200", "--theme", "dark")
+    assert process.returncode == 0, process.stderr
+    from PIL import Image
+
+    with Image.open(tmp_path / "p.png") as picture:
+        assert picture.size == (320, 200)
+        colors = np.asarray(picture.convert("RGB")).reshape(-1, 3)
+    assert len(np.unique(colors, axis=0)) > 50
+    assert "no object nothing" in refused(
+        bozzetto("export", "doc.bozz", "-o", "c.stl", "--object", "nothing")
+    )
+    with zipfile.ZipFile(tmp_path / "doc.bozz") as archive:
+        assert archive.testzip() is None
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("build", "silhouette", "missing.svg", "-o", "x.stl"), "missing.svg"),
+        (("build", "nonsense", "square.svg", "-o", "x.stl"), "bozzetto.silhouette"),
+        (("build", "silhouette", "square.svg", "-o", "x.xyz"), ".stl"),
+        (("build", "silhouette", "square.svg", "-o", "x"), ".stl"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--set", "inflation=9"), "0.2"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--set", "inflation"), "NAME=VALUE"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--set", "colour=2"), "inflation"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--set", "inflation=nan"), "finite"),
+        (("build", "silhouette", "square.svg", "square.svg", "-o", "x.stl"), "--format"),
+        (("build", "silhouette", "eight.svg", "-o", "x.stl"), "crosses itself"),
+        (("build", "silhouette", "empty.svg", "-o", "x.stl"), "empty"),
+        (("build", "silhouette", "bad.json", "-o", "x.stl"), "bad.json"),
+        (("export", "square.svg", "-o", "x.stl"), ""),
+        (("export", "bad.bozz", "-o", "x.stl"), ""),
+        (("render", "bad.bozz", "-o", "x.png"), ""),
+        (("render", "square.svg", "-o", "x.png"), ""),
+        (("info", "bad.bozz"), ""),
+        (("plugins", "check"), "NAME"),
+        (("nonsense",), "invalid choice"),
+        ((), "required"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(bozzetto, square, tmp_path, words, said):
+    (tmp_path / "eight.svg").write_text(EIGHT)
+    (tmp_path / "empty.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"/>')
+    (tmp_path / "bad.json").write_text('{"format": "bozzetto-ink/1"}')
+    (tmp_path / "bad.bozz").write_bytes(b"PK\x03\x04 not a zip at all")
+    before = sorted(tmp_path.iterdir())
+    assert said.lower() in refused(bozzetto(*words)).lower()
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_an_older_file_survives_a_refusal(bozzetto, square, tmp_path):
+    (tmp_path / "eight.svg").write_text(EIGHT)
+    (tmp_path / "x.stl").write_bytes(b"precious")
+    refused(bozzetto("build", "silhouette", "eight.svg", "-o", "x.stl"))
+    assert (tmp_path / "x.stl").read_bytes() == b"precious"
+
+
+def test_the_module_is_a_program(tmp_path):
+    process = subprocess.run(
+        [sys.executable, "-m", "bozzetto.cli", "build", "silhouette", "no.svg", "-o", "x.stl"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert "no.svg" in refused(Finished(process.returncode, process.stdout, process.stderr))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_plugins_are_listed(bozzetto):
+    process = bozzetto("plugins")
+    assert process.returncode == 0
+    assert "bozzetto.silhouette" in process.stdout and "bozzetto.mesh" in process.stdout
+
+
+def test_a_bundled_plugin_passes_its_check(bozzetto):
+    process = bozzetto("plugins", "check", "bozzetto_silhouette")
+    assert process.returncode == 0, process.stdout + process.stderr
