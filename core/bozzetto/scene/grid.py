@@ -56,7 +56,9 @@ def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
     step = grid_step(camera)
     middle = np.round(np.asarray(camera.target[:2]) / step)
     radius = REACH * step
-    points, widths, starts = [], [], []
+    points: list[NDArray[np.float64]] = []
+    widths: list[NDArray[np.float64]] = []
+    starts: list[int] = []
     for axis in (0, 1):
         for k in range(-REACH, REACH + 1):
             number = middle[axis] + k
@@ -79,12 +81,11 @@ def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
     for axis, color in ((1, "accent"), (0, "second")):
         if abs(middle[axis]) <= REACH:
             line = _line(axis, 0.0, middle * step, radius, height)
-            width = AXIS_WIDTH * _fading(middle[axis] / REACH)
             items.append(
                 Lines(
                     line.astype(np.float32),
                     color=color,
-                    width=width.astype(np.float32),
+                    width=(AXIS_WIDTH * _fading(middle[axis] / REACH)).astype(np.float32),
                     opacity=AXIS_OPACITY,
                     hidden="hide",
                 )

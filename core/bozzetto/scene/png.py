@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
+import io
 import os
-import tempfile
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["write_png"]
+from bozzetto.exchange.files import write_bytes
+
+__all__ = ["png_bytes", "write_png"]
+
+
+def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
+    """A picture as the content of a PNG file.
+
+    Parameters
+    ----------
+    pixels : (h, w, 4) uint8
+        RGBA, straight alpha.
+
+    Raises
+    ------
+    ValueError
+        If the array is not a picture.
+    """
+    from PIL import Image
+
+    if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8 or not pixels.size:
+        raise ValueError("a picture needs the shape (height, width, 4), bytes, and pixels")
+    stream = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(pixels), "RGBA").save(stream, "PNG")
+    return stream.getvalue()
 
 
 def write_png(path: str | os.PathLike[str], pixels: NDArray[np.uint8]) -> None:
@@ -24,23 +47,9 @@ def write_png(path: str | os.PathLike[str], pixels: NDArray[np.uint8]) -> None:
 
     Raises
     ------
-    OSError
+    UserError
         If the file cannot be written; an existing one is then unchanged.
     ValueError
         If the array is not a picture.
     """
-    from PIL import Image
-
-    if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8:
-        raise ValueError("a picture needs the shape (height, width, 4) and bytes")
-    target = Path(path)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}-", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            Image.fromarray(np.ascontiguousarray(pixels), "RGBA").save(file, "PNG")
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(name, target)
-    except BaseException:
-        os.unlink(name)
-        raise
+    write_bytes(path, png_bytes(pixels))

@@ -335,6 +335,16 @@ def test_handles_and_labels_lie_on_top():
     assert (np.abs(image - shot(scene_of(WALL, Handle("h", (0, 0, 0)))))[45:70, 35:55] > 60).any()
 
 
+@pytest.mark.parametrize("behind", [Lines(LINE, width=7), Points([(0.0, 0.0, 0.25)], size=9)])
+def test_behind_glass_ink_is_seen_through_it(behind):
+    glass = Shaded(sheet(60, y=-20.0), "second", 0.4)
+    alone = shot(scene_of(Shaded(glass.mesh, "second")))[50, 60, :3]
+    image = shot(scene_of(behind, glass))
+    np.testing.assert_allclose(image[49, 60, :3], 0.4 * alone + 0.6 * np.array(LIGHT.ink), atol=2)
+    before = Shaded(sheet(60, y=20.0), "second", 0.4)
+    np.testing.assert_array_equal(shot(scene_of(behind, before))[49, 60, :3], LIGHT.ink)
+
+
 # -- pictures on rectangles --------------------------------------------------------------------
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Sheet", "lay_over"]
+__all__ = ["Sheet", "lay_over", "veil_of"]
 
 Floats = NDArray[np.float32]
 
@@ -36,9 +36,7 @@ class Sheet:
     def before(self, surface: Floats) -> Sheet:
         """The part that no opaque surface (nearness at every pixel) hides."""
         keep = self.nearness >= surface[self.pixel]
-        return Sheet(
-            self.pixel[keep], self.nearness[keep], self.color[keep], self.opacity[keep]
-        )
+        return Sheet(self.pixel[keep], self.nearness[keep], self.color[keep], self.opacity[keep])
 
 
 def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
@@ -74,6 +72,18 @@ def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
     for end in ends.tolist():
         _blend(pixels, every, order[by_rank[begin:end]])
         begin = end
+
+
+def veil_of(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
+    """The nearest sheet at each pixel: its nearness (−inf for none) and its opacity."""
+    nearness = np.full(count, -np.inf, np.float32)
+    opacity = np.zeros(count, np.float32)
+    for sheet in sheets:
+        nearer = sheet.nearness > nearness[sheet.pixel]
+        pixel = sheet.pixel[nearer]
+        nearness[pixel] = sheet.nearness[nearer]
+        opacity[pixel] = sheet.opacity[nearer]
+    return nearness, opacity
 
 
 def _keys(every: Sheet) -> NDArray[np.uint64]:

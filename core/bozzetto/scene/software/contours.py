@@ -77,7 +77,7 @@ def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     steep = np.float32(stride) / np.maximum(near, np.float32(1.0 / STEEPEST))
     expected = depth + steep * ((mean_column - column) * across - (mean_row - row) * up)
     below = np.where(there, expected - mean, 0.0) / np.float32(stride * REACH)
-    dark = np.float32(DEEPEST) * np.clip(below, 0.0, 1.0)
+    dark = (np.float32(DEEPEST) * np.clip(below, 0.0, 1.0)).astype(np.float32)
     # Carried one place over the border, for the interpolation there.
     carried, share = _spread(dark), _spread(weight)
     dark = np.where(there, dark, carried / np.maximum(share, np.float32(1e-6)))

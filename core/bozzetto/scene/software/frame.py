@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import groupby, product
 
 import numpy as np
@@ -15,7 +16,7 @@ from bozzetto.scene.software.labels import draw_label
 from bozzetto.scene.software.shading import Shading
 from bozzetto.scene.software.sight import Sight, sight_of
 from bozzetto.scene.software.strokes import BIAS, Canvas, draw_discs, draw_lines, draw_points
-from bozzetto.scene.software.surfaces import draw_surfaces
+from bozzetto.scene.software.surfaces import Veil, draw_surfaces
 from bozzetto.view.camera import Camera
 
 __all__ = ["MOST_PIXELS", "render"]
@@ -145,19 +146,33 @@ def _drawn(
     pixels = np.full((h * w, 4), paper, np.float32)
     sight = sight_of(camera, height, width, window)
     surfaces = [item for item in items if isinstance(item, Shaded | Image)]
-    surface = np.full((h, w), -np.inf, np.float32)
+    canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
     part = _occupied(surfaces, sight)
     if part is not None:
         x, y, part_w, part_h = part
         inner = (window[0] + x, window[1] + y, part_w, part_h)
         fine = sight_of(camera, height, width, inner, fineness)
-        grid = pixels.reshape(h, w, 4)[y : y + part_h, x : x + part_w]
         samples = np.full((fine.height * fine.width, 4), paper, np.float32)
-        nearness = draw_surfaces(samples, surfaces, fine, palette, shading, fineness)
-        grid[:] = _reduced(samples.reshape(fine.height, fine.width, 4), fineness)
-        limit = _threshold(nearness.reshape(fine.height, fine.width), fineness)
-        surface[y : y + part_h, x : x + part_w] = sight.backed(limit, BIAS * scale)
-    _draw_marks(Canvas(pixels, surface, sight, scale), items, palette)
+        drawn = draw_surfaces(samples, surfaces, fine, palette, shading, fineness)
+        inside = np.s_[y : y + part_h, x : x + part_w]
+
+        def rows(values: Floats) -> Floats:
+            return values.reshape(fine.height, fine.width, *values.shape[1:])
+
+        def limit(nearness: Floats) -> Floats:
+            return sight.backed(_threshold(rows(nearness), fineness), BIAS * scale)
+
+        pixels.reshape(h, w, 4)[inside] = _reduced(rows(samples), fineness)
+        canvas.surface[inside] = limit(drawn.nearness)
+        if drawn.veil is not None:
+            veil = Veil(
+                np.full((h, w), -np.inf, np.float32), np.zeros((h, w), np.float32), pixels.copy()
+            )
+            veil.nearness[inside] = limit(drawn.veil.nearness)
+            veil.opacity[inside] = _reduced(rows(drawn.veil.opacity), fineness)
+            veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
+            canvas = replace(canvas, veil=veil)
+    _draw_marks(canvas, items, palette)
     return pixels
 
 
@@ -232,12 +247,10 @@ def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None
         for item in batch:
             if isinstance(item, Points):
                 draw_points(canvas, item, color)
-    for item in items:
-        if isinstance(item, Handle):
-            _draw_handle(canvas, item, palette)
-    for item in items:
-        if isinstance(item, Label):
-            draw_label(canvas, item, palette)
+    for handle in (item for item in items if isinstance(item, Handle)):
+        _draw_handle(canvas, handle, palette)
+    for label in (item for item in items if isinstance(item, Label)):
+        draw_label(canvas, label, palette)
 
 
 def _style(item: Lines | Points) -> tuple[str | tuple[int, int, int], float, str, bool]:

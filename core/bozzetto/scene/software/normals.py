@@ -88,11 +88,10 @@ def _grouped_normals(
     i, j = order[i], order[j]
     gentle = np.einsum("ij,ij->i", flat[face[i]], flat[face[j]]) >= CREASE
     i, j = i[gentle], j[gentle]
-    total = np.stack(
-        [np.bincount(i, area[face[j], axis], len(face)) for axis in range(3)], axis=1
-    )
+    total = np.stack([np.bincount(i, area[face[j], axis], len(face)) for axis in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.divide(total, length, out=flat[face], where=length > 0).astype(np.float32)
+    mean = np.divide(total, length, out=flat[face], where=length > 0)
+    return np.asarray(mean, np.float32)
 
 
 def mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
@@ -119,4 +118,4 @@ def _mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
     bend = np.divide(bend, square, out=np.zeros_like(bend), where=square > 0)
     total = np.bincount(begin, bend, count) + np.bincount(end, bend, count)
     edges = np.bincount(begin, minlength=count) + np.bincount(end, minlength=count)
-    return (total / np.maximum(edges, 1)).astype(np.float32)
+    return np.asarray(total / np.maximum(edges, 1), np.float32)

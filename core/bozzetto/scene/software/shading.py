@@ -181,7 +181,7 @@ def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
     if cavity is not None:
         light *= np.float32(1) - cavity
     light[seen.inside] *= np.float32(INSIDE)
-    return light
+    return np.asarray(light, np.float32)
 
 
 def ramp(color: Color) -> Floats:
@@ -236,7 +236,7 @@ def colored(
     if len(own):
         white = ramp((255, 255, 255))[step[own]]
         result[own] = seen.color[own, :3] * white / np.float32(255)
-    return result
+    return np.asarray(result, np.float32)
 
 
 def _zebra(normal: Floats) -> Floats:
@@ -247,7 +247,7 @@ def _zebra(normal: Floats) -> Floats:
     """
     tilt = np.arctan2(normal[1], normal[2])
     wave = np.sin(np.float32(2.0 * ZEBRA_STRIPES) * tilt)
-    return np.clip(wave * np.float32(3.0) + np.float32(0.5), 0.0, 1.0)
+    return np.asarray(np.clip(wave * np.float32(3.0) + np.float32(0.5), 0.0, 1.0), np.float32)
 
 
 def curvature_colors(curvature: Floats, palette: Palette) -> Floats:
@@ -262,4 +262,4 @@ def curvature_colors(curvature: Floats, palette: Palette) -> Floats:
     cool = np.array(palette.second, np.float32) - base
     value = value[:, None].astype(np.float32)
     rgb = base + warm * np.maximum(value, 0) + cool * np.maximum(-value, 0)
-    return np.concatenate((rgb, np.full((len(rgb), 1), 255, np.float32)), 1)
+    return np.asarray(np.concatenate((rgb, np.full((len(rgb), 1), 255)), 1), np.float32)

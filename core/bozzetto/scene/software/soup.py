@@ -152,9 +152,11 @@ def _cut(soup: Soup, faces: Index, corners: Index, near: float, *, keep_first: b
         part = soup.part
     else:
         b, c = faces[:, 1], faces[:, 2]
-        n_b, n_c = corners[:, 1], corners[:, 2]
+        at_b, at_c = corners[:, 1], corners[:, 2]
         new_faces = np.concatenate((np.stack((on_ab, b, c), 1), np.stack((on_ab, c, on_ac), 1)))
-        new_corners = np.concatenate((np.stack((n_ab, n_b, n_c), 1), np.stack((n_ab, n_c, n_ac), 1)))
+        new_corners = np.concatenate(
+            (np.stack((n_ab, at_b, at_c), 1), np.stack((n_ab, at_c, n_ac), 1))
+        )
         part = np.concatenate((soup.part, soup.part))
     return Soup(
         np.concatenate((soup.places, *places)),

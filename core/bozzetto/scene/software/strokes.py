@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto.scene.display_list import Lines, Points
 from bozzetto.scene.software.sight import Sight
+from bozzetto.scene.software.surfaces import Veil
 
 __all__ = ["Canvas", "draw_discs", "draw_lines", "draw_points"]
 
@@ -33,6 +34,9 @@ DASHED_OPACITY = 0.5
 DASH, GAP = 5.0, 4.0
 """Lengths along a dashed line, px."""
 
+COVERED, VEILED = 1, 2
+"""Flags of what lies behind something opaque and behind something translucent."""
+
 STEPS_AT_ONCE = 500_000
 """Steps along lines worked on in one sweep; bounds the memory used."""
 
@@ -50,6 +54,9 @@ class Canvas:
         Red, green, blue (0 … 255, already multiplied by opacity), opacity (0 … 1).
     surface : (h, w) float32
         Nearness below which opaque surfaces hide a line at each pixel; −inf for none.
+    veil : Veil or None
+        What translucent meshes do to the lines behind them; nearness and opacity are
+        shaped (h, w).
     sight : Sight
     scale : float
         Device pixels per pixel of width.
@@ -57,13 +64,36 @@ class Canvas:
 
     pixels: Floats
     surface: Floats
+    veil: Veil | None
     sight: Sight
     scale: float
 
+    def behind(
+        self, x: NDArray[np.floating], y: NDArray[np.floating], nearness: Floats
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which places lie behind an opaque surface, and which behind a translucent one."""
+        height, width = self.surface.shape
+        pixel = np.clip(y, 0, height - 1).astype(np.intp) * width
+        pixel += np.clip(x, 0, width - 1).astype(np.intp)
+        covered = nearness < self.surface.ravel()[pixel]
+        if self.veil is None:
+            return covered, np.zeros(len(pixel), bool)
+        return covered, nearness < self.veil.nearness.ravel()[pixel]
+
     def cover(
-        self, pixel: NDArray[np.intp], share: Floats, color: NDArray[np.floating], opacity: float
+        self,
+        pixel: NDArray[np.intp],
+        share: Floats,
+        color: NDArray[np.floating],
+        opacity: float,
+        *,
+        veiled: bool = False,
     ) -> None:
-        """Lay a colour over pixels, each covered in part; where named twice, most counts."""
+        """Lay a colour over pixels, each covered in part; where named twice, most counts.
+
+        Behind a veil, what the colour changes in the picture without the veil is seen
+        through it.
+        """
         if not len(pixel):
             return
         first = int(pixel.min())
@@ -73,7 +103,12 @@ class Canvas:
         alpha = (coverage[touched] * np.float32(opacity))[:, None]
         touched += first
         paint = np.append(np.asarray(color, np.float32), np.float32(1))
-        self.pixels[touched] += alpha * (paint - self.pixels[touched])
+        if not veiled or self.veil is None:
+            self.pixels[touched] += alpha * (paint - self.pixels[touched])
+            return
+        alpha *= 1 - self.veil.opacity.ravel()[touched][:, None]
+        changed = self.pixels[touched] + alpha * (paint - self.veil.behind[touched])
+        self.pixels[touched] = np.clip(changed, 0, np.array((255, 255, 255, 1), np.float32))
 
 
 def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) -> None:
@@ -101,10 +136,12 @@ def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) 
         part = slice(first, last)
         found.append(_spread(_walked(begin[part], end[part], steps[part]), canvas, hidden))
         first = last
-    pixel, share, covered = (np.concatenate(column) for column in zip(*found, strict=True))
+    pixel, share, flag = (np.concatenate(column) for column in zip(*found, strict=True))
     faint = opacity * (DASHED_OPACITY if hidden == "dashed" else FAINT_OPACITY)
-    canvas.cover(pixel[covered], share[covered], color, faint)
-    canvas.cover(pixel[~covered], share[~covered], color, opacity)
+    for covered, veiled in ((COVERED, VEILED), (COVERED, 0), (0, VEILED), (0, 0)):
+        part = flag == covered | veiled
+        strength = faint if covered else opacity
+        canvas.cover(pixel[part], share[part], color, strength, veiled=bool(veiled))
 
 
 # Columns of a segment's end: x, y (px), nearness, width (px), length along the polyline (px).
@@ -254,23 +291,15 @@ def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
     )
 
 
-def _covered(walk: _Walk, canvas: Canvas) -> NDArray[np.bool_]:
-    """Which steps lie behind a surface."""
-    height, width = canvas.surface.shape
-    column = np.clip(np.where(walk.steep, walk.minor, walk.major), 0, width - 1)
-    row = np.clip(np.where(walk.steep, walk.major, walk.minor), 0, height - 1)
-    surface = canvas.surface[row.astype(np.intp), column.astype(np.intp)]
-    return np.asarray(walk.nearness < surface)
-
-
 def _spread(
     walk: _Walk, canvas: Canvas, hidden: str
-) -> tuple[NDArray[np.intp], Floats, NDArray[np.bool_]]:
-    """Pixels around each step, how much of them its capsule covers, and which are hidden."""
+) -> tuple[NDArray[np.intp], Floats, NDArray[np.int8]]:
+    """Pixels around each step, how much its capsule covers them, `COVERED` and `VEILED`."""
+    x = np.where(walk.steep, walk.minor, walk.major)
+    y = np.where(walk.steep, walk.major, walk.minor)
+    covered, veiled = canvas.behind(x, y, walk.nearness)
     if hidden == "show":
-        covered = np.zeros(len(walk.major), bool)
-    else:
-        covered = _covered(walk, canvas)
+        covered[:] = veiled[:] = False
     thick = np.where(covered, np.float32(0.5 * FAINT_WIDTH), np.float32(0.5))
     if hidden == "hide":
         thick[covered] = 0.0
@@ -288,6 +317,7 @@ def _spread(
     width, height = canvas.sight.width, canvas.sight.height
     breadth, length = (np.where(walk.steep, a, b) for a, b in ((width, height), (height, width)))
     on_sheet = (thick > 0) & (walk.major > 0) & (walk.major < length)
+    flag = covered + np.int8(VEILED) * veiled
     pixels, shares, flags = [], [], []
     for offset in range(int(2.0 * reach) + 1):
         cell = first + np.float32(offset)
@@ -304,7 +334,7 @@ def _spread(
         steep = walk.steep[hit]
         pixels.append(np.where(steep, major, minor) * width + np.where(steep, minor, major))
         shares.append(np.minimum(share[hit], np.float32(1)))
-        flags.append(covered[hit])
+        flags.append(flag[hit])
     return np.concatenate(pixels), np.concatenate(shares), np.concatenate(flags)
 
 
@@ -313,22 +343,28 @@ def draw_points(canvas: Canvas, item: Points, color: NDArray[np.floating]) -> No
     sight = canvas.sight
     seen = sight.seen(item.points)
     places = sight.placed(seen[seen[:, 2] >= sight.near])
-    height, width = canvas.surface.shape
-    with np.errstate(invalid="ignore"):
-        column = np.clip(places[:, 0], 0, width - 1).astype(np.intp)
-        row = np.clip(places[:, 1], 0, height - 1).astype(np.intp)
-    covered = places[:, 2].astype(np.float32) < canvas.surface[row, column]
+    covered, veiled = canvas.behind(places[:, 0], places[:, 1], places[:, 2].astype(np.float32))
     if item.hidden == "show":
-        covered[:] = False
+        covered[:] = veiled[:] = False
     radius = 0.5 * item.size * canvas.scale
-    if item.hidden in ("faint", "dashed"):
-        faint = item.opacity * FAINT_OPACITY
-        draw_discs(canvas, places[covered], FAINT_WIDTH * radius, color, faint)
-    draw_discs(canvas, places[~covered], radius, color, item.opacity)
+    for behind in (True, False):
+        chosen = veiled == behind
+        if item.hidden in ("faint", "dashed"):
+            faint = item.opacity * FAINT_OPACITY
+            small = FAINT_WIDTH * radius
+            draw_discs(canvas, places[chosen & covered], small, color, faint, veiled=behind)
+        shown = places[chosen & ~covered]
+        draw_discs(canvas, shown, radius, color, item.opacity, veiled=behind)
 
 
 def draw_discs(
-    canvas: Canvas, places: Array, radius: float, color: NDArray[np.floating], opacity: float
+    canvas: Canvas,
+    places: Array,
+    radius: float,
+    color: NDArray[np.floating],
+    opacity: float,
+    *,
+    veiled: bool = False,
 ) -> None:
     """Draw discs of one radius (px) around places (n, 2 or more: x, y), as one union."""
     width, height = canvas.sight.width, canvas.sight.height
@@ -346,4 +382,4 @@ def draw_discs(
     share = np.clip(radius + 0.5 - gap, 0.0, min(1.0, np.pi * radius * radius))
     keep = (share > 0) & (column >= 0) & (column < width) & (row >= 0) & (row < height)
     pixel = (row[keep] * width + column[keep]).astype(np.intp)
-    canvas.cover(pixel, share[keep].astype(np.float32), color, opacity)
+    canvas.cover(pixel, share[keep].astype(np.float32), color, opacity, veiled=veiled)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.scene.display_list import Image, Shaded
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.software.compositing import Sheet, lay_over
+from bozzetto.scene.software.compositing import Sheet, lay_over, veil_of
 from bozzetto.scene.software.contours import cavities, contours
 from bozzetto.scene.software.normals import mean_curvature
 from bozzetto.scene.software.shading import (
@@ -24,7 +25,7 @@ from bozzetto.scene.software.soup import Soup, gather
 from bozzetto.scene.software.textures import rectangle, sampled
 from bozzetto.scene.software.zbuffer import Buffer, blank, rasterize
 
-__all__ = ["draw_surfaces"]
+__all__ = ["Drawn", "Veil", "draw_surfaces"]
 
 Floats = NDArray[np.float32]
 
@@ -35,6 +36,39 @@ XRAY_INK = 0.55
 """Part of ink in their colour."""
 
 
+@dataclass(frozen=True, eq=False)
+class Veil:
+    """What translucent meshes do to lines behind them.
+
+    Attributes
+    ----------
+    nearness, opacity : (h · w,) float32
+        Of the nearest of them; −inf and 0 where there is none.
+    behind : (h · w, 4) float32
+        The picture without them.
+    """
+
+    nearness: Floats
+    opacity: Floats
+    behind: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """The depths at which surfaces were drawn.
+
+    Attributes
+    ----------
+    nearness : (h · w,) float32
+        Of the opaque surfaces; −inf where there is none.
+    veil : Veil or None
+        None if no mesh is translucent.
+    """
+
+    nearness: Floats
+    veil: Veil | None
+
+
 def draw_surfaces(
     pixels: Floats,
     items: Sequence[Shaded | Image],
@@ -42,7 +76,7 @@ def draw_surfaces(
     palette: Palette,
     shading: Shading,
     fineness: int,
-) -> Floats:
+) -> Drawn:
     """Draw meshes and pictures.
 
     Parameters
@@ -55,26 +89,30 @@ def draw_surfaces(
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
     fineness : int
         Samples per pixel along each axis.
-
-    Returns
-    -------
-    (h · w,) float32
-        Nearness of the opaque surfaces; −inf where there is none.
     """
     shaded = [i for i in items if isinstance(i, Shaded) and len(i.mesh.faces) and i.opacity > 0]
     solid = [i for i in shaded if not _see_through(i, shading)]
     buffer = blank(sight.width, sight.height)
     if solid:
         _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
-    sheets: list[Sheet] = []
-    for item in items:
-        if isinstance(item, Image) and item.opacity > 0:
-            sheets.append(_picture_sheet(item, sight))
-    for item in shaded:
-        if _see_through(item, shading):
-            sheets.extend(_mesh_sheets(item, sight, palette, shading))
-    lay_over(pixels, [sheet.before(buffer.nearness) for sheet in sheets])
-    return buffer.nearness
+    pictures = [
+        _picture_sheet(item, sight).before(buffer.nearness)
+        for item in items
+        if isinstance(item, Image) and item.opacity > 0
+    ]
+    glass = [
+        sheet.before(buffer.nearness)
+        for item in shaded
+        if _see_through(item, shading)
+        for sheet in _mesh_sheets(item, sight, palette, shading)
+    ]
+    veil = None
+    if glass:
+        behind = pixels.copy()
+        lay_over(behind, pictures)
+        veil = Veil(*veil_of(glass, len(pixels)), behind)
+    lay_over(pixels, pictures + glass)
+    return Drawn(buffer.nearness, veil)
 
 
 def _see_through(item: Shaded, shading: Shading) -> bool:
@@ -141,9 +179,7 @@ def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
     return normal.reshape(3, buffer.height, buffer.width)
 
 
-def _mesh_sheets(
-    item: Shaded, sight: Sight, palette: Palette, shading: Shading
-) -> list[Sheet]:
+def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading) -> list[Sheet]:
     """The nearest back and the nearest front of a mesh."""
     soup, tinted = _gathered([item], sight, palette, shading)
     front = soup.doubled_areas() > 0

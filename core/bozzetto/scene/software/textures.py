@@ -33,9 +33,8 @@ def rectangle(image: Image, sight: Sight) -> Soup:
     corner, across, down = (
         np.asarray(v, np.float64) for v in (image.corner, image.across, image.down)
     )
-    # float32 vertices are offsets from the eye's side, so large worlds lose nothing
     vertices = np.stack((corner, corner + across, corner + across + down, corner + down))
-    mesh = Mesh(vertices, [(0, 3, 2), (0, 2, 1)])
+    mesh = Mesh(vertices.astype(np.float32), np.array([(0, 3, 2), (0, 2, 1)], np.int32))
     place = np.zeros((4, 4))
     place[[1, 2], 0] = place[[2, 3], 1] = WHOLE
     return gather([mesh], [place], sight)
@@ -88,7 +87,7 @@ def _texels(pixels: NDArray[np.uint8], stride: int) -> Floats:
     part = pixels[: rows * stride, : columns * stride].astype(np.float32)
     part[..., 3] /= 255.0
     part[..., :3] *= part[..., 3:]
-    texels = part.reshape(rows, stride, columns, stride, 4).mean((1, 3))
+    texels: Floats = part.reshape(rows, stride, columns, stride, 4).mean((1, 3))
     _reduced[key] = (weakref.ref(pixels), texels)
     while len(_reduced) > KEPT:
         _reduced.popitem(last=False)

@@ -120,12 +120,12 @@ def _most(corner: Columns) -> NDArray[np.floating]:
 
 
 def _cells(value: NDArray[np.floating], count: int) -> NDArray[np.int32]:
-    return np.clip(value * (1.0 / TILE), 0, count - 1).astype(np.int32)
+    return np.asarray(np.clip(value * (1.0 / TILE), 0, count - 1), np.int32)
 
 
 def _centers_before(value: NDArray[np.floating], size: int) -> NDArray[np.int64]:
     """How many pixel centres of a row or column of `size` lie before a place."""
-    return np.ceil(np.clip(value, 0, size) - 0.5).astype(np.int64)
+    return np.asarray(np.ceil(np.clip(value, 0, size) - 0.5), np.int64)
 
 
 def _draw(
@@ -173,7 +173,7 @@ def _draw_spans(
     upper, middle, lower = corners
     which = np.repeat(np.arange(len(rows), dtype=np.int32), rows)
     row = np.arange(len(which)) - np.repeat(np.cumsum(rows) - rows - top, rows)
-    center = row + 0.5
+    center = row.astype(np.float64) + 0.5
     x_long, q_long = _on_edge(places, upper.take(which), lower.take(which), center)
     turn = middle.take(which)
     above = center < places[:, 1].take(turn)
