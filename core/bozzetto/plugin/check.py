@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from xml.parsers import expat
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.plugin.guard import PluginFault
-from bozzetto.plugin.manifest import Manifest, ManifestError, find_folder, read_manifest
+from bozzetto.plugin.manifest import ManifestError, find_folder, read_manifest
 from bozzetto.plugin.registry import Registry
 
 __all__ = ["Finding", "check_package"]
@@ -38,7 +40,7 @@ class Finding:
 
 
 def check_package(package: str) -> list[Finding]:
-    """Check a plugin: manifest, files, import, hooks, modelers, and the whole contract.
+    """Check a plugin: manifest, icons, import, hooks, modelers, and the whole contract.
 
     Parameters
     ----------
@@ -56,7 +58,7 @@ def check_package(package: str) -> list[Finding]:
     except ManifestError as problem:
         return [Finding(True, package, problem.message)]
     findings = [Finding(False, package, warning) for warning in manifest.warnings]
-    findings += _check_files(folder, manifest)
+    findings += _check_icons(folder, [entry.icon for entry in manifest.modelers])
     info = Registry(extra=(package,)).add_package(package)
     if info.status == "broken":
         return [*findings, Finding(True, manifest.id, info.fault)]
@@ -65,17 +67,9 @@ def check_package(package: str) -> list[Finding]:
     return findings
 
 
-def _check_files(folder: Path, manifest: Manifest) -> list[Finding]:
-    findings = []
-    for entry in manifest.modelers:
-        for sample in entry.samples:
-            if not (folder / sample.file).is_file():
-                findings.append(Finding(True, sample.file, "this sample is missing"))
-    for icon in sorted({entry.icon for entry in manifest.modelers}):
-        wrong = icon_fault(folder / icon)
-        if wrong:
-            findings.append(Finding(True, icon, wrong))
-    return findings
+def _check_icons(folder: Path, icons: Iterable[str]) -> list[Finding]:
+    told = {icon: icon_fault(folder / icon) for icon in icons}
+    return [Finding(True, icon, fault) for icon, fault in sorted(told.items()) if fault]
 
 
 def icon_fault(path: Path) -> str:
@@ -84,8 +78,6 @@ def icon_fault(path: Path) -> str:
     An icon must be an SVG without scripts, entities, event handlers and outside content:
     it is drawn wherever the list of modelers is, before its plugin is trusted to run.
     """
-    from xml.parsers import expat
-
     if not path.is_file():
         return "this icon is missing"
     content = path.read_bytes()
@@ -131,12 +123,8 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
         )
     except (UserError, PluginFault) as problem:
         return [Finding(True, modeler_id, str(problem))]
-    findings = []
     folder = registry.info(modeler_id).folder
-    for icon in sorted({tool.icon for tool in tools if tool.icon}):
-        wrong = icon_fault(folder / icon)
-        if wrong:
-            findings.append(Finding(True, icon, wrong))
+    findings = _check_icons(folder, [tool.icon for tool in tools if tool.icon])
     subject = Subject(modeler_id, (package,))
     for check in CHECKS:
         try:

@@ -72,7 +72,7 @@ def test_a_plugin_under_development_is_checked_whole(faulty, monkeypatch):
     from bozzetto.plugin.testing import checks
 
     # A process of its own knows nothing of this modeler.
-    rest = [entry for entry in checks.CHECKS if entry.name != "no_window"]
+    rest = [entry for entry in checks.CHECKS if entry.name != "elsewhere"]
     monkeypatch.setattr(checks, "CHECKS", rest)
     assert check.check_package(faulty.package) == []
     faulty.misdeeds["shapes"] = lambda state, result: None

@@ -16,6 +16,8 @@ import pytest
 from bozzetto.plugin.check import check_package
 from bozzetto.plugin.registry import Registry
 from bozzetto.plugin.testing import ModelerContract, Shell
+from bozzetto.plugin.testing.checks import check_elsewhere
+from bozzetto.plugin.testing.subject import Broken, Subject
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "docs" / "examples" / "bozzetto_ribbon"
 
@@ -47,6 +49,42 @@ def test_sample_becomes_a_ribbon(tmp_path):
     drawing = read_drawing(info.samples[0])
     shell.put(shell.workbench.from_drawing("example.ribbon", drawing, {"width": 12.0}).state)
     assert len(shell.shapes().surfaces) == 1
+
+
+RESTLESS = """
+from bozzetto.geometry import Placement
+from bozzetto.plugin import hookimpl
+from bozzetto_ribbon.modeler import Ribbon
+
+class Restless(Ribbon):
+    id = __name__ + ".modeler"
+    title = "Modeler"
+    def shapes(self, state, result):
+        {misdeed}
+        return super().shapes(state, result).placed(placement)
+
+@hookimpl
+def bozzetto_modelers():
+    return [Restless()]
+"""
+
+
+@pytest.mark.parametrize(
+    ("misdeed", "found"),
+    [
+        ("placement = Placement()", ""),
+        ("placement = Placement(scale=1.0 + hash('a') % 1000)", "other shapes"),
+        ("import PySide6; placement = Placement()", "PySide6"),
+    ],
+)
+def test_what_shows_only_in_another_process(make_package, misdeed, found):
+    package = make_package(RESTLESS.replace("{misdeed}", misdeed))
+    subject = Subject(f"{package}.modeler", (package,))
+    if not found:
+        check_elsewhere(subject)
+        return
+    with pytest.raises(Broken, match=found):
+        check_elsewhere(subject)
 
 
 def run(*command: object, **options) -> str:

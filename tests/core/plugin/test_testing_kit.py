@@ -16,6 +16,19 @@ from bozzetto.plugin.testing.subject import Broken, Subject
 from bozzetto.scene import Layer, Scene
 from bozzetto.view import Camera
 
+FAULTY_MANIFEST = """
+id = "faulty.plugin"
+title = "Faulty"
+version = "1.0"
+api = ">=1,<2"
+
+[[modeler]]
+id = "faulty.modeler"
+title = "Faulty"
+icon = "icon.svg"
+hint = "Draw."
+"""
+
 
 class TestMesh(ModelerContract):
     modeler = "bozzetto.mesh"
@@ -34,7 +47,7 @@ def failing(subject):
     names = set()
     for check in CHECKS:
         # A process of its own knows nothing of the misdeeds.
-        if check.name == "no_window":
+        if check.name == "elsewhere":
             continue
         try:
             check.run(subject)
@@ -117,6 +130,16 @@ def test_the_suite_finds(subject, faulty, name):
 def test_a_missing_icon_and_another_title_are_found(subject, faulty):
     faulty.title = "Otherwise"
     assert failing(subject) == {"announced"}
+
+
+def test_samples_are_tried(make_package, faulty):
+    sampled = FAULTY_MANIFEST + 'samples = ["there_is_none.json"]\n'
+    package = make_package(
+        "from bozzetto.plugin import hookimpl\nimport sys\n@hookimpl\n"
+        f"def bozzetto_modelers(): return sys.modules[{faulty.package!r}].given",
+        sampled,
+    )
+    assert "samples" in failing(Subject("faulty.modeler", (package,)))
 
 
 # -- the pen ----------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.parameters import Field, parameter_fields
-from bozzetto.plugin.testing.sameness import same
+from bozzetto.plugin.testing.sameness import fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
 from bozzetto.plugin.watchdog import Watchdog
@@ -44,7 +44,7 @@ def check_announced(subject: Subject) -> None:
             f"its title is {modeler.title!r}, and {info.title!r} in the manifest",
         )
         icons = [info.icon] + [info.folder / tool.icon for tool in shell.tools() if tool.icon]
-        for path in [*icons, *info.samples]:
+        for path in icons:
             ensure(path.is_file(), f"the file {path.relative_to(info.folder)} is missing")
         for tool in shell.tools():
             ensure(bool(tool.title and tool.hint), f"the tool {tool.id} lacks a title or a hint")
@@ -72,6 +72,20 @@ def check_drawing(subject: Subject) -> None:
         with subject.shell() as untouched:
             drawn = not same(shell.state, untouched.state)
         ensure(not drawn or bool(shell.shapes()), "a drawing must hand something over")
+
+
+def check_samples(subject: Subject) -> None:
+    """Every sample drawing becomes a shape that can be shown."""
+    from bozzetto.exchange.importing import read_drawing
+
+    with subject.shell() as shell:
+        bench = shell.workbench
+        for path in shell.registry.info(subject.modeler).samples:
+            try:
+                model = bench.from_drawing(subject.modeler, read_drawing(path), {})
+                bench.model_scene(model, bench.solve(model, _job("preview")))
+            except UserError as problem:
+                raise Broken(f"{path.name}: {problem.message}") from problem
 
 
 def check_storage(subject: Subject) -> None:
@@ -243,31 +257,39 @@ def check_preview_time(subject: Subject) -> None:
         watchdog.call(subject.modeler, "solve", modeler.solve, shell.state, _job("preview"))
 
 
-_WITHOUT_QT = """
+_ELSEWHERE = """
 import sys
-from bozzetto.plugin.registry import Registry
+from bozzetto.document.file import read_document
 from bozzetto.plugin import Context, Job
-modeler = Registry(extra=sys.argv[2:]).modeler(sys.argv[1])
-state = modeler.create(Context())
-modeler.tools()
-modeler.scene(state, modeler.solve(state, Job()))
-found = sorted({name.partition(".")[0] for name in sys.modules}
-               & {"PySide6", "PyQt5", "PyQt6", "bozzetto_app", "pyqtgraph"})
-print(" ".join(found))
+from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.testing.sameness import fingerprint
+from bozzetto.workbench import Workbench
+bench = Workbench(Registry(extra=sys.argv[3:]))
+bench.create(sys.argv[1], Context())
+document, _ = read_document(sys.argv[2], bench.registry)
+bench.scene(document, Job())
+print(fingerprint(bench.shapes(document, Job())))
+print(*sorted({name.partition(".")[0] for name in sys.modules}
+              & {"PySide6", "PyQt5", "PyQt6", "bozzetto_app", "pyqtgraph"}))
 """
 
 
-def check_no_window(subject: Subject) -> None:
-    """The modeler works in a process without Qt, and does not bring it in."""
-    done = subprocess.run(
-        [sys.executable, "-c", _WITHOUT_QT, subject.modeler, *subject.packages],
-        capture_output=True,
-        text=True,
-        env=_environment(),
-        check=False,
-    )
-    ensure(done.returncode == 0, f"it does not work in a process of its own: {done.stderr[-2000:]}")
-    ensure(not done.stdout.strip(), f"it imports {done.stdout.strip()}")
+def check_elsewhere(subject: Subject) -> None:
+    """A document gives the same shapes in another process, and without Qt."""
+    with subject.drawn() as shell:
+        path = shell.save()
+        done = subprocess.run(
+            [sys.executable, "-c", _ELSEWHERE, subject.modeler, path, *subject.packages],
+            capture_output=True,
+            text=True,
+            env=_environment(),
+            check=False,
+        )
+        told = done.stderr[-2000:]
+        ensure(done.returncode == 0, f"it does not work in a process of its own: {told}")
+        shapes, windows = done.stdout.split("\n")[-3:-1]
+        ensure(shapes == fingerprint(shell.shapes()), "another process gives other shapes")
+        ensure(not windows, f"it imports {windows}")
 
 
 def _environment() -> dict[str, str]:
@@ -298,6 +320,7 @@ CHECKS: Final = tuple(
         check_announced,
         check_empty,
         check_drawing,
+        check_samples,
         check_storage,
         check_history,
         check_cancelling,
@@ -306,7 +329,7 @@ CHECKS: Final = tuple(
         check_determinism,
         check_parameters,
         check_preview_time,
-        check_no_window,
+        check_elsewhere,
     )
 )
 """All articles, quick ones first."""

@@ -164,6 +164,14 @@ class Shell:
         """What the model hands over."""
         return self.workbench.shapes([self.model], Job())
 
+    def save(self) -> Path:
+        """Save the document in the shell's folder."""
+        from bozzetto.document.file import write_document
+
+        path = self._folder / "document.bozz"
+        write_document(self.document, path)
+        return path
+
     def reopen(self) -> Sequence[str]:
         """Save the document, open it again and go on with that.
 
@@ -177,11 +185,9 @@ class Shell:
         UserError
             If the model came back closed, because its modeler cannot be had.
         """
-        from bozzetto.document.file import read_document, write_document
+        from bozzetto.document.file import read_document
 
-        path = self._folder / "document.bozz"
-        write_document(self.document, path)
-        document, report = read_document(path, self.registry)
+        document, report = read_document(self.save(), self.registry)
         self.history = History(document)
         if isinstance(self.model.state, OpaqueState):
             raise UserError(f"The model came back closed: {'; '.join(report.warnings)}")
