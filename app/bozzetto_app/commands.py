@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Literal, get_args
 
 from bozzetto_app.actions import Action
@@ -201,6 +202,10 @@ def _object(window: Window) -> Iterator[Action]:
 def _view(window: Window) -> Iterator[Action]:
     session, canvas = window.session, window.canvas
     menu = (tr("Menu", "&View"),)
+
+    def shades(shading: str) -> bool:
+        return session.shading == shading
+
     titles: dict[str, str] = {
         "front": tr("View", "Front"),
         "back": tr("View", "Back"),
@@ -231,7 +236,7 @@ def _view(window: Window) -> Iterator[Action]:
         yield Action(
             f"view.{view}",
             titles[view],
-            lambda view=view: canvas.look(view),
+            partial(canvas.look, view),
             "",
             VIEW_KEYS[view],
             (*menu, tr("View", "&Look from")),
@@ -247,11 +252,11 @@ def _view(window: Window) -> Iterator[Action]:
         yield Action(
             f"view.shading.{shading}",
             shadings[shading],
-            lambda shading=shading: session.set_shading(shading),
+            partial(session.set_shading, shading),
             shading,
             (),
             (*menu, tr("View", "&Shading")),
-            checked=lambda shading=shading: session.shading == shading,
+            checked=partial(shades, shading),
         )
     yield Action(
         "view.grid",
@@ -320,7 +325,7 @@ def _help(window: Window) -> Iterator[Action]:
             yield Action(
                 f"help.watch.{info.id}.{sample.stem}",
                 f"{info.title}: {title}",
-                lambda sample=sample, info=info: window.watch(info.id, sample),
+                partial(window.watch, info.id, sample),
                 "play",
                 (),
                 (*menu, tr("Help", "&Watch a drawing")),
@@ -335,17 +340,19 @@ def _help(window: Window) -> Iterator[Action]:
 def number_keys(window: Window) -> Iterator[Action]:
     """1 … 9 take the tools of the active modeler."""
 
+    def there_is(place: int) -> bool:
+        return place < len(window.session.tools)
+
     def take(place: int) -> None:
-        tools = window.session.tools
-        if place < len(tools):
-            window.session.activate_tool(tools[place].id)
+        if there_is(place):
+            window.session.activate_tool(window.session.tools[place].id)
 
     for number in range(1, 10):
         yield Action(
             f"tool.{number}",
             tr("Tool", "Tool {number}").format(number=number),
-            lambda place=number - 1: take(place),
+            partial(take, number - 1),
             keys=(str(number),),
-            enabled=lambda place=number - 1: place < len(window.session.tools),
+            enabled=partial(there_is, number - 1),
             on_sheet=True,
         )

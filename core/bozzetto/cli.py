@@ -256,10 +256,10 @@ def _make_folder(target: Path) -> None:
 
 
 def _write_text(path: Path, text: str) -> None:
-    from bozzetto.storage import atomic_write
+    from bozzetto.storage import write_bytes
 
     _make_folder(path)
-    atomic_write(path, lambda file: file.write(text.encode()))
+    write_bytes(path, text.encode())
 
 
 # -- documents --

@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 
 from bozzetto.errors import UserError
 
-__all__ = ["Disk", "atomic_write", "backup_path", "explain"]
+__all__ = ["DISK", "Disk", "atomic_write", "backup_path", "explain", "write_bytes"]
 
 
 class Disk:
@@ -137,6 +137,11 @@ def atomic_write(
         disk.sync_folder(target.parent)
     except OSError as problem:
         raise UserError(explain(problem, name)) from problem
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file whole from its content; as `atomic_write`."""
+    atomic_write(path, lambda file: file.write(content))
 
 
 def _keep_backups(target: Path, count: int, disk: Disk) -> None:

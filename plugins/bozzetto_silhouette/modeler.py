@@ -95,7 +95,7 @@ class Silhouette:
             solids.append(_solids.recall(question, work))
         meshes = [
             Mesh(
-                part.sheet.to_world(solid.vertices),
+                part.sheet.to_world(solid.vertices).astype(np.float32),
                 solid.faces,
                 part.sheet.turn(solid.normals).astype(np.float32),
             )
@@ -118,10 +118,9 @@ class Silhouette:
             return Shapes()
         skeletons = []
         for part, solid in zip(state.parts, result.solids, strict=True):
-            nodes = solid.skeleton.nodes
-            skeletons.append(
-                Skeleton(part.sheet.to_world(nodes[:, :2]), nodes[:, 2], solid.skeleton.edges)
-            )
+            nodes, bones = solid.skeleton.nodes, solid.skeleton.edges.astype(np.int32)
+            joints = part.sheet.to_world(nodes[:, :2])
+            skeletons.append(Skeleton(joints, nodes[:, 2], bones))
         return Shapes(solids=(Solid(united(result.meshes)),), skeletons=tuple(skeletons))
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:

@@ -47,7 +47,7 @@ class DrawOutline:
         if swollen is None:
             return Scene()
         mesh = Mesh(
-            sheet.to_world(swollen.vertices),
+            sheet.to_world(swollen.vertices).astype(np.float32),
             swollen.faces,
             sheet.turn(swollen.normals).astype(np.float32),
         )
@@ -84,8 +84,10 @@ def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
 
 
 def _nested(parts: tuple[Part, ...], new: Part) -> tuple[Part, ...]:
-    """The parts with a new one: inside another on its sheet it is a hole, around one it takes
-    it in, anywhere else it stands for itself.
+    """The parts with a new one among them.
+
+    Inside another one on its sheet it is a hole; around one it takes that in as its hole;
+    anywhere else it stands for itself.
     """
     for index, old in enumerate(parts):
         if not new.sheet.faces_as(old.sheet):

@@ -6,6 +6,7 @@ import threading
 import time
 
 import pytest
+
 from bozzetto.errors import Cancelled
 from bozzetto_app.jobs import Channel, Request
 
@@ -85,7 +86,8 @@ def test_a_cancelled_run_answers_nothing(qtbot, heard):
     assert started.wait(5)
     channel.cancel()
     qtbot.waitUntil(lambda: not channel.busy)
-    assert heard.answers == [] and heard.problems == []
+    assert heard.answers == []
+    assert heard.problems == []
 
 
 def test_an_exception_reaches_failed_unless_it_is_a_cancellation(qtbot, heard):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+
 from bozzetto.cli import main
 
 SQUARE = (
@@ -71,7 +72,8 @@ def refused(process) -> str:
     """The one line of an error; fails where there is more, or a traceback."""
     assert process.returncode == 2, process
     lines = process.stderr.strip().splitlines()
-    assert len(lines) == 1 and lines[0].startswith("error: "), process.stderr
+    assert len(lines) == 1, process.stderr
+    assert lines[0].startswith("error: ")
     return lines[0]
 
 
@@ -92,7 +94,8 @@ def test_every_format_is_written_and_described(bozzetto, square, tmp_path):
         assert process.returncode == 0, process.stderr
         assert (tmp_path / f"out.{ending}").stat().st_size > 500
     facts = json.loads(bozzetto("info", "out.ply", "--json").stdout)
-    assert facts["kind"] == "mesh" and facts["parts"] == 1
+    assert facts["kind"] == "mesh"
+    assert facts["parts"] == 1
     assert facts["size_mm"][0] == pytest.approx(40, abs=0.1)
     facts = json.loads(bozzetto("info", "out.bozz", "--json").stdout)
     assert facts["plugins"] == ["bozzetto.silhouette"]
@@ -118,7 +121,8 @@ def test_a_report_says_how_true_the_shape_is(bozzetto, tmp_path):
     assert process.returncode == 0, process.stderr
     (part,) = json.loads((tmp_path / "r.json").read_text())["parts"]
     assert part["genus"] == part["expected_genus"] == 1
-    assert part["iou"] > 0.99 and part["watertight"] is True
+    assert part["iou"] > 0.99
+    assert part["watertight"] is True
 
 
 def test_several_inputs_go_to_a_folder_with_progress(bozzetto, square, tmp_path):
@@ -129,7 +133,8 @@ def test_several_inputs_go_to_a_folder_with_progress(bozzetto, square, tmp_path)
         "-o", "out/", "--format", "stl", "--report", "all.json",
     )  # fmt: skip
     assert process.returncode == 2
-    assert "[3/3]" in process.stderr and "error: eight.svg:" in process.stderr
+    assert "[3/3]" in process.stderr
+    assert "error: eight.svg:" in process.stderr
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["ring.stl", "square.stl"]
     files = json.loads((tmp_path / "all.json").read_text())["files"]
     assert [Path(entry["input"]).name for entry in files] == ["square.svg", "ring.svg"]
@@ -214,7 +219,8 @@ def test_the_module_is_a_program(tmp_path):
 def test_plugins_are_listed(bozzetto):
     process = bozzetto("plugins")
     assert process.returncode == 0
-    assert "bozzetto.silhouette" in process.stdout and "bozzetto.mesh" in process.stdout
+    assert "bozzetto.silhouette" in process.stdout
+    assert "bozzetto.mesh" in process.stdout
 
 
 def test_a_bundled_plugin_passes_its_check(bozzetto):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.files import write_bytes
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.solid_check import check_solid
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
+from bozzetto.storage import write_bytes
 from bozzetto.view.camera import Camera
 
 __all__ = ["export", "write_drawing"]

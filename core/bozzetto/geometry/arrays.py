@@ -30,12 +30,17 @@ def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> N
     if columns is not None:
         array = array.reshape(-1, columns) if array.size else np.zeros((0, columns), dtype)
     kind = np.dtype(dtype)
-    if array.dtype == kind and isinstance(_root(array), bytes) and array.flags.c_contiguous:
+    if array.dtype == kind and _is_immutable(_root(array)) and array.flags.c_contiguous:
         return array
     made = np.frombuffer(np.ascontiguousarray(array, kind).tobytes(), kind).reshape(array.shape)
     if kind.kind == "f" and not np.isfinite(made).all():
         raise ValueError("an array holds values that are not finite")
     return made
+
+
+def _is_immutable(memory: object) -> bool:
+    """Whether memory cannot be written to: ``bytes``, or a read-only view of a file's content."""
+    return isinstance(memory, bytes) or (isinstance(memory, memoryview) and memory.readonly)
 
 
 def _root(array: NDArray[Any]) -> object:

@@ -93,4 +93,4 @@ class Mesh:
             )
         length = np.linalg.norm(total, axis=1, keepdims=True)
         length[length == 0] = 1.0
-        return (total / length).astype(np.float32)
+        return np.asarray(total / length, np.float32)

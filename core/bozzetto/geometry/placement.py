@@ -55,7 +55,8 @@ class Placement:
     def points(self, points: ArrayLike) -> NDArray[np.float64]:
         """Move points, shape (n, 3), mm."""
         rows = np.reshape(self.rotation, (3, 3))
-        return self.scale * (np.reshape(np.asarray(points, float), (-1, 3)) @ rows.T) + self.offset
+        moved = np.reshape(np.asarray(points, float), (-1, 3)) @ rows.T
+        return np.asarray(self.scale * moved + self.offset, np.float64)
 
     def directions(self, vectors: ArrayLike) -> NDArray[np.float64]:
         """Turn directions, shape (n, 3); lengths are kept."""

@@ -8,7 +8,7 @@ import os
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.exchange.files import write_bytes
+from bozzetto.storage import write_bytes
 
 __all__ = ["png_bytes", "write_png"]
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import errno
-import os
-
 import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.exchange import files, formats
+from bozzetto.exchange import formats
 from bozzetto.exchange.export import export
 from bozzetto.exchange.solid_check import check_solid
 from bozzetto.geometry import Curve, Mesh, Shapes, Skeleton, Solid, Surface
@@ -87,61 +84,16 @@ def test_parts_without_a_place_are_left_out(tmp_path):
     assert (tmp_path / "A.STL").stat().st_size == 84 + 4 * 50
 
 
-# -- files -----------------------------------------------------------------------------------
+# -- files (how they are put on the disk is tested with bozzetto.storage) --
 
 
-def test_a_link_stays_a_link_and_the_mode_is_ordinary(tmp_path):
-    real, link = tmp_path / "real.bin", tmp_path / "link.bin"
-    real.write_bytes(b"old")
-    link.symlink_to(real)
-    files.write_bytes(link, b"new")
-    assert link.is_symlink()
-    assert real.read_bytes() == b"new"
-    plain = tmp_path / "plain"
-    plain.write_bytes(b"")
-    assert real.stat().st_mode == plain.stat().st_mode
-
-
-@pytest.mark.parametrize("call", ["fsync", "replace"])
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO])
-def test_a_failing_disk_leaves_the_old_file_and_no_rubbish(tmp_path, monkeypatch, call, number):
+def test_a_refused_export_leaves_the_old_file_and_no_rubbish(tmp_path):
     path = tmp_path / "a.stl"
     path.write_bytes(b"old")
-
-    def fail(*_):
-        raise OSError(number, os.strerror(number))
-
-    monkeypatch.setattr(os, call, fail)
-    with pytest.raises(UserError, match="untouched"):
-        files.write_bytes(path, b"new")
+    with pytest.raises(UserError):
+        export(Shapes(), path)
     assert path.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["a.stl"]
-
-
-def test_the_bytes_are_on_the_disk_before_the_name_changes(tmp_path, monkeypatch):
-    calls = []
-    for name in ("fsync", "replace"):
-        real = getattr(os, name)
-        monkeypatch.setattr(
-            os, name, lambda *a, name=name, real=real: (calls.append(name), real(*a))[1]
-        )
-    files.write_bytes(tmp_path / "a", b"x")
-    assert calls == ["fsync", "replace", "fsync"]
-
-
-def test_missing_folders_and_folders_in_the_way_are_told(tmp_path):
-    with pytest.raises(UserError, match="no folder"):
-        files.write_bytes(tmp_path / "none" / "a.stl", b"x")
-    with pytest.raises(UserError, match="is a folder"):
-        files.write_bytes(tmp_path, b"x")
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_without_permission_is_told(tmp_path):
-    tmp_path.chmod(0o500)
-    with pytest.raises(UserError, match="may not be written"):
-        files.write_bytes(tmp_path / "a", b"x")
 
 
 # -- the table -----------------------------------------------------------------------------
