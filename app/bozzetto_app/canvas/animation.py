@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from time import perf_counter
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QObject, QTimer
 
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import interpolate, turn
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
 
 __all__ = ["ViewMotion"]
 
@@ -36,7 +39,7 @@ class ViewMotion(QObject):
     session : Session
     """
 
-    def __init__(self, session: Any, parent: QObject | None = None) -> None:
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.reduced = False
         """Whether the person wants no motion: changes happen at once, the tilt never."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
@@ -26,6 +26,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
+from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import fit, with_kind
 from bozzetto.view.standard import look_along, standard_view
@@ -45,6 +46,10 @@ from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
+if TYPE_CHECKING:
+    from bozzetto_app.canvas.gl import GLViewport
+    from bozzetto_app.session import Notice, Session
+
 __all__ = ["Canvas"]
 
 log = logging.getLogger(__name__)
@@ -56,11 +61,19 @@ GL_PATIENCE: Final = 4000
 """How long the first OpenGL picture may take before the software one stays, milliseconds."""
 
 
-def _import_gl(job: Job) -> Any:
+def _import_gl(job: Job) -> type[GLViewport]:
     """Import pyqtgraph and OpenGL, which take half a second, beside the window."""
     from bozzetto_app.canvas.gl import GLViewport
 
     return GLViewport
+
+
+def _ignore(answer: object) -> None:
+    """Nothing is to be done."""
+
+
+def _raise(problem: BaseException) -> None:
+    raise problem
 
 
 class Canvas(QWidget):
@@ -82,7 +95,7 @@ class Canvas(QWidget):
         Returns what the radial menu shows, most wanted first; set by the window.
     """
 
-    def __init__(self, session: Any, palette: Palette, parent: QWidget | None = None) -> None:
+    def __init__(self, session: Session, palette: Palette, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName(tr("Canvas", "Sheet"))
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -107,8 +120,9 @@ class Canvas(QWidget):
         software = SoftwareViewport(self)
         software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
         self._backend: ViewportBackend = software
-        self._rising: Any = None
+        self._rising: GLViewport | None = None
         self._imports = Channel("import-gl", parent=self)
+        self._sorting = Channel("sort-for-picking", parent=self)
         self._overlay = InkOverlay(self)
         self._hint = SheetHint(self)
         self._cube = ViewCube(self)
@@ -230,7 +244,10 @@ class Canvas(QWidget):
     # -- the menu -----------------------------------------------------------------------------
 
     def open_menu(self, place: QPointF | None = None) -> None:
-        """Open the radial menu at a place, or at the pointer."""
+        """Open the radial menu at a place, or at the pointer; close it where it is open."""
+        if self._menu.isVisible():
+            self._menu.close_menu()
+            return
         if place is None:
             place = QPointF(self.mapFromGlobal(QCursor.pos()))
             if not self.rect().contains(place.toPoint()):
@@ -253,6 +270,15 @@ class Canvas(QWidget):
         for backend in self._backends():
             backend.set_scene(self._session.scene)
         self.hand.scene_or_view_changed()
+        self._prepare_picking(self._session.scene, self._session.camera)
+
+    def _prepare_picking(self, scene: Scene, camera: Camera) -> None:
+        """Cast a first ray beside the window: it sorts large meshes, which takes a moment."""
+
+        def work(job: Job) -> None:
+            cast_rays(scene, camera.rays([(0.0, 0.0)]))
+
+        self._sorting.submit(Request(work, _ignore, _raise))
 
     def _show_live(self) -> None:
         for backend in self._backends():
@@ -273,7 +299,7 @@ class Canvas(QWidget):
         for backend in self._backends():
             backend.set_style(self._session.shading, self._session.show_grid)
 
-    def _notice(self, notice: Any) -> None:
+    def _notice(self, notice: Notice) -> None:
         if notice.places:
             self._overlay.light_up(notice.places)
 
@@ -299,7 +325,7 @@ class Canvas(QWidget):
             raise problem
         log.warning("no OpenGL viewport: %s", problem)
 
-    def _raise_gl(self, viewport: Any) -> None:
+    def _raise_gl(self, viewport: type[GLViewport]) -> None:
         """Make the OpenGL viewport below the software one, which stays until it is proved."""
         rising = viewport(self)
         rising.proved.connect(self._gl_proved, Qt.ConnectionType.QueuedConnection)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QMimeData
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
 
 __all__ = ["DOCUMENT_ENDING", "dropped_files", "take_file"]
 
@@ -18,7 +21,7 @@ def dropped_files(data: QMimeData) -> list[Path]:
     return [path for path in paths if path.is_file()]
 
 
-def take_file(session: Any, path: Path) -> None:
+def take_file(session: Session, path: Path) -> None:
     """Open a document; bring anything else into the one that is open."""
     if path.suffix.lower() == DOCUMENT_ENDING:
         session.open(path)

@@ -13,7 +13,17 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Final, Literal
 
-__all__ = ["Button", "GestureMachine", "Keys", "Mode", "Motion", "Outcome", "Pointer", "Press"]
+__all__ = [
+    "FLICK_TRAVEL",
+    "Button",
+    "GestureMachine",
+    "Keys",
+    "Mode",
+    "Motion",
+    "Outcome",
+    "Pointer",
+    "Press",
+]
 
 Pointer = Literal["pen", "mouse", "touch"]
 

@@ -18,7 +18,8 @@ from PySide6.QtGui import QImage, QMatrix4x4, QPainter, QResizeEvent, QSurfaceFo
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.display_list import EMPTY, Image, Layer, Lines, Points, Scene
-from bozzetto.scene.palette import LIGHT, Palette
+from bozzetto.scene.palette import LIGHT, Color, Palette
+from bozzetto.scene.software.shading import SHADINGS
 from bozzetto.view.camera import Camera
 from bozzetto.view.projection import gl_matrices, near_far
 from bozzetto_app.canvas import gl_buffers as buffers
@@ -34,12 +35,11 @@ from bozzetto_app.canvas.gl_items import (
 )
 from bozzetto_app.canvas.ground import GROUND_LAYER, ground
 from bozzetto_app.canvas.marks import MarksSheet, paint_marks
+from bozzetto_app.tones import mixed
 
 __all__ = ["GLViewport", "layer_items"]
 
 log = logging.getLogger(__name__)
-
-SHADINGS: Final[tuple[Shading, ...]] = ("clay", "zebra", "curvature", "normals", "xray")
 
 SURFACES, GROUND, PICTURES, GLASS, LINES, DOTS = range(6)
 """The passes of a picture, in order; ink lies over everything that is not in front of it."""
@@ -51,8 +51,16 @@ LINE_BIAS: Final = 2.0
 """How far lines are brought towards the eye, so that surfaces they lie on do not eat them;
 in pixel sizes at their depth, as in the software renderer."""
 
+CONTOUR: Final = 0.8
+"""Share of ink in the contour line; the rest is clay."""
+
 NEAR_ENOUGH: Final = 4
 """Difference of a colour read back from the one painted that still proves that it works."""
+
+
+def _unit(color: Color) -> tuple[float, float, float]:
+    red, green, blue = color
+    return red / 255.0, green / 255.0, blue / 255.0
 
 
 def layer_items(layer: Layer, palette: Palette, shading: Shading) -> list[BatchItem]:
@@ -282,8 +290,8 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         frame.size = (float(self.width()), float(self.height()))
         frame.pixels_per_mm = camera.pixels_per_mm
         frame.parallel = camera.kind == "orthographic"
-        red, green, blue = self._palette.ink
-        frame.ink = (red / 255.0, green / 255.0, blue / 255.0)
+        frame.ink = _unit(self._palette.ink)
+        frame.contour = _unit(mixed(self._palette.ink, self._palette.clay, CONTOUR))
         pixel = 1.0 / camera.pixels_per_mm  # mm at the target
         frame.bias = (
             (1.0, LINE_BIAS * pixel)

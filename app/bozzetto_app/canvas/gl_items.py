@@ -11,7 +11,6 @@ from OpenGL import GL
 from pyqtgraph.opengl.GLGraphicsItem import GLGraphicsItem
 
 from bozzetto.scene.display_list import Image
-from bozzetto.scene.software.contours import OUTER
 from bozzetto.scene.software.strokes import DASH, FAINT_OPACITY, FAINT_WIDTH, GAP
 from bozzetto_app.canvas.gl_buffers import Batch
 from bozzetto_app.canvas.gl_shaders import ATTRIBUTES, compile_program
@@ -35,6 +34,7 @@ class Frame:
         """How far lines come towards the eye: a factor on eye coordinates, and mm."""
         self.shading = 0
         self.ink = (0.0, 0.0, 0.0)
+        self.contour = (0.0, 0.0, 0.0)
 
 
 class Programs:
@@ -174,9 +174,8 @@ class SurfaceItem(BatchItem):
         GL.glEnable(GL.GL_POLYGON_OFFSET_FILL)
         GL.glPolygonOffset(1.0, 1.0)
         self.draw()
-        _blend()
-        GL.glDepthMask(GL.GL_FALSE)
-        GL.glUniform1f(programs.place(program, "u_opacity"), OUTER)
+        GL.glPolygonOffset(2.0, 4.0)
+        GL.glUniform3f(programs.place(program, "u_ink"), *frame.contour)
         GL.glUniform1f(programs.place(program, "u_swell"), HULL)
         GL.glEnable(GL.GL_CULL_FACE)
         GL.glCullFace(GL.GL_FRONT)

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import math
 from time import perf_counter
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
+from PySide6.QtGui import QEventPoint, QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
 
 from bozzetto.ink.stroke import Stroke, StrokeTool
+from bozzetto.scene.display_list import Handle
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import orbit, pan, zoom
@@ -39,6 +40,9 @@ from bozzetto_app.canvas.pen import (
     tablet_sample,
 )
 from bozzetto_app.canvas.samples import PressureCurve, RawSample, SampleColumns
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
 
 __all__ = ["Hand"]
 
@@ -82,7 +86,7 @@ class Hand(QObject):
     ink_began = Signal()
     mode_changed = Signal()
 
-    def __init__(self, session: Any, overlay: InkOverlay) -> None:
+    def __init__(self, session: Session, overlay: InkOverlay) -> None:
         super().__init__(overlay)
         self.machine = GestureMachine()
         self.curve = PressureCurve()
@@ -192,7 +196,7 @@ class Hand(QObject):
         """One finger turns, two move and zoom; fingers never ink."""
         event.accept()
         now = perf_counter()
-        points = [p for p in event.points() if p.state() != p.state().Released]
+        points = [p for p in event.points() if p.state() != QEventPoint.State.Released]
         if not self.machine.owns("touch"):
             began = event.type() == QEvent.Type.TouchBegin and points
             if not began or not self.machine.listens_to_touch(now):
@@ -451,13 +455,14 @@ class Hand(QObject):
             self._overlay.set_hover(None)
             self._overlay.set_hot_handle((hx, hy), handle.color)
 
-    def _handle_under(self, x: float, y: float) -> Any:
+    def _handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
         if self._targets is None:
             self._targets = HandleTargets(self._session.scene, self._session.camera)
         reach = INKING_REACH if self._takes() == "ink" else HANDLE_REACH
         return self._targets.under(x, y, reach)
 
-    def _takes(self) -> Any:
+    def _takes(self) -> Literal["ink", "tap", "drag"]:
+        """What the active tool wants."""
         active = self._session.active_tool
         for tool in self._session.tools:
             if tool.id == active:

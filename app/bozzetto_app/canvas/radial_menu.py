@@ -21,6 +21,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.palette import LIGHT, Color, Palette
+from bozzetto_app.canvas.gestures import FLICK_TRAVEL
 from bozzetto_app.theme import qcolor, small_font
 from bozzetto_app.tones import tones_of
 from bozzetto_app.words import tr
@@ -36,9 +37,6 @@ SHADOW: Final = 12.0
 ICON: Final = 22
 SPREAD: Final = 3.0
 """Gap between two neighbours, pixels."""
-
-FLICK: Final = 18.0
-"""Distance from the middle from which a flick chooses, pixels."""
 
 
 class MenuEntry(Protocol):
@@ -124,7 +122,7 @@ class RadialMenu(QWidget):
 
     def point(self, place: QPointF) -> None:
         """A pressed pen has moved to a place of the parent: light what a flick would choose."""
-        self._heat(self._sector(place - self._origin, FLICK))
+        self._heat(self._sector(place - self._origin, FLICK_TRAVEL))
 
     def lift(self, *, flicked: bool) -> None:
         """The pen that opened the menu was lifted: choose what it flicked at, or stay open."""
