@@ -1,0 +1,80 @@
+"""What is told of plugins and modelers before any of their code runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+__all__ = ["ModelerInfo", "PluginInfo", "Status"]
+
+Status = Literal["ready", "loaded", "disabled", "broken"]
+
+
+@dataclass(frozen=True)
+class PluginInfo:
+    """A plugin in the list.
+
+    Attributes
+    ----------
+    id : str
+        From its manifest; the package's name where that cannot be read.
+    title, summary, version : str
+    package : str
+    status : {"ready", "loaded", "disabled", "broken"}
+        "ready" plugins are imported on first use.
+    fault : str
+        Why it is broken, in one sentence; else "".
+    details : str
+        The traceback behind that, where there is one.
+    warnings : tuple of str
+        What in its manifest was ignored.
+    """
+
+    id: str
+    title: str
+    summary: str
+    version: str
+    package: str
+    status: Status
+    fault: str = ""
+    details: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelerInfo:
+    """A modeler as its manifest announces it.
+
+    Attributes
+    ----------
+    id, title, hint : str
+    plugin : str
+        Id of its plugin.
+    folder : Path
+        The plugin's package; icons of tools are relative to it.
+    icon : Path
+        SVG file.
+    samples : tuple of Path
+        Ink files.
+    sample_titles : tuple of str
+        Their names for people.
+    panel : bool
+        Whether the plugin makes a Qt panel for it.
+    listed : bool
+        Whether a person can choose it.
+    order : int
+        Place in the row of modelers, small first.
+    """
+
+    id: str
+    title: str
+    hint: str
+    plugin: str
+    folder: Path
+    icon: Path
+    samples: tuple[Path, ...] = ()
+    sample_titles: tuple[str, ...] = ()
+    panel: bool = False
+    listed: bool = True
+    order: int = 50
