@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from PySide6.QtGui import QFontDatabase, QGuiApplication
-from PySide6.QtWidgets import QLabel, QPlainTextEdit, QWidget
+from PySide6.QtWidgets import QPlainTextEdit, QWidget
 
-from bozzetto_app.dialogs.page import Page
+from bozzetto_app.dialogs.page import Page, label
 from bozzetto_app.words import tr
 
 __all__ = ["FaultDetails"]
@@ -23,9 +23,7 @@ class FaultDetails(Page):
     def __init__(self, text: str, details: str, parent: QWidget | None = None) -> None:
         super().__init__("fault-details", tr("FaultDetails", "What happened"), parent)
         self._all = f"{text}\n\n{details}".strip()
-        words = QLabel(text)
-        words.setWordWrap(True)
-        words.setProperty("type", "heading")
+        words = label(text, kind="heading")
         trace = QPlainTextEdit(details)
         trace.setReadOnly(True)
         trace.setLineWrapMode(QPlainTextEdit.LineWrapMode.NoWrap)

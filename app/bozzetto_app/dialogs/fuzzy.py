@@ -13,7 +13,7 @@ AT_START = 12.0
 AT_WORD = 8.0
 """For a letter at the beginning of a word."""
 
-IN_A_ROW = 6.0
+IN_A_ROW = 9.0
 """For a letter right behind the one matched before."""
 
 ANYWHERE = 1.0

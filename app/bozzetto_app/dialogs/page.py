@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-__all__ = ["Page", "quiet"]
+__all__ = ["Page", "label", "quiet"]
+
+
+def label(words: str, *, kind: str = "", tone: str = "") -> QLabel:
+    """Words that wrap, taken as they are: names in them may contain anything.
+
+    Parameters
+    ----------
+    kind : {"", "heading", "small"}
+    tone : {"", "quiet", "warning"}
+    """
+    made = QLabel(words)
+    made.setTextFormat(Qt.TextFormat.PlainText)
+    made.setProperty("type", kind)
+    made.setProperty("tone", tone)
+    made.setWordWrap(True)
+    return made
 
 
 def quiet(words: str) -> QLabel:
     """A label in the second rank of text."""
-    label = QLabel(words)
-    label.setProperty("tone", "quiet")
-    label.setWordWrap(True)
-    return label
+    return label(words, tone="quiet")
 
 
 class Page(QDialog):

@@ -9,7 +9,6 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
-    QLabel,
     QPushButton,
     QScrollArea,
     QVBoxLayout,
@@ -18,7 +17,7 @@ from PySide6.QtWidgets import (
 
 from bozzetto.plugin.registry import PluginInfo
 from bozzetto_app.dialogs.fault_details import FaultDetails
-from bozzetto_app.dialogs.page import Page, quiet
+from bozzetto_app.dialogs.page import Page, label, quiet
 from bozzetto_app.icons import paint_icon
 from bozzetto_app.panels.toggle import Toggle
 from bozzetto_app.settings import settings
@@ -110,20 +109,17 @@ class PluginManager(Page):
     def _card(self, info: PluginInfo) -> QFrame:
         card = QFrame()
         card.setProperty("shape", "card")
-        title = QLabel(info.title)
-        title.setProperty("type", "heading")
-        version = quiet(info.version)
+        title = label(info.title, kind="heading")
+        title.setWordWrap(False)
         head = QHBoxLayout()
         head.setSpacing(8)
         head.addWidget(title)
-        head.addWidget(version, 1)
+        head.addWidget(quiet(info.version), 1)
         words = QVBoxLayout()
         words.setSpacing(4)
         words.addLayout(head)
         if info.summary:
-            summary = QLabel(info.summary)
-            summary.setWordWrap(True)
-            words.addWidget(summary)
+            words.addWidget(label(info.summary))
         state = quiet(tr("Plugins", "{id}: {state}", id=info.id, state=_said(info.status)))
         words.addWidget(state)
         for warning in info.warnings:
@@ -143,12 +139,9 @@ class PluginManager(Page):
         return card
 
     def _fault(self, info: PluginInfo) -> QHBoxLayout:
-        fault = QLabel(info.fault)
-        fault.setWordWrap(True)
-        fault.setProperty("tone", "warning")
         line = QHBoxLayout()
         line.setSpacing(8)
-        line.addWidget(fault, 1)
+        line.addWidget(label(info.fault, tone="warning"), 1)
         details = QPushButton(tr("Plugins", "Details"))
         details.setAutoDefault(False)
         details.setAccessibleName(tr("Plugins", "Details of {title}", title=info.title))

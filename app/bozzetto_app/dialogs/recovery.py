@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from datetime import datetime
 
 from PySide6.QtCore import QDateTime, QLocale
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from bozzetto.document.recovery import CrashedSession
-from bozzetto_app.dialogs.page import Page, quiet
+from bozzetto_app.dialogs.page import Page, label, quiet
 from bozzetto_app.words import tr
 
 __all__ = ["RecoveryDialog"]
@@ -45,9 +45,9 @@ class RecoveryDialog(Page):
         super().__init__("recovery", tr("Recovery", "Recover drawings"), parent)
         self._open = open_
         self._left = len(sessions)
-        title = QLabel(tr("Recovery", "Bozzetto closed unexpectedly."))
-        title.setProperty("type", "heading")
-        self.column.addWidget(title)
+        self.column.addWidget(
+            label(tr("Recovery", "Bozzetto closed unexpectedly."), kind="heading")
+        )
         for number, session in enumerate(sessions):
             self.column.addWidget(self._card(session, first=number == 0))
         self.column.addWidget(
@@ -67,8 +67,6 @@ class RecoveryDialog(Page):
             name=session.name,
             time=_clock(session.complete_to),
         )
-        words = QLabel(said)
-        words.setWordWrap(True)
         place = str(session.path) if session.path else tr("Recovery", "It was never saved.")
         button = QPushButton(tr("Recovery", "Open"))
         button.setAccessibleName(tr("Recovery", "Open “{name}”", name=session.name))
@@ -87,7 +85,7 @@ class RecoveryDialog(Page):
         button.clicked.connect(open_it)
         column = QVBoxLayout()
         column.setSpacing(4)
-        column.addWidget(words)
+        column.addWidget(label(said))
         column.addWidget(quiet(place))
         row = QHBoxLayout(card)
         row.setContentsMargins(12, 12, 12, 12)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt
-from PySide6.QtGui import QPainter
+from PySide6.QtGui import QFontMetrics, QPainter
 from PySide6.QtWidgets import (
     QHeaderView,
     QLineEdit,
@@ -51,7 +51,8 @@ class _Key(QStyledItemDelegate):
     """The key as a small cap at the right; a gesture as words."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        return QSize(160, ROW)
+        width = QFontMetrics(small_font(option.font)).horizontalAdvance(str(index.data() or ""))
+        return QSize(width + 32, ROW)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         key = str(index.data() or "")
@@ -78,7 +79,6 @@ class ShortcutsDialog(Page):
         self.field = QLineEdit()
         self.field.setPlaceholderText(tr("Shortcuts", "Search by name or key"))
         self.field.setAccessibleName(tr("Shortcuts", "Search"))
-        self.field.setClearButtonEnabled(True)
         self.field.textChanged.connect(self._filter)
         self.tree = QTreeWidget()
         self.tree.setAccessibleName(self.windowTitle())

@@ -171,6 +171,7 @@ class Figures(QWidget):
                 continue
             words.setProperty("tone", "quiet")
             value = QLabel(figure.value)
+            value.setTextFormat(Qt.TextFormat.PlainText)
             value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
             value.setWordWrap(True)

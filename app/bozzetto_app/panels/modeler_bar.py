@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QResizeEvent
-from PySide6.QtWidgets import QAbstractButton, QButtonGroup, QHBoxLayout, QSizePolicy, QWidget
+from PySide6.QtWidgets import QAbstractButton, QHBoxLayout, QSizePolicy, QWidget
 
 from bozzetto_app.icons import GRID, paint_icon
 from bozzetto_app.panels.icon_button import RADIUS, paint_focus
@@ -32,6 +32,7 @@ class _ModelerButton(QAbstractButton):
         self.setAccessibleDescription(hint)
         self.setToolTip(f"{title}\n{hint}" if hint else title)
         self.setCheckable(True)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def full_width(self) -> int:
@@ -86,7 +87,6 @@ class ModelerBar(QWidget):
         self._row.setContentsMargins(4, 0, 4, 1)
         self._row.setSpacing(0)
         self._row.addStretch(1)
-        self._group = QButtonGroup(self)
         self._buttons: dict[str, _ModelerButton] = {}
         session.modeler_changed.connect(self._mark)
         self.refresh()
@@ -94,14 +94,12 @@ class ModelerBar(QWidget):
     def refresh(self) -> None:
         """Show the modelers there are now."""
         for button in self._buttons.values():
-            self._group.removeButton(button)
             button.hide()
             button.deleteLater()
         self._buttons = {}
         for place, info in enumerate(self._session.modelers):
             button = _ModelerButton(info.icon, info.title, info.hint)
-            button.clicked.connect(lambda _, name=info.id: self._session.activate_modeler(name))
-            self._group.addButton(button)
+            button.clicked.connect(lambda _, name=info.id: self._take(name))
             self._row.insertWidget(place, button)
             self._buttons[info.id] = button
         self._mark()
@@ -110,9 +108,12 @@ class ModelerBar(QWidget):
     def sizeHint(self) -> QSize:
         return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT + 1)
 
+    def _take(self, modeler: str) -> None:
+        self._session.activate_modeler(modeler)
+        self._mark()  # the session decides; a click alone does not check a button
+
     def _mark(self) -> None:
         active = self._session.active_modeler
-        self._group.setExclusive(active in self._buttons)
         for name, button in self._buttons.items():
             button.setChecked(name == active)
 

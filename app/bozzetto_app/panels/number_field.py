@@ -105,6 +105,7 @@ class NumberField(QDoubleSpinBox):
         self._grabbed: tuple[QPointF, float] | None = None
         self._dragging = False
         self._typing = False
+        self._clicked_into = False
         self.setDecimals(0 if whole else MOST_DECIMALS)
         self.setRange(
             -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
@@ -185,7 +186,7 @@ class NumberField(QDoubleSpinBox):
             QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), problem.message, self)
             self.setAccessibleDescription(problem.message)
             return False
-        self._typing = False
+        self._typing = self._clicked_into = False
         self.setAccessibleDescription("")
         before = self.value()
         self.setValue(value)
@@ -203,14 +204,14 @@ class NumberField(QDoubleSpinBox):
                 self._change(start, dragging=True)
                 self._end_drag()
             return
-        self._typing = False
+        self._typing = self._clicked_into = False
         self.lineEdit().setText(self.textFromValue(self.value()) + self.suffix())
         self.selectAll()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         if self._typing and not self._take_typed():
             self._restore()
-        self._typing = False
+        self._typing = self._clicked_into = False
         super().focusOutEvent(event)
         self.lineEdit().deselect()
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
@@ -230,7 +231,8 @@ class NumberField(QDoubleSpinBox):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if watched is self.lineEdit():
             kind = event.type()
-            if kind == QEvent.Type.MouseButtonPress and not self.lineEdit().hasFocus():
+            busy = self._typing or self._clicked_into
+            if kind == QEvent.Type.MouseButtonPress and not busy:
                 return self._press(cast(QMouseEvent, event))
             if kind == QEvent.Type.MouseMove and self._grabbed is not None:
                 return self._drag(cast(QMouseEvent, event))
@@ -261,6 +263,7 @@ class NumberField(QDoubleSpinBox):
         if self._dragging:
             self._end_drag()
         else:
+            self._clicked_into = True
             self.lineEdit().setCursor(Qt.CursorShape.IBeamCursor)
             self.setFocus(Qt.FocusReason.MouseFocusReason)
             self.selectAll()

@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from bozzetto_app.panels.icon_button import RADIUS, IconButton
 from bozzetto_app.panels.object_row import ROW, ModelRow, UnderlayRow
+from bozzetto_app.panels.tab_order import put_in_tab_order
 from bozzetto_app.theme import qcolor, tones
 from bozzetto_app.words import tr
 
@@ -217,6 +218,7 @@ class ObjectsPanel(QWidget):
             for underlay in document.underlays:
                 self._add("underlay", underlay.id, UnderlayRow(self._session, underlay))
         self._filling = False
+        put_in_tab_order(self.list, (self.list, self._duplicate, self._delete))
 
     def _add(self, kind: str, name: str, widget: QWidget) -> None:
         item = QListWidgetItem(self.list)

@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from bozzetto_app.panels.figures import Figures
-from bozzetto_app.panels.number_field import NumberField
 from bozzetto_app.panels.parameter_row import ParameterRow
 from bozzetto_app.panels.section import Section, hairline
+from bozzetto_app.panels.tab_order import put_in_tab_order
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
@@ -125,21 +125,9 @@ class ParametersPanel(QScrollArea):
         else:
             advanced.deleteLater()
         self._column.replaceWidget(old, self._form)
-        self._put_in_tab_order()
+        put_in_tab_order(self, (self._form, self._figures_section))
         old.hide()
         old.deleteLater()
-
-    def _put_in_tab_order(self) -> None:
-        """Rows made later than the rest of the window still follow their place on the page."""
-        before: QWidget = self
-        for widget in (
-            *self._form.findChildren(QWidget),
-            *self._figures_section.findChildren(QWidget),
-        ):
-            inner = isinstance(widget.parent(), NumberField) or widget.window() is not self.window()
-            if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and not inner:
-                self.setTabOrder(before, widget)
-                before = widget
 
     def _show_report(self) -> None:
         report = self._session.report

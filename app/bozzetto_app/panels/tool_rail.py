@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QButtonGroup, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from bozzetto_app.panels.icon_button import RADIUS, IconButton
 from bozzetto_app.panels.section import hairline
@@ -61,7 +61,6 @@ class ToolRail(QWidget):
         self.setAccessibleName(self.windowTitle())
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setFixedWidth(SIDE + 8)
-        self._group = QButtonGroup(self)
         self._buttons: dict[str, _ToolButton] = {}
 
         self._count = QLabel()
@@ -102,7 +101,6 @@ class ToolRail(QWidget):
     def refresh(self) -> None:
         """Show the tools that the active modeler has now."""
         for button in self._buttons.values():
-            self._group.removeButton(button)
             button.hide()
             button.deleteLater()
         self._buttons = {}
@@ -112,11 +110,14 @@ class ToolRail(QWidget):
             button.setAccessibleDescription(tool.hint)
             button.setStatusTip(tool.hint)
             button.setCheckable(True)
-            button.clicked.connect(lambda _, name=tool.id: self._session.activate_tool(name))
-            self._group.addButton(button)
+            button.clicked.connect(lambda _, name=tool.id: self._take(name))
             self._column.insertWidget(place, button)
             self._buttons[tool.id] = button
         self._mark()
+
+    def _take(self, tool: str) -> None:
+        self._session.activate_tool(tool)
+        self._mark()  # the session decides; a click alone does not check a button
 
     def _mark(self) -> None:
         for name, button in self._buttons.items():

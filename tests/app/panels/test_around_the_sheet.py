@@ -1,0 +1,257 @@
+"""Rail, modelers' row, history, status line, welcome strip."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QLabel, QPushButton, QWidget
+
+from bozzetto.document.model import Document
+from bozzetto_app.panels import status_line
+from bozzetto_app.panels.history import HistoryPanel
+from bozzetto_app.panels.modeler_bar import ModelerBar
+from bozzetto_app.panels.status_line import StatusLine
+from bozzetto_app.panels.tool_rail import ToolRail
+from bozzetto_app.panels.welcome_strip import WelcomeStrip
+
+
+def button(widget: QWidget, name: str) -> QAbstractButton:
+    return next(b for b in widget.findChildren(QAbstractButton) if b.accessibleName() == name)
+
+
+@pytest.fixture
+def shown(qtbot):
+    def show(widget):
+        qtbot.addWidget(widget)
+        widget.show()
+        return widget
+
+    return show
+
+
+# -- rail --
+
+
+def test_tools_are_taken_by_their_buttons(shown, fake_session):
+    rail = shown(ToolRail(fake_session))
+    button(rail, "Cut").click()
+    assert fake_session.calls.named("activate_tool") == [(("cut",), {})]
+    assert button(rail, "Outline").isChecked()
+    assert "(3)" in button(rail, "Cut").toolTip()
+
+
+def test_the_active_tool_is_the_sessions(shown, fake_session):
+    rail = shown(ToolRail(fake_session))
+    fake_session.active_tool = "erase"
+    fake_session.tool_changed.emit()
+    assert [t for t, b in rail._buttons.items() if b.isChecked()] == ["erase"]
+
+
+def test_another_modeler_brings_other_tools(shown, fake_session, fakes):
+    rail = shown(ToolRail(fake_session))
+    fake_session.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
+    fake_session.active_tool = "spine"
+    fake_session.modeler_changed.emit()
+    assert list(rail._buttons) == ["spine"]
+    assert button(rail, "Spine").isChecked()
+
+
+def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
+    rail = shown(ToolRail(fake_session))
+    assert not rail._waiting.isVisible()
+    fake_session.pending = (object(), object())
+    fake_session.pending_changed.emit()
+    assert rail._waiting.isVisible()
+    assert rail._count.text() == "2"
+    rail._finish.click()
+    rail._drop.click()
+    assert len(fake_session.calls.named("commit_pending")) == 1
+    assert len(fake_session.calls.named("clear_pending")) == 1
+    fake_session.pending = ()
+    fake_session.pending_changed.emit()
+    assert not rail._waiting.isVisible()
+
+
+# -- modelers --
+
+
+def test_modelers_are_chosen_by_name(shown, fake_session):
+    bar = shown(ModelerBar(fake_session))
+    button(bar, "Car").click()
+    assert fake_session.calls.named("activate_modeler") == [(("bozzetto.car",), {})]
+    fake_session.active_modeler = "bozzetto.car"
+    fake_session.modeler_changed.emit()
+    assert [b.text() for b in bar._buttons.values() if b.isChecked()] == ["Car"]
+
+
+def test_names_give_way_where_there_is_no_room(shown, fake_session):
+    bar = shown(ModelerBar(fake_session))
+    full = bar.sizeHint().width()
+    bar.resize(full, bar.height())
+    assert not any(b.compact for b in bar._buttons.values())
+    bar.resize(full // 2, bar.height())
+    assert all(b.compact for b in bar._buttons.values())
+    assert bar.sizeHint().width() == full, "it would never grow back"
+
+
+# -- history --
+
+
+def test_a_click_goes_to_a_step(shown, fake_session):
+    panel = shown(HistoryPanel(fake_session))
+    panel.resize(200, 160)
+    place = panel.visualItemRect(panel.item(0)).center()
+    QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert fake_session.calls.named("go_to") == [((0,), {})]
+
+
+def test_the_current_step_is_said(shown, fake_session):
+    panel = shown(HistoryPanel(fake_session))
+    said = [panel.item(i).data(Qt.ItemDataRole.AccessibleTextRole) for i in range(panel.count())]
+    assert said == ["New drawing", "Outline", "Ear, current", "Inflation"]
+    place = panel.visualItemRect(panel.item(2)).center()
+    QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert fake_session.calls.named("go_to") == []
+
+
+def test_history_follows_the_document(shown, fake_session):
+    panel = shown(HistoryPanel(fake_session))
+    fake_session.history.entries, fake_session.history.position = ("New drawing", "Fin"), 1
+    fake_session.document_changed.emit()
+    assert [panel.item(i).text() for i in range(panel.count())] == ["New drawing", "Fin"]
+    assert panel.currentRow() == 1
+
+
+# -- status line --
+
+
+@pytest.fixture
+def status(shown, fake_session):
+    return shown(StatusLine(fake_session))
+
+
+def test_the_hint_is_always_there(status, fake_session, fakes):
+    assert status._words.text() == "Draw a closed outline."
+    fake_session.hint = "Draw the spine."
+    fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
+    assert status._words.text() == "Draw the spine."
+
+
+def test_an_error_stays_until_the_next_gesture(status, fake_session, fakes):
+    fake_session.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
+    assert status._words.text() == "The outline crosses itself."
+    fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
+    assert status._words.text() == "The outline crosses itself.", "a hint does not hide an error"
+    status.gesture_began()
+    assert status._words.text() == fake_session.hint
+
+
+def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session, fakes):
+    monkeypatch.setattr(status_line, "ERROR_TIME", 20)
+    fake_session.noticed.emit(fakes.Notice("error", "No."))
+    qtbot.waitUntil(lambda: status._words.text() == fake_session.hint)
+    assert status_line.INFO_TIME < 8000
+
+
+def test_work_shows_only_if_it_lasts(qtbot, status, fake_session):
+    fake_session.busy_changed.emit(True)
+    fake_session.progressed.emit(0.4, "Finding the skeleton")
+    assert not status._cancel.isVisible()
+    qtbot.waitUntil(status._cancel.isVisible)
+    assert status._step.text() == "Finding the skeleton"
+    status._cancel.click()
+    assert len(fake_session.calls.named("cancel_work")) == 1
+    fake_session.busy_changed.emit(False)
+    assert not status._cancel.isVisible()
+    assert not status._progress.isVisible()
+
+
+def test_short_work_never_shows(qtbot, status, fake_session):
+    fake_session.busy_changed.emit(True)
+    fake_session.busy_changed.emit(False)
+    qtbot.wait(status_line.PATIENCE + 60)
+    assert not status._cancel.isVisible()
+
+
+def fault(fakes, **more):
+    return fakes.Notice("fault", "Silhouette stopped: no inside.", plugin="b.s", **more)
+
+
+def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session, fakes):
+    notice = fault(fakes, details="Traceback …")
+    fake_session.noticed.emit(notice)
+    assert status.faults.isVisible()
+    assert "Silhouette stopped" in " ".join(x.text() for x in status.faults.findChildren(QLabel))
+    with qtbot.waitSignal(status.details_wanted) as asked:
+        status.faults._details.click()
+    assert asked.args == [notice]
+    assert status._words.text() == fake_session.hint, "the hint stays"
+
+
+def test_a_fault_can_be_switched_off(qtbot, status, fake_session, fakes):
+    fake_session.noticed.emit(fault(fakes))
+    with qtbot.waitSignal(status.switched_off) as off:
+        status.faults._switch_off.click()
+    assert off.args == ["b.s"]
+    assert fake_session.registry.disabled == {"b.s": True}
+    assert not status.faults.isVisible()
+
+
+def test_a_fault_can_be_closed_without_a_change(status, fake_session, fakes):
+    fake_session.noticed.emit(fault(fakes))
+    button(status.faults, "Close").click()
+    assert not status.faults.isVisible()
+    assert fake_session.registry.disabled == {}
+
+
+def test_buttons_without_use_are_not_shown(status, fake_session, fakes):
+    fake_session.noticed.emit(fakes.Notice("fault", "Bozzetto made a mistake."))
+    assert [b.text() for b in status.faults.findChildren(QPushButton) if b.isVisible()] == []
+
+
+def test_long_words_do_not_widen_the_window(status, fake_session, fakes):
+    before = status.minimumSizeHint().width()
+    fake_session.noticed.emit(fakes.Notice("error", "Very long. " * 60))
+    assert status.minimumSizeHint().width() == before < 400
+
+
+# -- welcome --
+
+
+@pytest.fixture
+def strip(shown, fake_session):
+    fake_session.document = Document()
+    recent = [Path("/drawings/Lamp.bozz")]
+    pictures = []
+
+    def thumbnail(path):
+        pictures.append(path)
+        return QImage(4, 4, QImage.Format.Format_RGB32)
+
+    made = shown(WelcomeStrip(fake_session, recent, thumbnail))
+    assert recent[0] in pictures
+    return made
+
+
+def test_samples_and_recent_files_can_be_chosen(qtbot, strip):
+    with qtbot.waitSignal(strip.sample_chosen) as sample:
+        button(strip, "Glasses").click()
+    assert sample.args == ["bozzetto.symmetry", Path("/samples/glasses.json")]
+    with qtbot.waitSignal(strip.sample_watched) as watched:
+        button(strip, "Watch Fish being drawn").click()
+    assert watched.args == ["bozzetto.silhouette", Path("/samples/fish.json")]
+    with qtbot.waitSignal(strip.recent_chosen) as recent:
+        button(strip, "Lamp").click()
+    assert recent.args == [Path("/drawings/Lamp.bozz")]
+
+
+def test_it_closes_by_drawing(qtbot, strip, fake_session):
+    with qtbot.assertNotEmitted(strip.closed):
+        fake_session.document_changed.emit()
+    fake_session.pending = (object(),)
+    with qtbot.waitSignal(strip.closed):
+        fake_session.pending_changed.emit()
