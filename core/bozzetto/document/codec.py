@@ -167,7 +167,7 @@ def state_digest(state: Any) -> bytes:
 
 def _check_parameters(state: Any) -> None:
     """Raise ValueError where a parameter is out of its range."""
-    for entry in _parameters(type(state)):
+    for entry in _parameters(cast(Hashable, type(state))):
         try:
             entry.check(getattr(state, entry.name))
         except UserError as problem:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from operator import attrgetter
 from typing import Any, Final
 
@@ -107,26 +108,42 @@ def unpack_strokes(meta: bytes, columns: Mapping[str, NDArray[Any]]) -> list[Str
             raise DocumentError("This document has a stroke without a camera.")
         if row.color is not None and not all(0 <= c <= 255 for c in row.color):
             raise DocumentError("This document has a stroke of an impossible colour.")
-    stored = [columns.get(name) for name in COLUMNS]
-    absent = [_Constant(0.5 if name == "pressure" else 0.0) for name in COLUMNS]
-    strokes = []
-    for row, start, end in zip(sheet.strokes, starts, starts[1:], strict=False):
-        given = (True, True, row.has_pressure, row.has_time, True, True, True)
-        strokes.append(
-            Stroke.from_columns(
-                [
-                    column[start:end] if known and column is not None else fill(end - start)
-                    for column, known, fill in zip(stored, given, absent, strict=True)
-                ],
-                sheet.cameras[row.camera],
-                row.tool,
-                row.color,
-                row.group,
-                row.has_pressure,
-                row.has_time,
-            )
+    pairs = list(pairwise(starts))
+    known = {
+        "pressure": [row.has_pressure for row in sheet.strokes],
+        "t": [row.has_time for row in sheet.strokes],
+    }
+    sliced = [_sliced(columns.get(name), name, pairs, known.get(name)) for name in COLUMNS]
+    return [
+        Stroke.from_columns(
+            parts,
+            sheet.cameras[row.camera],
+            row.tool,
+            row.color,
+            row.group,
+            row.has_pressure,
+            row.has_time,
         )
-    return strokes
+        for row, parts in zip(sheet.strokes, zip(*sliced, strict=True), strict=True)
+    ]
+
+
+def _sliced(
+    column: NDArray[Any] | None,
+    name: str,
+    pairs: Sequence[tuple[int, int]],
+    known: Sequence[bool] | None,
+) -> list[NDArray[np.float32]]:
+    """Each stroke's part of a column; where it has none, its length of the default value."""
+    if column is not None and (known is None or all(known)):
+        return [column[start:end] for start, end in pairs]
+    fill = _Constant(0.5 if name == "pressure" else 0.0)
+    if column is None or known is None:
+        return [fill(end - start) for start, end in pairs]
+    return [
+        column[start:end] if given else fill(end - start)
+        for (start, end), given in zip(pairs, known, strict=True)
+    ]
 
 
 class _Constant:

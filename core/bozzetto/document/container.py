@@ -80,6 +80,7 @@ EPOCH: Final = 0x21  # 1 January 1980: equal documents make equal files
 
 
 Value = TypeVar("Value")
+Content = bytes | memoryview
 
 
 class Part(msgspec.Struct):
@@ -236,7 +237,7 @@ class ContainerReader:
 
     Parameters
     ----------
-    data : bytes
+    data : bytes or read-only memoryview
         The whole file. Arrays that were STORED are views into it.
 
     Raises
@@ -245,7 +246,7 @@ class ContainerReader:
         If the directory is not beyond doubt.
     """
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: Content) -> None:
         self._data = data
         self._entries = _directory(data)
         self._parts: dict[str, Part] = {}
@@ -312,12 +313,10 @@ class ContainerReader:
             raise DocumentError(f"This document lacks its part {name}.")
         return self._entries[name]
 
-    def _content(self, name: str) -> memoryview | bytes:
+    def _content(self, name: str) -> Content:
         entry = self._entry(name)
         self._unread.pop(name, None)
-        content: memoryview | bytes = memoryview(self._data)[
-            entry.start : entry.start + entry.packed
-        ]
+        content: Content = memoryview(self._data)[entry.start : entry.start + entry.packed]
         if entry.method == DEFLATED:
             inflate = zlib.decompressobj(-zlib.MAX_WBITS)
             try:
@@ -329,7 +328,7 @@ class ContainerReader:
         return content
 
 
-def _directory(data: bytes) -> dict[str, _Entry]:
+def _directory(data: Content) -> dict[str, _Entry]:
     """The entries of a file, none of which overlaps another or promises too much."""
     end = len(data) - END.size
     if not 0 <= end <= MAX_FILE_BYTES:
@@ -363,7 +362,7 @@ def _directory(data: bytes) -> dict[str, _Entry]:
     return entries
 
 
-def _central(data: bytes, place: int, end: int) -> tuple[str, _Entry, int, int]:
+def _central(data: Content, place: int, end: int) -> tuple[str, _Entry, int, int]:
     """Name, entry, place of the local header, and place of the next record."""
     if place + CENTRAL.size > end:
         raise DocumentError("This document's directory is damaged. Open a backup of it.")
@@ -377,13 +376,13 @@ def _central(data: bytes, place: int, end: int) -> tuple[str, _Entry, int, int]:
     if method not in (STORED, DEFLATED) or (method == STORED and packed != size):
         raise DocumentError("This document is packed in a way that is not known here.")
     try:
-        name = data[begins : begins + name_length].decode()
+        name = bytes(data[begins : begins + name_length]).decode()
     except UnicodeDecodeError:
         raise DocumentError("This document has an entry of a forbidden name.") from None
     return name, _Entry(0, packed, size, crc, method), local, following
 
 
-def _local(data: bytes, place: int, name: str, entry: _Entry, end: int) -> int:
+def _local(data: Content, place: int, name: str, entry: _Entry, end: int) -> int:
     """Where an entry's content begins; its own header must agree with the directory."""
     begins = place + LOCAL.size
     if begins > end:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import types
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from itertools import repeat
@@ -81,15 +81,14 @@ class Aside:
         return shelf[number]
 
 
-def runs(numbers: Iterable[int]) -> list[tuple[int, int]]:
+def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
     """Numbers as (first, count) of consecutive ones."""
-    found: list[tuple[int, int]] = []
-    for number in numbers:
-        if found and number == sum(found[-1]):
-            found[-1] = (found[-1][0], found[-1][1] + 1)
-        else:
-            found.append((number, 1))
-    return found
+    if not numbers:
+        return []
+    row = np.asarray(numbers, np.int64)
+    starts = np.flatnonzero(np.diff(row, prepend=row[0] - 2) != 1)
+    counts = np.diff(starts, append=len(row))
+    return list(zip(row[starts].tolist(), counts.tolist(), strict=True))
 
 
 class Form:
