@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
+from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import (
     QCursor,
     QDragEnterEvent,
@@ -31,7 +31,6 @@ from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import fit, with_kind
 from bozzetto.view.standard import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
-from bozzetto_app.canvas.backends import ViewportBackend, choose_backend, may_use_gl
 from bozzetto_app.canvas.drop import dropped_files, take_file
 from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
@@ -40,14 +39,13 @@ from bozzetto_app.canvas.pen import ProximityWatch
 from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.samples import PressureCurve
 from bozzetto_app.canvas.sheet_hint import SheetHint
-from bozzetto_app.canvas.software import SoftwareViewport
 from bozzetto_app.canvas.view_cube import ViewCube
+from bozzetto_app.canvas.viewports import Viewports
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
-    from bozzetto_app.canvas.gl import GLViewport
     from bozzetto_app.session import Notice, Session
 
 __all__ = ["Canvas"]
@@ -56,16 +54,6 @@ log = logging.getLogger(__name__)
 
 CUBE_MARGIN: Final = 16
 """Distance of the view cube from the canvas's corner, pixels."""
-
-GL_PATIENCE: Final = 4000
-"""How long the first OpenGL picture may take before the software one stays, milliseconds."""
-
-
-def _import_gl(job: Job) -> type[GLViewport]:
-    """Import pyqtgraph and OpenGL, which take half a second, beside the window."""
-    from bozzetto_app.canvas.gl import GLViewport
-
-    return GLViewport
 
 
 def _ignore(answer: object) -> None:
@@ -91,6 +79,7 @@ class Canvas(QWidget):
     hand : Hand
         What turns input into gestures.
     motion : ViewMotion
+    viewports : Viewports
     menu_entries : callable
         Returns what the radial menu shows, most wanted first; set by the window.
     """
@@ -111,17 +100,7 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
 
-        if may_use_gl():
-            from PySide6.QtOpenGLWidgets import QOpenGLWidget
-
-            # A window that gets its first OpenGL child later is made anew: it would vanish
-            # and come back under the person's eyes. A hidden child from the start avoids it.
-            QOpenGLWidget(self).hide()
-        software = SoftwareViewport(self)
-        software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
-        self._backend: ViewportBackend = software
-        self._rising: GLViewport | None = None
-        self._imports = Channel("import-gl", parent=self)
+        self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
         self._overlay = InkOverlay(self)
         self._hint = SheetHint(self)
@@ -138,10 +117,10 @@ class Canvas(QWidget):
             application.installEventFilter(self._proximity)
 
         session.scene_changed.connect(self._show_scene)
-        session.live_changed.connect(self._show_live)
+        session.live_changed.connect(self.viewports.show_live)
         session.camera_changed.connect(self._show_camera)
         session.pending_changed.connect(self._show_pending)
-        session.view_style_changed.connect(self._show_style)
+        session.view_style_changed.connect(self.viewports.show_style)
         session.noticed.connect(self._notice)
         session.settled.connect(self._settled)
         self.hand.pressed.connect(self.motion.finish)
@@ -158,16 +137,17 @@ class Canvas(QWidget):
         self._mode_changed()
         self.read_settings()
         self.set_palette(palette)
-        self._show_all()
+        self.viewports.show_all()
+        self._show_camera()
+        self._show_scene()
+        self._show_pending()
 
     # -- theme, settings, words -----------------------------------------------------------------
 
     def set_palette(self, palette: Palette) -> None:
         """Use the colours of a theme."""
         self._colors = palette
-        self._backend.set_palette(palette)
-        if self._rising is not None:
-            self._rising.set_palette(palette)
+        self.viewports.set_palette(palette)
         for part in (self._overlay, self._hint, self._cube, self._menu):
             part.set_colors(palette)
 
@@ -184,11 +164,11 @@ class Canvas(QWidget):
 
     def describe_viewport(self) -> str:
         """Who draws, for the About dialog."""
-        return self._backend.describe()
+        return self.viewports.current.describe()
 
     def grab_picture(self) -> QImage:
         """The scene as it is shown now, without wet ink and without the view cube."""
-        return self._backend.grab()
+        return self.viewports.current.grab()
 
     # -- looking ------------------------------------------------------------------------------
 
@@ -244,11 +224,11 @@ class Canvas(QWidget):
     # -- the menu -----------------------------------------------------------------------------
 
     def open_menu(self, place: QPointF | None = None) -> None:
-        """Open the radial menu at a place, or at the pointer; close it where it is open."""
-        if self._menu.isVisible():
-            self._menu.close_menu()
-            return
+        """Open the radial menu at a place; without one at the pointer, or close it."""
         if place is None:
+            if self._menu.isVisible():
+                self._menu.close_menu()
+                return
             place = QPointF(self.mapFromGlobal(QCursor.pos()))
             if not self.rect().contains(place.toPoint()):
                 place = QPointF(self.rect().center())
@@ -256,19 +236,8 @@ class Canvas(QWidget):
 
     # -- what the session shows -----------------------------------------------------------------
 
-    def _show_all(self) -> None:
-        self._show_style()
-        self._show_camera()
-        self._show_scene()
-        self._show_live()
-        self._show_pending()
-
-    def _backends(self) -> list[ViewportBackend]:
-        return [self._backend] if self._rising is None else [self._backend, self._rising]
-
     def _show_scene(self) -> None:
-        for backend in self._backends():
-            backend.set_scene(self._session.scene)
+        self.viewports.show_scene()
         self.hand.scene_or_view_changed()
         self._prepare_picking(self._session.scene, self._session.camera)
 
@@ -280,13 +249,8 @@ class Canvas(QWidget):
 
         self._sorting.submit(Request(work, _ignore, _raise))
 
-    def _show_live(self) -> None:
-        for backend in self._backends():
-            backend.set_live(self._session.live_scene)
-
     def _show_camera(self) -> None:
-        for backend in self._backends():
-            backend.set_camera(self._session.camera)
+        self.viewports.show_camera()
         self._cube.set_camera(self._session.camera)
         self.hand.scene_or_view_changed()
         if self._session.pending:
@@ -294,10 +258,6 @@ class Canvas(QWidget):
 
     def _show_pending(self) -> None:
         self._overlay.set_pending(self._session.pending, self._session.camera)
-
-    def _show_style(self) -> None:
-        for backend in self._backends():
-            backend.set_style(self._session.shading, self._session.show_grid)
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:
@@ -313,64 +273,10 @@ class Canvas(QWidget):
         }.get(mode, Qt.CursorShape.CrossCursor)
         self.setCursor(shape)
 
-    # -- from the software viewport to OpenGL -----------------------------------------------------
-
-    def _painted_first(self) -> None:
-        """The window is on the screen: now there is time to see whether OpenGL works."""
-        if choose_backend() == "gl":
-            self._imports.submit(Request(_import_gl, self._raise_gl, self._gl_missing))
-
-    def _gl_missing(self, problem: BaseException) -> None:
-        if not isinstance(problem, ImportError | OSError | AttributeError):
-            raise problem
-        log.warning("no OpenGL viewport: %s", problem)
-
-    def _raise_gl(self, viewport: type[GLViewport]) -> None:
-        """Make the OpenGL viewport below the software one, which stays until it is proved."""
-        rising = viewport(self)
-        rising.proved.connect(self._gl_proved, Qt.ConnectionType.QueuedConnection)
-        rising.failed.connect(self._gl_failed, Qt.ConnectionType.QueuedConnection)
-        self._rising = rising
-        rising.set_palette(self._colors)
-        self._show_all()
-        rising.setGeometry(self.rect())
-        rising.stackUnder(self._backend.widget)
-        rising.show()
-        QTimer.singleShot(GL_PATIENCE, self, self._gl_late)
-
-    def _gl_proved(self) -> None:
-        if self._rising is None:
-            return
-        software, self._backend, self._rising = self._backend, self._rising, None
-        software.widget.hide()
-        software.widget.deleteLater()
-
-    def _gl_late(self) -> None:
-        if self._rising is not None:
-            self._gl_failed("no picture in time")
-
-    def _gl_failed(self, reason: str) -> None:
-        """Go (back) to the software viewport."""
-        log.warning("the OpenGL viewport failed: %s", reason)
-        failed = self._rising if self._rising is not None else self._backend
-        if isinstance(failed, SoftwareViewport):
-            return
-        if self._rising is None:
-            self._backend = SoftwareViewport(self)
-            self._backend.set_palette(self._colors)
-            self._backend.widget.setGeometry(self.rect())
-            self._backend.widget.lower()
-            self._backend.widget.show()
-        self._rising = None
-        failed.widget.hide()
-        failed.widget.deleteLater()
-        self._show_all()
-
     # -- events -------------------------------------------------------------------------------
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        for backend in self._backends():
-            backend.widget.setGeometry(self.rect())
+        self.viewports.set_geometry(self.rect())
         self._overlay.setGeometry(self.rect())
         self._hint.setGeometry(self.rect())
         self._cube.move(self.width() - self._cube.width() - CUBE_MARGIN, CUBE_MARGIN)

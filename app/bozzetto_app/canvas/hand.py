@@ -20,6 +20,7 @@ from bozzetto.scene.display_list import Handle
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import orbit, pan, zoom
+from bozzetto_app.canvas.fingers import Fingers, middle_and_spread
 from bozzetto_app.canvas.gestures import (
     Button,
     GestureMachine,
@@ -101,7 +102,7 @@ class Hand(QObject):
         self._fresh: list[RawSample] = []
         self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
         self._tool: StrokeTool = "pen"
-        self._fingers: tuple[int, QPointF, float] | None = None
+        self._fingers: Fingers | None = None
         self._reported = -math.inf
         self._due = False
         self._soon = QTimer(self, singleShot=True, interval=0)
@@ -193,53 +194,36 @@ class Hand(QObject):
     # -- fingers ------------------------------------------------------------------------------
 
     def touch(self, event: QTouchEvent) -> None:
-        """One finger turns, two move and zoom; fingers never ink."""
+        """Turn, move and zoom the view, unless the touch is a palm's."""
         event.accept()
         now = perf_counter()
-        points = [p for p in event.points() if p.state() != QEventPoint.State.Released]
+        places = [p.position() for p in event.points() if p.state() != QEventPoint.State.Released]
         if not self.machine.owns("touch"):
-            began = event.type() == QEvent.Type.TouchBegin and points
+            began = event.type() == QEvent.Type.TouchBegin and places
             if not began or not self.machine.listens_to_touch(now):
                 return
             self.pressed.emit()
-            place = points[0].position()
-            press = Press("touch", Button.TIP, place.x(), place.y(), now)
-            if not self.machine.begin(press):
+            first = places[0]
+            if not self.machine.begin(Press("touch", Button.TIP, first.x(), first.y(), now)):
                 return
+            self._camera = self._session.camera
             self._fingers = None
-        if not points or event.type() == QEvent.Type.TouchCancel:
+        if not places or event.type() == QEvent.Type.TouchCancel:
             self.machine.release("touch", Button.TIP, now)
-            self._fingers = None
             return
-        places = [p.position() for p in points]
-        middle = QPointF(
-            sum(p.x() for p in places) / len(places), sum(p.y() for p in places) / len(places)
-        )
-        spread = max(math.hypot(p.x() - middle.x(), p.y() - middle.y()) for p in places)
-        if self._fingers is None or self._fingers[0] != len(points):
-            self._pivot = self._under(middle.x(), middle.y())
+        if self._fingers is None or self._fingers.count != len(places):
+            (x, y), _ = middle_and_spread(places)
+            self._fingers = Fingers(places, self._under(x, y))
         else:
-            _, before, last_spread = self._fingers
-            dx, dy = middle.x() - before.x(), middle.y() - before.y()
-            camera = self._session.camera
-            if len(points) == 1:
-                camera = orbit(camera, dx, dy, self._pivot)
-            else:
-                camera = pan(camera, dx, dy, self._pivot)
-                if last_spread > 1.0 and spread > 1.0:
-                    at = (middle.x(), middle.y())
-                    camera = zoom(camera, spread / last_spread, at)
-            self._session.set_camera(camera)
-        self._fingers = (len(points), middle, spread)
+            self._session.set_camera(self._fingers.moved(places, self._session.camera))
 
     # -- gestures -----------------------------------------------------------------------------
 
     def cancel(self) -> bool:
         """Drop the gesture under way (Esc); say whether there was one."""
         mode = self.machine.cancel()
-        if mode is Mode.NAVIGATING and self._fingers is None:
+        if mode is Mode.NAVIGATING:
             self._session.set_camera(self._camera)
-        self._fingers = None
         if mode.records:
             self._forget()
             self._session.pen_cancelled()

@@ -122,11 +122,12 @@ class RadialMenu(QWidget):
 
     def point(self, place: QPointF) -> None:
         """A pressed pen has moved to a place of the parent: light what a flick would choose."""
-        self._heat(self._sector(place - self._origin, FLICK_TRAVEL))
+        if self.isVisible():
+            self._heat(self._sector(place - self._origin, FLICK_TRAVEL))
 
     def lift(self, *, flicked: bool) -> None:
         """The pen that opened the menu was lifted: choose what it flicked at, or stay open."""
-        if flicked:
+        if flicked and self.isVisible():
             self._choose(self._hot)
 
     def close_menu(self) -> None:

@@ -241,6 +241,15 @@ def test_the_ring_stays_inside_the_canvas(canvas, entries, place):
     assert canvas.rect().contains(canvas._menu.geometry())
 
 
+def test_escape_during_a_flick_chooses_nothing(canvas, entries, pen, qtbot):
+    pen.press(400, 300, button=Qt.MouseButton.RightButton)
+    pen.move(460, 300)
+    qtbot.keyClick(canvas._menu, Qt.Key.Key_Escape)
+    pen.move(470, 300)
+    pen.release(470, 300, button=Qt.MouseButton.RightButton)
+    assert not any(entry.count for entry in entries)
+
+
 def test_ink_closes_the_menu(session, canvas, entries, pen):
     canvas.open_menu(QPointF(600, 400))
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
@@ -408,24 +417,24 @@ def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, 
     if os.environ["QT_QPA_PLATFORM"] != "offscreen":
         pytest.skip("here OpenGL would come")
     monkeypatch.setenv("BOZZETTO_VIEWPORT", "gl")
-    monkeypatch.setattr("bozzetto_app.canvas.canvas.GL_PATIENCE", 200)
+    monkeypatch.setattr("bozzetto_app.canvas.viewports.GL_PATIENCE", 200)
     canvas = Canvas(session, LIGHT)
     qtbot.addWidget(canvas)
     canvas.resize(300, 200)
     canvas.show()
-    qtbot.waitUntil(lambda: canvas._rising is not None, timeout=10000)
-    qtbot.waitUntil(lambda: canvas._rising is None, timeout=10000)
+    qtbot.waitUntil(lambda: canvas.viewports.is_proving, timeout=10000)
+    qtbot.waitUntil(lambda: not canvas.viewports.is_proving, timeout=10000)
     assert "Software" in canvas.describe_viewport()
     assert canvas.grab_picture().width() == 300
 
 
 def test_opengl_that_fails_later_gives_way_to_the_software(session, canvas, qtbot, box_scene):
     session.set_scene(box_scene)
-    old = canvas._backend
-    failing = QWidget(canvas)
-    canvas._backend = FailedBackend(failing)
+    old = canvas.viewports.current
+    canvas.viewports.current = FailedBackend(QWidget(canvas))
+    canvas.viewports.current.widget.setGeometry(canvas.rect())
     old.widget.deleteLater()
-    canvas._gl_failed("the driver was reset")
+    canvas.viewports.give_up_gl("the driver was reset")
     assert "Software" in canvas.describe_viewport()
     picture = canvas.grab_picture()
     assert picture.pixelColor(400, 330) != picture.pixelColor(5, 5)

@@ -154,6 +154,16 @@ def test_two_fingers_pan_and_zoom(session, canvas, on_box, screen):
     same_view(session.camera, zoom(camera, 2.0, (400, 300)))
 
 
+def test_escape_turns_back_what_a_finger_turned(session, canvas, on_box, screen, qtbot):
+    camera, (x, y), _ = on_box
+    QTest.touchEvent(canvas, screen).press(0, QPoint(int(x), int(y)), canvas).commit()
+    QTest.touchEvent(canvas, screen).move(0, QPoint(int(x) + 60, int(y)), canvas).commit()
+    assert session.camera != camera
+    qtbot.keyClick(canvas, Qt.Key.Key_Escape)
+    assert session.camera == camera
+    QTest.touchEvent(canvas, screen).release(0, QPoint(int(x) + 60, int(y)), canvas).commit()
+
+
 def test_a_palm_beside_the_pen_does_nothing(session, canvas, pen, on_box, screen):
     camera, _, _ = on_box
     pen.comes()
