@@ -15,7 +15,8 @@ QT = {"PySide6", "shiboken6"}
 
 REPORT = """
 import json, pathlib, sys
-packages = sorted({name.partition(".")[0] for name in sys.modules})
+names = getattr(sys, "loaded_at_first_paint", sys.modules)
+packages = sorted({name.partition(".")[0] for name in names})
 pathlib.Path(sys.argv[-1]).write_text(json.dumps(packages))
 """
 
@@ -32,15 +33,25 @@ sys.argv.append(report)
 """
 
 OPEN_WINDOW = """
-import time
+import sys, time
+from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QApplication
+
+class FirstPaint(QObject):
+    def eventFilter(self, watched, event):
+        if event.type() == QEvent.Type.Paint and not hasattr(sys, "loaded_at_first_paint"):
+            sys.loaded_at_first_paint = set(sys.modules)
+        return False
 
 def look_a_while(*_):
     application = QApplication.instance()
+    eye = FirstPaint(application)
+    application.installEventFilter(eye)
     end = time.monotonic() + 1.0
     while time.monotonic() < end:
         application.processEvents()
     assert any(w.isVisible() for w in application.topLevelWidgets()), "no window was opened"
+    assert hasattr(sys, "loaded_at_first_paint"), "nothing was painted"
     return 0
 
 QApplication.exec = look_a_while
