@@ -21,7 +21,6 @@ from bozzetto_app.icons import FOLDER
 from bozzetto_app.tones import Tones, tones_of
 
 __all__ = [
-    "UNIT",
     "Theme",
     "apply_theme",
     "current_palette",
@@ -32,9 +31,6 @@ __all__ = [
     "style_sheet",
     "tones",
 ]
-
-UNIT = 4
-"""The step of all spacing, logical pixels."""
 
 SMALL = 0.86
 """Size of the second, smaller type beside the system's own."""

@@ -129,8 +129,8 @@ class _Calls:
 RECORDED = frozenset(
     "undo redo go_to select activate_modeler activate_tool end_drag rename set_visible "
     "set_locked set_color delete duplicate move_to set_underlay_opacity set_underlay_visible "
-    "delete_underlay cancel_work commit_pending clear_pending open open_sample play_sample "
-    "import_file set_shading".split()
+    "delete_underlay cancel_work commit_pending clear_pending "
+    "open import_file set_shading".split()
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QPen, QWheelEvent
 from PySide6.QtWidgets import QAbstractButton, QButtonGroup, QComboBox, QHBoxLayout, QWidget
 
 from bozzetto_app.icons import paint_icon
@@ -84,6 +84,7 @@ class Segments(QWidget):
     def set_silently(self, value: str) -> None:
         """Show a value that came from elsewhere."""
         self._buttons[value].setChecked(True)
+        self.setFocusProxy(self._buttons[value])
 
     @property
     def value(self) -> str:
@@ -92,9 +93,8 @@ class Segments(QWidget):
 
     def needed_width(self) -> int:
         """Width at which no word is cut, px."""
-        widest = max(
-            strong_metrics_width(button, button.text()) for button in self._buttons.values()
-        )
+        metrics = QFontMetrics(strong_font(self.font()))
+        widest = max(metrics.horizontalAdvance(b.text()) for b in self._buttons.values())
         return len(self._buttons) * (widest + 16)
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -104,13 +104,6 @@ class Segments(QWidget):
         painter.setPen(QPen(qcolor(colors.hairline), 1))
         painter.setBrush(qcolor(colors.press))
         painter.drawRoundedRect(QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5), RADIUS, RADIUS)
-
-
-def strong_metrics_width(widget: QWidget, words: str) -> int:
-    """Width of words in the heavier weight of a widget's font, px."""
-    from PySide6.QtGui import QFontMetrics
-
-    return QFontMetrics(strong_font(widget.font())).horizontalAdvance(words)
 
 
 class ChoiceBox(QComboBox):
@@ -146,8 +139,8 @@ class ChoiceBox(QComboBox):
         """Show a value that came from elsewhere."""
         self.setCurrentIndex(self.findData(value))
 
-    def wheelEvent(self, event: object) -> None:
-        event.ignore()  # type: ignore[attr-defined]
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()  # a panel that scrolls must not change choices on its way
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()

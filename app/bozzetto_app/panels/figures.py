@@ -34,6 +34,9 @@ GOOD_WHEN_TRUE = frozenset(
 )
 """Last words of keys that are a verdict; other yes and no is only said."""
 
+ACRONYMS = {"iou": "IoU", "rms": "RMS", "id": "id"}
+"""Words that are written in their own way."""
+
 MOST_IN_A_ROW = 4
 """Numbers of a list that are written out; longer lists are counted."""
 
@@ -57,7 +60,7 @@ def readable_key(key: str) -> tuple[str, str]:
     unit = UNITS.get(words[-1], "") if len(words) > 1 else ""
     if unit:
         words = words[:-1]
-    text = " ".join(word if word.isupper() else word.lower() for word in words)
+    text = " ".join(ACRONYMS.get(word.lower(), word.lower()) for word in words)
     return text[:1].upper() + text[1:], unit
 
 

@@ -81,10 +81,10 @@ class ModelerBar(QWidget):
         self.setObjectName("modelers")
         self.setWindowTitle(tr("ModelerBar", "Modelers"))
         self.setAccessibleName(self.windowTitle())
-        self.setFixedHeight(HEIGHT + 1)
-        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.setFixedHeight(HEIGHT)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(4, 0, 4, 1)
+        self._row.setContentsMargins(4, 0, 4, 0)
         self._row.setSpacing(0)
         self._row.addStretch(1)
         self._buttons: dict[str, _ModelerButton] = {}
@@ -106,7 +106,7 @@ class ModelerBar(QWidget):
         self._fit()
 
     def sizeHint(self) -> QSize:
-        return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT + 1)
+        return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT)
 
     def _take(self, modeler: str) -> None:
         self._session.activate_modeler(modeler)
@@ -131,4 +131,3 @@ class ModelerBar(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.fillRect(self.rect(), qcolor(tones().panel))
-        painter.fillRect(0, self.height() - 1, self.width(), 1, qcolor(tones().hairline))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
@@ -155,6 +155,7 @@ class ParameterRow(QWidget):
         toggle = Toggle(self.field.parameter.label)
         toggle.clicked.connect(lambda on: self.changed.emit(bool(on), False))
         self._line.addWidget(toggle)
+        self.words.setBuddy(toggle)
         self._show = toggle.setChecked
 
     def _make_choice(self) -> None:
@@ -163,13 +164,13 @@ class ParameterRow(QWidget):
         )
         choice.chosen.connect(lambda value: self.changed.emit(value, False))
         self._below.addWidget(choice)
+        self.words.setBuddy(choice)
         self._show = choice.set_silently
 
     def _make_text(self) -> None:
         text = QLineEdit()
         text.setAccessibleName(self.field.parameter.label)
         text.setMaxLength(LONGEST_TEXT)
-        text.setAlignment(Qt.AlignmentFlag.AlignLeft)
         shown = ""
 
         def finished() -> None:
@@ -184,4 +185,5 @@ class ParameterRow(QWidget):
 
         text.editingFinished.connect(finished)
         self._below.addWidget(text)
+        self.words.setBuddy(text)
         self._show = show

@@ -70,11 +70,7 @@ class ParametersPanel(QScrollArea):
         if row.field.parameter.advanced:
             self._form.findChildren(Section)[0].set_open(True)
         self.ensureWidgetVisible(row)
-        focus = row.words.buddy() or row.findChild(
-            QWidget, options=Qt.FindChildOption.FindDirectChildrenOnly
-        )
-        if focus is not None:
-            focus.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def refresh(self) -> None:
         """Show the values that the model has now; the form is only rebuilt for other fields."""

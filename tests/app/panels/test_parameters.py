@@ -182,3 +182,8 @@ def test_a_parameter_can_be_brought_under_the_keyboard(qtbot, panel):
     assert row(panel, "tolerance").isVisible(), "its section was unfolded"
     assert panel.focusWidget() is row(panel, "tolerance").findChild(NumberField)
     panel.focus_parameter("no such parameter")
+    for name, kind in (("mirrored", Toggle), ("material", ChoiceBox), ("note", QLineEdit)):
+        panel.focus_parameter(name)
+        assert panel.focusWidget() is row(panel, name).findChild(kind)
+    panel.focus_parameter("ends")
+    assert panel.focusWidget().accessibleName() == "Round"
