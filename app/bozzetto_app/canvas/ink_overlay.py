@@ -27,7 +27,7 @@ from bozzetto_app.theme import qcolor
 
 __all__ = ["InkOverlay", "Tip", "on_sheet"]
 
-LOOSE_POINTS: Final = 20
+LOOSE_POINTS: Final = 12
 """Fine points painted afresh with every sample before they go into the backing picture."""
 
 FARTHEST_PREDICTION: Final = 20.0
