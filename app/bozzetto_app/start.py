@@ -8,11 +8,12 @@ import logging.handlers
 import signal
 import sys
 import threading
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import TextIO
 
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import QEvent, QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin.registry import Registry
@@ -64,12 +65,28 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     disabled = [kept] if isinstance(kept, str) else list(kept or [])
     session = Session(Registry(disabled=disabled, no_plugins=not plugins))
     window = Window(session)
+    paint = _FirstPaint(window, lambda: _after_first_paint(window, document))
+    window.installEventFilter(paint)
     window.show()
-    QTimer.singleShot(0, lambda: _after_first_paint(window, document))
     signal.signal(signal.SIGINT, lambda *_: window.close())
     code = app.exec()
     crash_log.close()
     return code
+
+
+class _FirstPaint(QObject):
+    """Calls back once, when the window has been painted for the first time."""
+
+    def __init__(self, window: Window, then: Callable[[], None]) -> None:
+        super().__init__(window)
+        self._then = then
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Paint:
+            watched.removeEventFilter(self)
+            # The sheet is painted with the window, before the event loop turns.
+            QTimer.singleShot(0, self._then)
+        return False
 
 
 def _after_first_paint(window: Window, document: Path | None) -> None:
