@@ -39,7 +39,9 @@ class Placement:
         if not np.isfinite((*self.rotation, self.scale, *self.offset)).all() or self.scale <= 0:
             raise UserError("A placement needs finite numbers and a scale above zero.")
         rows = np.reshape(self.rotation, (3, 3))
-        if np.abs(rows @ rows.T - np.eye(3)).max() > UNIT_TOLERANCE:
+        with np.errstate(over="ignore", invalid="ignore"):  # numbers from a file may be huge
+            departure = np.abs(rows @ rows.T - np.eye(3)).max()
+        if not departure <= UNIT_TOLERANCE:  # NaN, where infinities cancelled, is no rotation
             raise UserError("A placement's rotation must be orthonormal.")
 
     @property

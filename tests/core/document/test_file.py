@@ -307,6 +307,9 @@ def repeating(tree):
         bad_models(lambda t: t[1]["header"].update(name="a\nb")),
         bad_models(lambda t: t[1]["header"].update(color=[0, 0, 256])),
         bad_models(lambda t: t[1]["header"]["placement"].update(scale=0.0)),
+        bad_models(
+            lambda t: t[1]["header"]["placement"].update(rotation=[1e308, -1e308] * 4 + [1])
+        ),
         bad_models(lambda t: t[1].update(strokes=[3, 10**9])),
         bad_models(lambda t: t[1].update(strokes=[3, -1])),
         bad_models(lambda t: t.pop()),
@@ -349,9 +352,12 @@ def test_files_that_cannot_be_read_are_explained(tmp_path):
         read_document(tmp_path / "none.bozz", Nobody())
     with pytest.raises(UserError, match="cannot be read"):
         read_document(tmp_path, Nobody())
-    if hasattr(os, "mkfifo"):
-        with open("/dev/null", "rb"), pytest.raises(DocumentError, match="not a Bozzetto"):
+    if os.path.exists("/dev/null"):
+        with pytest.raises(UserError, match="not a file"):
             read_document("/dev/null", Nobody())
+    (tmp_path / "empty.bozz").write_bytes(b"")
+    with pytest.raises(DocumentError, match="cut short"):
+        read_document(tmp_path / "empty.bozz", Nobody())
 
 
 def test_numbers_of_numpy_do_not_keep_a_document_from_being_saved():
