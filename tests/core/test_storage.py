@@ -9,10 +9,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.storage import Disk, atomic_write, backup_path, explain
+from bozzetto.geometry.arrays import frozen
+from bozzetto.storage import Disk, atomic_write, backup_path, explain, read_bytes
 
 OLD, NEW = b"old" * 1000, b"new" * 2000
 
@@ -251,3 +253,22 @@ def test_a_disk_that_really_runs_full_leaves_the_old_file(tmp_path):
     assert "no room" in run.stdout
     assert path.read_bytes() == OLD
     assert leftovers(tmp_path) == []
+
+
+def test_a_file_is_read_whole_and_cannot_be_written_to(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(NEW)
+    content = read_bytes(path, len(NEW))
+    assert content == NEW
+    assert content.readonly
+    with pytest.raises(UserError, match="too long"):
+        read_bytes(path, len(NEW) - 1)
+
+
+def test_meshes_over_a_files_content_are_not_copied(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(bytes(36))
+    values = np.frombuffer(read_bytes(path, 36), np.float32).reshape(3, 3)
+    assert np.shares_memory(frozen(values, np.float32, 3), values)
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        values.flags.writeable = True

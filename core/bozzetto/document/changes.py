@@ -15,6 +15,7 @@ from typing import Any, Final
 import msgspec
 from numpy.typing import NDArray
 
+from bozzetto.document.aside import runs
 from bozzetto.document.codec import EncodedState
 from bozzetto.document.container import (
     ContainerReader,
@@ -24,7 +25,6 @@ from bozzetto.document.container import (
     encode_json,
 )
 from bozzetto.document.file import STROKES, StoredDocument, put_strokes, take_strokes
-from bozzetto.document.forms import runs
 from bozzetto.document.model import Document, NamedView
 from bozzetto.document.stored import (
     ModelHeader,

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
 import msgspec
 from numpy.typing import NDArray
 
-from bozzetto.document.forms import Aside, form_of
+from bozzetto.document.aside import Aside
+from bozzetto.document.forms import form_of
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Stroke
 

@@ -114,6 +114,7 @@ class RecoverySession:
         self._generation = 0
         self._guard = threading.Lock()
         self._journal: JournalWriter | None = None
+        self._closed = False
         atomic_write(folder / FACTS, lambda file: file.write(encode_json(facts)))
         self._rebase(document)
 
@@ -123,6 +124,8 @@ class RecoverySession:
         After a failure the next call starts over with a whole document.
         """
         with self._guard:
+            if self._closed:
+                return
             if self._journal is None or len(self._journal) > self._longest:
                 self._rebase(document)
             assert self._journal is not None
@@ -137,14 +140,20 @@ class RecoverySession:
     def saved(self, document: Document, name: str, path: str | os.PathLike[str]) -> None:
         """Start afresh after the person saved: under which name, and where."""
         with self._guard:
-            self._facts = _Facts(name, os.fspath(path), self._facts.began)
+            if self._closed:
+                return
+            self._facts = _facts(name, path, self._facts.began)
             facts = encode_json(self._facts)
             atomic_write(self.folder / FACTS, lambda file: file.write(facts))
             self._rebase(document)
 
     def close(self) -> None:
-        """The person closed the document and knows what happened to it: forget all this."""
+        """The person closed the document and knows what happened to it: forget all this.
+
+        Calls that come later, from a thread that has not heard of it, do nothing.
+        """
         with self._guard:
+            self._closed = True
             self._stop()
             self._lock.release()
             shutil.rmtree(self.folder, ignore_errors=True)
@@ -199,8 +208,7 @@ class RecoveryStore:
         except OSError as problem:
             raise UserError(explain(problem, str(self.folder))) from problem
         lock = FileLock.acquire(folder / LOCK, name)
-        facts = _Facts(name, None if path is None else os.fspath(path), time.time())
-        return RecoverySession(folder, lock, facts, document)
+        return RecoverySession(folder, lock, _facts(name, path, time.time()), document)
 
     def crashed_sessions(self) -> list[CrashedSession]:
         """Documents that were open in a process that is gone; the latest change first."""
@@ -285,6 +293,12 @@ class RecoveryStore:
                 f"They are in {folder}."
             ) from problem
         del self._claims[session.id]
+
+
+def _facts(name: str, path: str | os.PathLike[str] | None, began: float) -> _Facts:
+    """Facts as JSON can hold them: file names need not be text on every system."""
+    shown = None if path is None else os.fspath(path).encode("utf-8", "replace").decode()
+    return _Facts(name.encode("utf-8", "replace").decode(), shown, began)
 
 
 def _generations(folder: Path) -> list[int]:

@@ -165,6 +165,14 @@ def test_living_sessions_are_not_offered_and_closed_ones_are_gone(tmp_path):
     assert RecoveryStore(tmp_path / "none").crashed_sessions() == []
 
 
+def test_a_record_that_comes_after_the_close_does_nothing(tmp_path):
+    session = RecoveryStore(tmp_path).begin("A", tmp_path / "caf\udce9.bozz", Document())
+    session.close()
+    session.record(rich_document())
+    session.saved(rich_document(), "A", tmp_path / "a.bozz")
+    assert os.listdir(tmp_path) == []
+
+
 def test_nothing_is_deleted_without_an_answer(tmp_path):
     session = RecoveryStore(tmp_path).begin("A", None, rich_document())
     crash(session)
