@@ -155,6 +155,8 @@ def test_a_floor_under_the_eye_reaches_the_lower_edge():
     image = shot(scene_of(Shaded(floor)), camera, background=False, antialias=False)
     assert (image[31:, :, 3] == 255).all()
     assert (image[:29, :, 3] == 0).all()
+    normals = shot(scene_of(Shaded(floor)), camera, shading="normals", antialias=False)
+    assert np.abs(normals[35:, :, :3] - (127.5, 255, 127.5)).max() < 1.5, "not turned over"
 
 
 def test_a_back_side_is_darker_and_a_mirror_image_is_not():
@@ -312,9 +314,10 @@ def test_a_line_on_a_surface_is_seen_whole(kind, antialias):
         assert red[0] >= 0.97 * red[1]
 
 
-def test_a_line_behind_the_eye_or_through_it_does_no_harm():
+@pytest.mark.parametrize("far", [500.0, 1e9, 1e15])
+def test_a_line_behind_the_eye_or_through_it_does_no_harm(far):
     camera = Camera(eye=(0, -50, 0), viewport=(90, 60))
-    through = Lines([(0, -500, -5), (0, 500, 5)])
+    through = Lines([(0, -far, -far / 100), (0, 500, 5)])
     behind = Lines([(-5, -90, 0), (5, -90, 0)])
     image = shot(scene_of(through, behind), camera)
     drawn = shot(scene_of(Lines([(0, -49.9, -0.499), (0, 500, 5)])), camera)
@@ -373,10 +376,11 @@ def test_a_reduced_picture_is_the_mean_of_its_pixels():
 
 
 def test_bands_do_not_show(monkeypatch):
-    scene = everything()
-    camera = fit(standard_view(Camera(viewport=(200, 330)), "three-quarter"), scene.bounds())
+    hollow = Shaded(sphere(30, 40)), Shaded(box((80, 60, 30), (0, 0, -20)))
+    scene = everything() + scene_of(*hollow)
+    camera = fit(standard_view(Camera(viewport=(300, 330)), "three-quarter"), scene.bounds())
     whole = render(scene, camera, LIGHT).astype(int)
-    monkeypatch.setattr("bozzetto.scene.software.frame.BAND_SAMPLES", 200 * 4 * 100)
+    monkeypatch.setattr("bozzetto.scene.software.frame.BAND_SAMPLES", 300 * 4 * 24)
     banded = render(scene, camera, LIGHT).astype(int)
     assert np.abs(whole - banded).max() <= 1
 
@@ -389,6 +393,11 @@ def test_the_size_follows_the_scale_and_has_a_limit():
     with pytest.raises(UserError, match="at least one pixel"):
         picture(scene, size=(0, 20))
     assert thumbnail(scene, 64).shape == (64, 64, 4)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (5, 3)])
+def test_very_small_pictures(size):
+    assert picture(everything(), size=size).shape == (size[1], size[0], 4)
 
 
 @pytest.mark.parametrize("palette", [LIGHT, DARK])

@@ -76,13 +76,32 @@ def test_the_order_of_drawing_does_not_matter(seed):
     random = np.random.default_rng(seed)
     count = 200
     center = random.uniform((0, 0, 0), (WIDTH, HEIGHT, 9), (count, 1, 3))
-    places = (center + random.normal(0, 1, (count, 3, 3)) * (6, 6, 1)).reshape(-1, 3)
+    spread = random.choice([2, 6, 20], (count, 1, 1)) * (1, 1, 0.1)
+    places = (center + random.normal(0, 1, (count, 3, 3)) * spread).reshape(-1, 3)
     faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
     plain, hinted = blank(WIDTH, HEIGHT), blank(WIDTH, HEIGHT)
     rasterize(plain, places, faces)
     rasterize(hinted, places, faces, random.random(count) < 0.5)
     np.testing.assert_array_equal(plain.nearness, hinted.nearness)
     np.testing.assert_array_equal(plain.triangle, hinted.triangle)
+
+
+def test_what_is_hidden_at_its_corners_alone_is_still_seen():
+    """A far sheet over the window, a near frame around its rim drawn first."""
+
+    def quad(left, top, right, bottom, near):
+        return [(left, top, near), (right, top, near), (right, bottom, near), (left, bottom, near)]
+
+    frame = [(0, 0, 60, 16), (0, 24, 60, 40), (0, 0, 16, 40), (44, 0, 60, 40)]
+    places = np.array(
+        [corner for side in frame for corner in quad(*side, 5.0)] + quad(1, 1, 59, 39, 1.0)
+    )
+    faces = np.concatenate([np.array([(0, 1, 2), (0, 2, 3)]) + 4 * k for k in range(5)])
+    buffer = blank(WIDTH, HEIGHT)
+    rasterize(buffer, places, faces.astype(np.int32), np.arange(10) < 8)
+    seen = buffer.nearness.reshape(HEIGHT, WIDTH)
+    np.testing.assert_array_equal(seen[16:24, 16:44], 1.0)
+    assert (seen == 5.0).sum() == WIDTH * HEIGHT - 8 * 28
 
 
 @pytest.mark.parametrize("chunk", [1, 7])

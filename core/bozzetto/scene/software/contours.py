@@ -25,7 +25,11 @@ STEEPEST = 8.0
 """Greatest slope of depth that a surface is believed to have."""
 
 JUMP = 3.0
-"""Step in depth against the slope before it that makes a contour, in pixel sizes."""
+"""Step in depth beyond what the slope foretells that makes a contour, in pixel sizes."""
+
+GROWTH = 2.0
+"""How many times steeper a smooth surface may get from one pixel to the next; it does so
+towards its horizon."""
 
 BEND = 0.62
 """Cosine between neighbouring normals below which an inner edge is drawn."""
@@ -142,9 +146,9 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
         line = strength if axis == 0 else strength.T
         seen = there if axis == 0 else there.T
         step = np.diff(d, axis=0)
-        slope = np.zeros_like(d)  # the smaller slope on either side, where there is one
-        slope[1:-1] = np.minimum(np.abs(step[:-1]), np.abs(step[1:]))
-        bound = np.float32(JUMP) + slope
+        steep = np.abs(step)  # the smaller slope on either side; at the border the only one
+        slope = np.concatenate((steep[:1], np.minimum(steep[:-1], steep[1:]), steep[-1:]))
+        bound = np.float32(JUMP) + np.float32(GROWTH) * slope
         farther = seen[:-1] & (step > bound[:-1])
         line[:-1][farther] = OUTER
         nearer = seen[1:] & (-step > bound[1:])
