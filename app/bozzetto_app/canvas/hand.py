@@ -386,6 +386,7 @@ class Hand(QObject):
         if columns is None or press is None or not len(columns):
             return
         self._reported = perf_counter()
+        self._later.stop()
         stroke = self._stroke(columns)
         if self.machine.mode is Mode.DRAGGING:
             self._session.handle_moved(
