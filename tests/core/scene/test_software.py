@@ -253,6 +253,16 @@ def test_joins_are_round_and_overlaps_are_laid_once():
     assert image[50, 60 + 6] == 0
 
 
+def test_each_polyline_begins_and_ends_for_itself():
+    points = [(-30, 0, 9), (-20, 0, 9), (9, 0, 9), (20, 0, -9), (30, 0, -9)]
+    image = darkness(shot(scene_of(Lines(points, [0, 2, 3], width=4))))
+    expected = 2 * 10 * 4 + 3 * np.pi * 4  # two lines and a dot
+    assert image.sum() == pytest.approx(expected, rel=0.05)
+    assert image[30:50, 44:66].sum() == 0
+    late = darkness(shot(scene_of(Lines(points, [3], width=4))))
+    assert late.sum() == pytest.approx(10 * 4 + np.pi * 4, rel=0.05)
+
+
 def test_width_may_change_along_a_line():
     image = darkness(shot(scene_of(Lines(LINE, width=np.array([1.0, 9.0])))))
     assert image[:, 35].sum() == pytest.approx(1 + 8 * 5.5 / 60, rel=0.1)
@@ -380,7 +390,7 @@ def test_bands_do_not_show(monkeypatch):
     scene = everything() + scene_of(*hollow)
     camera = fit(standard_view(Camera(viewport=(300, 330)), "three-quarter"), scene.bounds())
     whole = render(scene, camera, LIGHT).astype(int)
-    monkeypatch.setattr("bozzetto.scene.software.frame.BAND_SAMPLES", 300 * 4 * 24)
+    monkeypatch.setattr("bozzetto.scene.software.frame.BAND_VALUES", 300 * 4 * 24 * 4)
     banded = render(scene, camera, LIGHT).astype(int)
     assert np.abs(whole - banded).max() <= 1
 

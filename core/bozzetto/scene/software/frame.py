@@ -16,7 +16,7 @@ from bozzetto.scene.software.labels import draw_label
 from bozzetto.scene.software.shading import Shading
 from bozzetto.scene.software.sight import Sight, sight_of
 from bozzetto.scene.software.strokes import BIAS, Canvas, draw_discs, draw_lines, draw_points
-from bozzetto.scene.software.surfaces import Veil, draw_surfaces
+from bozzetto.scene.software.surfaces import Veil, draw_surfaces, see_through
 from bozzetto.view.camera import Camera
 
 __all__ = ["MOST_PIXELS", "render"]
@@ -30,8 +30,8 @@ FINENESS = 2
 MOST_PIXELS = 64_000_000
 """Largest picture, px: four bytes each, about 8000 × 8000."""
 
-BAND_SAMPLES = 9_000_000
-"""Samples worked on at once; larger pictures are made in bands."""
+BAND_VALUES = 12_000_000
+"""Samples times layers worked on at once; larger pictures are made in bands."""
 
 HALO = 48
 """Rows (px) around a band that are drawn and thrown away, so that hollows and contours do
@@ -98,8 +98,8 @@ def render(
     fineness = FINENESS if antialias else 1
     items = [item for _, item in scene.items()]
     result = np.empty((height, width, 4), np.uint8)
-    for top, bottom in _bands(width, height, fineness):
-        above = max(0, top - HALO) if top else 0
+    for top, bottom in _bands(width, height, fineness * fineness * _layers(items, shading)):
+        above = max(0, top - HALO)
         below = min(height, bottom + HALO)
         window = (0, above, width, below - above)
         pixels = _drawn(
@@ -110,8 +110,14 @@ def render(
     return result
 
 
-def _bands(width: int, height: int, fineness: int) -> Iterator[tuple[int, int]]:
-    rows = max(ALIGNMENT, BAND_SAMPLES // (width * fineness * fineness) // ALIGNMENT * ALIGNMENT)
+def _layers(items: Sequence[Item], shading: Shading) -> int:
+    """How many values are held for each sample: the surface, and every translucent sheet."""
+    sheets = [2 if see_through(i, shading) else 0 for i in items if isinstance(i, Shaded)]
+    return 1 + sum(sheets) + sum(isinstance(item, Image) for item in items)
+
+
+def _bands(width: int, height: int, depth: int) -> Iterator[tuple[int, int]]:
+    rows = max(ALIGNMENT, BAND_VALUES // (width * depth) // ALIGNMENT * ALIGNMENT)
     for top in range(0, height, rows):
         yield top, min(height, top + rows)
 

@@ -151,21 +151,10 @@ X, Y, NEARNESS, WIDTH, ALONG = range(5)
 def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
     """Both ends of all segments on the sheet, in front of the eye; (n, 5) each."""
     sight = canvas.sight
-    seen, widths, firsts = [], [], []
-    shift = 0
-    for item in batch:
-        seen.append(np.asarray(item.points, np.float64))
-        widths.append(np.broadcast_to(np.asarray(item.width, np.float64), len(item.points)))
-        for piece in item.pieces():
-            firsts.append(shift + np.arange(piece.start, max(piece.stop - 1, piece.start + 1)))
-        shift += len(item.points)
-    if not shift:
-        return np.zeros((0, 5)), np.zeros((0, 5))
-    points = sight.seen(np.concatenate(seen))
+    points = sight.seen(np.concatenate([item.points for item in batch]))
+    widths = [np.broadcast_to(np.float64(item.width), len(item.points)) for item in batch]
     width = np.clip(np.concatenate(widths) * canvas.scale, 0.0, WIDEST)
-    first = np.concatenate(firsts)
-    # A polyline of a single point is a dot: its segment ends where it begins.
-    second = np.where(_last_of_piece(batch, shift)[first], first, first + 1)
+    first, second = _joined_points(batch)
     a = np.column_stack((points[first], width[first]))
     b = np.column_stack((points[second], width[second]))
     if sight.perspective:
@@ -177,7 +166,6 @@ def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
             t = (sight.near - one[cut, 2]) / (other[cut, 2] - one[cut, 2])
             one[cut] += t[:, None] * (other[cut] - one[cut])
             one[cut, 2] = sight.near
-        first = first[keep]
     begin, end = (np.column_stack((sight.placed(s[:, :3]), s[:, 3], s[:, 3])) for s in (a, b))
     length = np.hypot(*(end - begin)[:, :2].T)
     total = np.cumsum(length)
@@ -185,15 +173,23 @@ def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
     return begin, end
 
 
-def _last_of_piece(batch: list[Lines], count: int) -> NDArray[np.bool_]:
-    """Which points end a polyline."""
-    last = np.zeros(count, bool)
+def _joined_points(batch: list[Lines]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Indices of the ends of every segment; a lone point is a segment to itself."""
+    pairs = []
     shift = 0
     for item in batch:
-        for piece in item.pieces():
-            last[shift + piece.stop - 1] = True
-        shift += len(item.points)
-    return last
+        count = len(item.points)
+        starts = np.zeros(1, np.intp) if item.starts is None else item.starts.astype(np.intp)
+        opens = np.zeros(count + 1, bool)
+        opens[starts[starts < count]] = True
+        opens[count] = True
+        closes = opens[1:]
+        begun = np.maximum.accumulate(opens[:count])
+        first = np.flatnonzero(begun & (~closes | opens[:count]))
+        pairs.append(shift + np.stack((first, first + ~closes[first])))
+        shift += count
+    first, second = np.concatenate(pairs, 1)
+    return first, second
 
 
 def _cut_to_window(begin: Array, end: Array, canvas: Canvas) -> tuple[Array, Array]:

@@ -25,7 +25,7 @@ from bozzetto.scene.software.soup import Soup, gather
 from bozzetto.scene.software.textures import rectangle, sampled
 from bozzetto.scene.software.zbuffer import Buffer, blank, rasterize
 
-__all__ = ["Drawn", "Veil", "draw_surfaces"]
+__all__ = ["Drawn", "Veil", "draw_surfaces", "see_through"]
 
 Floats = NDArray[np.float32]
 
@@ -91,7 +91,7 @@ def draw_surfaces(
         Samples per pixel along each axis.
     """
     shaded = [i for i in items if isinstance(i, Shaded) and len(i.mesh.faces) and i.opacity > 0]
-    solid = [i for i in shaded if not _see_through(i, shading)]
+    solid = [i for i in shaded if not see_through(i, shading)]
     buffer = blank(sight.width, sight.height)
     if solid:
         _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
@@ -103,7 +103,7 @@ def draw_surfaces(
     glass = [
         sheet.before(buffer.nearness)
         for item in shaded
-        if _see_through(item, shading)
+        if see_through(item, shading)
         for sheet in _mesh_sheets(item, sight, palette, shading)
     ]
     veil = None
@@ -115,7 +115,8 @@ def draw_surfaces(
     return Drawn(buffer.nearness, veil)
 
 
-def _see_through(item: Shaded, shading: Shading) -> bool:
+def see_through(item: Shaded, shading: Shading) -> bool:
+    """Whether what lies behind a mesh shows."""
     colors = item.mesh.colors
     return (
         shading == "xray"
