@@ -20,6 +20,7 @@ from bozzetto.scene.software import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
 from bozzetto.view.standard import standard_view
+from tests.benchmarks.timing import Row
 
 SIZE = (1000, 700)
 REPEATS = 9
@@ -109,19 +110,20 @@ def rays_100k(count: int) -> float:
     return median_time(lambda _: cast_rays(scene, rays))
 
 
-def main() -> None:
-    rows = {
-        "frame, 10k triangles, 500 polylines, 1000×700, turning": frame_10k,
-        "frame, 100k": frame_100k,
-        "still, 100k, anti-aliased": still_100k,
-        "frame, 100k, 1920×1080": frame_100k_full_hd,
-        "index for rays, 100k": index_100k,
-        "1 ray, 100k": lambda: rays_100k(1),
-        "500 rays, 100k": lambda: rays_100k(500),
-    }
-    for name, call in rows.items():
-        print(f"{name:60} {1e3 * call():8.1f} ms")
+def rows() -> list[Row]:
+    """The table's rows about the viewport."""
+    timed = (
+        ("frame, 10k triangles and 500 polylines, 1000×700, turning", frame_10k, ""),
+        ("frame, 100k triangles and 500 polylines, 1000×700, turning", frame_100k, "150 ms"),
+        ("the same, anti-aliased", still_100k, ""),
+        ("frame, 100k triangles and 500 polylines, 1920×1080, turning", frame_100k_full_hd, ""),
+        ("tree for rays, 100k triangles", index_100k, ""),
+        ("1 ray, 100k triangles", lambda: rays_100k(1), "3 ms"),
+        ("500 rays, 100k triangles", lambda: rays_100k(500), "50 ms"),
+    )
+    return [Row("scene", what, 1e3 * call(), budget=budget) for what, call, budget in timed]
 
 
 if __name__ == "__main__":
-    main()
+    for row in rows():
+        print(f"{row.what:60} {row.measured:8.1f} ms   {row.budget}")
