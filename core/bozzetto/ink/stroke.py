@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,10 @@ COLUMNS: Final = ("x", "y", "pressure", "t", "tilt_x", "tilt_y", "twist")
 
 MAX_SAMPLES: Final = 1_000_000
 """Longest stroke accepted (samples): an hour of a 250 Hz tablet without lifting the pen."""
+
+
+MAX_GROUP: Final = 1000
+"""Longest name of a group, characters."""
 
 
 def frozen_column(values: ArrayLike) -> Column:
@@ -58,7 +62,8 @@ class Stroke:
     Raises
     ------
     UserError
-        If columns differ in length, are empty, too long or not finite.
+        If columns differ in length, are empty, too long or not finite; or if the tool, the
+        colour or the group is none that a document could keep.
     """
 
     __slots__ = (
@@ -134,6 +139,12 @@ class Stroke:
             if not np.isfinite(column).all():
                 raise UserError(f"A stroke's {name} holds a value that is not a finite number.")
             object.__setattr__(self, name, column)
+        if tool not in get_args(StrokeTool):
+            raise UserError(f"A stroke is drawn by {', '.join(get_args(StrokeTool))}; not {tool}.")
+        if color is not None and not (len(color) == 3 and all(0 <= c <= 255 for c in color)):
+            raise UserError(f"A stroke's colour has three parts from 0 to 255, not {color}.")
+        if len(group) > MAX_GROUP or any("\ud800" <= letter <= "\udfff" for letter in group):
+            raise UserError(f"A stroke's group is a text of at most {MAX_GROUP} characters.")
         object.__setattr__(self, "camera", camera)
         object.__setattr__(self, "tool", tool)
         object.__setattr__(self, "color", color)
