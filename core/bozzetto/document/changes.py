@@ -22,7 +22,6 @@ from bozzetto.document.container import (
     ContainerWriter,
     Part,
     decode_json,
-    encode_json,
 )
 from bozzetto.document.file import STROKES, StoredDocument, put_strokes, take_strokes
 from bozzetto.document.model import Document, NamedView
@@ -145,11 +144,11 @@ class ChangeWriter:
             self._surroundings(document),
             runs([self._strokes.number(stroke) for stroke in waiting]),
         )
-        writer.add(CHANGE, encode_json(change))
+        writer.add_json(CHANGE, change)
         put_strokes(writer, self._strokes.fresh)
         for place, array in enumerate(self._arrays.fresh):
             writer.add_array(f"arrays/{place}", array)
-        writer.add(PARTS, encode_json(writer.parts))
+        writer.add_json(PARTS, writer.parts)
         self._strokes.fresh, self._arrays.fresh = [], []
         self._document, self._models, self._pending = document, models, waiting
         file = io.BytesIO()

@@ -11,8 +11,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.document.container import DTYPES, decode_json, encode_json
-from bozzetto.errors import DocumentError
+from bozzetto.document.container import DTYPES, decode_json
+from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import COLUMNS, MAX_SAMPLES, Stroke, StrokeTool, frozen_column
 from bozzetto.view.camera import Camera
 
@@ -43,17 +43,24 @@ class _Sheet(msgspec.Struct):
     strokes: list[_Row]
 
 
-def pack_strokes(strokes: Sequence[Stroke]) -> tuple[bytes, dict[str, NDArray[Any]]]:
-    """Strokes as one JSON text and common columns.
+def pack_strokes(strokes: Sequence[Stroke]) -> tuple[object, dict[str, NDArray[Any]]]:
+    """Strokes as one list of facts and common columns.
 
     Returns
     -------
-    meta : bytes
-        Cameras and one row per stroke.
+    meta : object
+        Cameras and one row per stroke, to be written as JSON.
     columns : dict of str to array
         ``offsets`` (n + 1,) uint32, and the sample columns as float32, one after the
         other. Columns that no stroke has been given are left out.
+
+    Raises
+    ------
+    UserError
+        If there are more than `MAX_STROKES`.
     """
+    if len(strokes) > MAX_STROKES:
+        raise UserError(f"A document holds {MAX_STROKES} strokes at most. Save some on their own.")
     cameras: dict[Camera, int] = {}
     seen: dict[int, int] = {}  # by identity first: hashing a camera takes a microsecond
     for stroke in strokes:
@@ -84,7 +91,7 @@ def pack_strokes(strokes: Sequence[Stroke]) -> tuple[bytes, dict[str, NDArray[An
             _gather(map(attrgetter(name), strokes), column)
             if name in always or column.any():
                 columns[name] = column
-    return encode_json(_Sheet(list(cameras), rows)), columns
+    return _Sheet(list(cameras), rows), columns
 
 
 def _gather(parts: Iterator[Any], column: NDArray[np.float32]) -> None:
@@ -103,6 +110,7 @@ def unpack_strokes(meta: bytes, columns: Mapping[str, NDArray[Any]]) -> list[Str
     Parameters
     ----------
     meta : bytes
+        The JSON.
     columns : mapping of str to array
         Already checked to be finite, of one axis, and backed by ``bytes``.
 

@@ -27,6 +27,7 @@ from bozzetto.errors import DocumentError, UserError
 
 __all__ = [
     "DTYPES",
+    "MAX_AXES",
     "MAX_FILE_BYTES",
     "ContainerReader",
     "ContainerWriter",
@@ -187,6 +188,19 @@ class ContainerWriter:
 
     def __contains__(self, name: str) -> bool:
         return name in self._entries
+
+    def add_json(self, name: str, value: object) -> None:
+        """Add a list of the document as JSON.
+
+        Raises
+        ------
+        UserError
+            If it is too long to be read again.
+        """
+        text = encode_json(value)
+        if len(text) > MAX_JSON_BYTES:
+            raise UserError("This document has too many parts. Save some of them on their own.")
+        self.add(name, text)
 
     def add_array(self, name: str, array: NDArray[Any]) -> str:
         """Add an array and return its entry's name, which ends in its element type."""

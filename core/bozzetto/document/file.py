@@ -195,11 +195,11 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
         span = (len(strokes), len(encoded.strokes))
         models.append(_ModelEntry(stored.header, span, names))
         strokes += encoded.strokes
-    writer.add(MODELS, encode_json(models))
+    writer.add_json(MODELS, models)
     for underlay in document.underlays:
         writer.add(_png_name(underlay.id), encode_png(underlay.pixels))
     headers = [store_underlay(underlay) for underlay in document.underlays]
-    writer.add(VIEWS, encode_json(_Views(document.camera, list(document.views), headers)))
+    writer.add_json(VIEWS, _Views(document.camera, list(document.views), headers))
     put_strokes(writer, strokes)
     for name, content in document.foreign:
         if name not in writer:
@@ -216,14 +216,14 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
         sorted({model.modeler for model in document}),
         writer.parts,
     )
-    writer.add(MANIFEST, encode_json(manifest))
+    writer.add_json(MANIFEST, manifest)
     return writer
 
 
 def put_strokes(writer: ContainerWriter, strokes: Sequence[Stroke]) -> None:
     """Add strokes to a container."""
     meta, columns = pack_strokes(strokes)
-    writer.add(STROKES, meta)
+    writer.add_json(STROKES, meta)
     for name, column in columns.items():
         writer.add_array(STROKE_COLUMNS + name, column)
 

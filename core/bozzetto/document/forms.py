@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.document.aside import Aside, Refusal, runs
-from bozzetto.document.container import DTYPES, all_finite, dtype_name
+from bozzetto.document.container import DTYPES, MAX_AXES, all_finite, dtype_name
 from bozzetto.ink.stroke import Stroke, Strokes
 
 __all__ = ["Form", "form_of"]
@@ -335,6 +335,8 @@ class _Array(_Reference):
     def _check(self, array: NDArray[Any]) -> None:
         # Not "in (None, …)": numpy holds float64 and None to be equal.
         fits = array.dtype == self.dtype if self.dtype is not None else True
+        if array.ndim > MAX_AXES:
+            raise Refusal(f"an array of more than {MAX_AXES} axes")
         if dtype_name(array) is None or not fits:
             raise Refusal(f"an array of {array.dtype} where {self.dtype or list(DTYPES)} belongs")
 
@@ -396,7 +398,10 @@ def _made(hint: Hashable) -> Form:
 
 def _union_of(members: tuple[Any, ...]) -> Form:
     forms = tuple(form_of(member) for member in members)
-    several = sum(isinstance(form, _Dataclass) for form in forms) > 1
+    names = [str(form) for form in forms if isinstance(form, _Dataclass)]
+    if len(set(names)) < len(names):
+        raise TypeError(f"two classes in a union are called alike: {', '.join(names)}")
+    several = len(names) > 1
     return _Union(
         tuple(
             dataclasses.replace(form, tagged=True)

@@ -49,6 +49,7 @@ class JournalWriter:
         self._lock = threading.Lock()
         self._unsynced = False
         self._closing = threading.Event()
+        self._problem: OSError | None = None
         self._put(MAGIC)
         self._thread = threading.Thread(target=self._keep_synced, name="journal", daemon=True)
         self._thread.start()
@@ -76,6 +77,8 @@ class JournalWriter:
     def _put(self, content: bytes) -> None:
         with self._lock:
             try:
+                if self._problem is not None:
+                    raise self._problem
                 rest = memoryview(content)
                 while rest:
                     rest = rest[self._file.write(rest) :]
@@ -96,7 +99,10 @@ class JournalWriter:
             ended = self._closing.wait(SYNC_SECONDS)
             if self._unsynced:
                 self._unsynced = False
-                os.fsync(self._file.fileno())
+                try:
+                    os.fsync(self._file.fileno())
+                except OSError as problem:  # said when the next record comes
+                    self._problem = problem
 
 
 def read_records(path: Path) -> Iterator[bytes]:

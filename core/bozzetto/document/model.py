@@ -26,6 +26,9 @@ ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
 NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
 """Names of models, views and underlays: no control characters, no halves of characters."""
 
+MAX_PIXELS: Final = 1 << 26
+"""Largest underlay, pixels: 8192 × 8192, a quarter of a gigabyte."""
+
 STANDING: Final = Placement()
 """Where a model stands that nobody has moved."""
 
@@ -123,6 +126,8 @@ class Underlay:
             raise ValueError(
                 f"an underlay's pixels are of shape (h, w, 4), not {self.pixels.shape}"
             )
+        if self.pixels.shape[0] * self.pixels.shape[1] > MAX_PIXELS:
+            raise UserError(f"“{self.name}” is too large an underlay. Make the picture smaller.")
         place = (*self.corner, *self.across, *self.down)
         if not np.isfinite(place).all() or not 0.0 <= self.opacity <= 1.0:
             raise ValueError("an underlay needs finite corners and an opacity from 0 to 1")

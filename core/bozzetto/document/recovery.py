@@ -208,7 +208,12 @@ class RecoveryStore:
         except OSError as problem:
             raise UserError(explain(problem, str(self.folder))) from problem
         lock = FileLock.acquire(folder / LOCK, name)
-        return RecoverySession(folder, lock, _facts(name, path, time.time()), document)
+        try:
+            return RecoverySession(folder, lock, _facts(name, path, time.time()), document)
+        except BaseException:  # nothing of the document's is in there yet
+            lock.release()
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
 
     def crashed_sessions(self) -> list[CrashedSession]:
         """Documents that were open in a process that is gone; the latest change first."""

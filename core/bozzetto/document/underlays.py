@@ -9,12 +9,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.document.model import MAX_PIXELS
 from bozzetto.errors import DocumentError
 
 __all__ = ["decode_png", "encode_png"]
-
-MAX_PIXELS: Final = 1 << 27
-"""Largest picture read, pixels: half a gigabyte of memory."""
 
 PNG_EFFORT: Final = 1
 """zlib level: scans compress nearly as well as at 6, in a third of the time."""

@@ -119,6 +119,7 @@ view.flags.writeable = False
         ({"weights": view}, "state.weights"),
         ({"weights": frozen([1], np.float32)}, "state.weights"),
         ({"weights": [1.0]}, "state.weights"),
+        ({"weights": frozen(np.zeros((1, 1, 1, 1, 1)), np.float64)}, "state.weights"),
         ({"flags": np.frombuffer(b"x", np.int8)}, "state.flags"),
         ({"tree": Tree("a", (Tree("b", (3,)),))}, "state.tree.children[0].children[0]"),
         ({"camera": {"kind": "perspective"}}, "state.camera"),
@@ -169,7 +170,23 @@ class HoldsAnything:
     thing: Any = None
 
 
-@pytest.mark.parametrize("kind", [HoldsLoose, HoldsList, HoldsWide, HoldsAnything])
+def another_disc() -> type:
+    @dataclass(frozen=True)
+    class Disc:
+        size: float = 0.0
+
+    return Disc
+
+
+@dataclass(frozen=True)
+class HoldsTwins:
+    mark: Disc | None = None
+
+
+HoldsTwins.__annotations__["mark"] = Disc | another_disc() | None
+
+
+@pytest.mark.parametrize("kind", [HoldsTwins, HoldsLoose, HoldsList, HoldsWide, HoldsAnything])
 def test_types_that_documents_cannot_keep_are_named(kind):
     with pytest.raises(TypeError, match=kind.__name__):
         check_encodable(kind, kind())

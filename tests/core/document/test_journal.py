@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
+import threading
 import zlib
 
 import pytest
@@ -112,8 +113,6 @@ def test_half_a_record_is_taken_back_when_the_disk_is_full(tmp_path):
 
 
 def test_what_was_appended_is_brought_to_the_disk_by_itself(tmp_path, monkeypatch):
-    import threading
-
     synced = threading.Event()
     monkeypatch.setattr(journal, "SYNC_SECONDS", 0.01)
     fsync = os.fsync
@@ -121,4 +120,22 @@ def test_what_was_appended_is_brought_to_the_disk_by_itself(tmp_path, monkeypatc
     writer = JournalWriter(tmp_path / "j")
     writer.append(b"x")
     assert synced.wait(10)
+    writer.close()
+
+
+def test_a_disk_that_fails_behind_our_back_is_said_with_the_next_record(tmp_path, monkeypatch):
+    failed = threading.Event()
+
+    def fsync(handle) -> None:
+        failed.set()
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(journal, "SYNC_SECONDS", 0.01)
+    monkeypatch.setattr(os, "fsync", fsync)
+    writer = JournalWriter(tmp_path / "j")
+    assert failed.wait(10)
+    while writer._problem is None:
+        pass
+    with pytest.raises(UserError, match="another disk"):
+        writer.append(b"x")
     writer.close()

@@ -252,6 +252,16 @@ def test_a_full_disk_is_said_and_the_next_record_starts_over(tmp_path, monkeypat
     assert same_document(again.document, second)
 
 
+def test_a_session_that_cannot_begin_leaves_nothing(tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise UserError("no room")
+
+    monkeypatch.setattr(recovery, "write_document", full)
+    with pytest.raises(UserError):
+        RecoveryStore(tmp_path).begin("A", None, Document())
+    assert os.listdir(tmp_path) == []
+
+
 def session_with_records(tmp_path):
     document = rich_document()
     session = RecoveryStore(tmp_path).begin("A", None, document)
