@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from PySide6.QtCore import QByteArray, Qt, QTimer
+from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QIcon
 from PySide6.QtWidgets import (
     QApplication,
@@ -37,8 +37,9 @@ from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.places import recovery_folder
 from bozzetto_app.replay import Replay
 from bozzetto_app.session import Notice, Session
-from bozzetto_app.settings import settings
+from bozzetto_app.settings import keep_disabled_plugins, settings
 from bozzetto_app.theme import Theme, apply_theme, current_palette, palette_for
+from bozzetto_app.thumbnails import thumbnail_of
 
 __all__ = ["Window"]
 
@@ -50,6 +51,9 @@ DOCK_HEIGHTS = (190, 360, 190)
 """Of objects, parameters and history at the first start, pixels."""
 
 THEME = "view/theme"
+WELCOME_WIDTH = 276
+"""Of the strip with samples and recent documents, pixels."""
+
 RADIAL = (
     "edit.undo",
     "edit.redo",
@@ -102,6 +106,7 @@ class Window(QMainWindow):
 
         self.status = StatusLine(session)
         self.status.details_wanted.connect(self._show_details)
+        self.status.switched_off.connect(self._keep_off)
         self.modelers = ModelerBar(session)
         self.setCentralWidget(self._middle())
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
@@ -126,6 +131,7 @@ class Window(QMainWindow):
             session.modeler_changed,
         ):
             signal.connect(self.actions_.refresh)
+        session.files.imported.connect(self._imported)
         self.canvas.hand.ink_began.connect(self._ink_began)
         self._restore_layout()
         self._show_title()
@@ -169,22 +175,28 @@ class Window(QMainWindow):
         bar.addPermanentWidget(self.status, 1)
         return bar
 
-    def _dock(self, panel: QWidget, *, side: Qt.DockWidgetArea | None = None) -> QDockWidget:
+    def _dock(self, panel: QWidget) -> QDockWidget:
         dock = QDockWidget(panel.windowTitle(), self)
         dock.setObjectName(f"dock-{panel.objectName()}")
         dock.setWidget(panel)
         dock.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetMovable)
-        self.addDockWidget(side or Qt.DockWidgetArea.RightDockWidgetArea, dock)
+        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
         return dock
 
-    def _welcome(self) -> QDockWidget:
-        strip = WelcomeStrip(self.session, recent_files())
+    def _welcome(self) -> WelcomeStrip:
+        """A strip over the left of the sheet: when it goes, the ink stays where it is."""
+        strip = WelcomeStrip(self.session, recent_files(), thumbnail_of, self.canvas)
         strip.sample_chosen.connect(self._open_sample)
         strip.sample_watched.connect(self.watch)
         strip.recent_chosen.connect(self.open)
-        dock = self._dock(strip, side=Qt.DockWidgetArea.LeftDockWidgetArea)
-        strip.closed.connect(dock.hide)
-        return dock
+        strip.closed.connect(strip.hide)
+        self.canvas.installEventFilter(self)
+        return strip
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is self.canvas and event.type() == QEvent.Type.Resize:
+            self.welcome.setGeometry(0, 0, WELCOME_WIDTH, self.canvas.height())
+        return False
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:
         self.actions_.refresh()
@@ -236,6 +248,12 @@ class Window(QMainWindow):
     def _open_sample(self, modeler_id: str, path: Path) -> None:
         self.session.activate_modeler(modeler_id)
         self.session.import_file(path)
+
+    def _imported(self) -> None:
+        """Bring what came from a file into view, once there is something to see."""
+        self.session.settled.connect(
+            lambda _: self.canvas.fit(), Qt.ConnectionType.SingleShotConnection
+        )
 
     def watch(self, modeler_id: str, path: Path) -> None:
         """Play a recorded drawing, stroke by stroke, on an empty sheet."""
@@ -387,6 +405,14 @@ class Window(QMainWindow):
             self._replay.stop()
             self._replay = None
 
+    def _keep_off(self, plugin: str) -> None:
+        """A plugin that was switched off stays so at the next start."""
+        off = {info.id for info in self.session.registry.plugins() if info.status == "disabled"}
+        keep_disabled_plugins(off | {plugin})
+        self.modelers.refresh()
+
     def _show_title(self) -> None:
+        if len(self.session.document):
+            self.canvas.show_hint("")
         self.setWindowTitle(f"{self.session.title}[*] — Bozzetto")
         self.setWindowModified(self.session.is_modified)

@@ -18,6 +18,8 @@ from PySide6.QtGui import QImage, QMatrix4x4, QPainter, QResizeEvent, QSurfaceFo
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.display_list import EMPTY, Image, Layer, Lines, Points, Scene
+from bozzetto.scene.grid import GROUND as GROUND_LAYER
+from bozzetto.scene.grid import ground_grid, ground_height
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.scene.software.shading import SHADINGS
 from bozzetto.view.camera import Camera
@@ -33,7 +35,6 @@ from bozzetto_app.canvas.gl_items import (
     Programs,
     SurfaceItem,
 )
-from bozzetto_app.canvas.ground import GROUND_LAYER, ground
 from bozzetto_app.canvas.marks import MarksSheet, paint_marks
 from bozzetto_app.tones import mixed
 
@@ -185,7 +186,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         wanted = {
             (layer.revision, self._palette.name, self._shading): layer for layer in both.layers
         }
-        self._drop([key for key in self._shown if key not in wanted and key[0] != "ground"])
+        self._drop([key for key in self._shown if key not in wanted and key[0] != GROUND_LAYER])
         for key, layer in wanted.items():
             if key not in self._shown:
                 self._add(key, layer)
@@ -193,12 +194,17 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._show_marks()
         self.update()
 
+    def _ground(self) -> Scene:
+        """The grid under what is shown; nothing where it is switched off."""
+        if not self._grid:
+            return Scene()
+        return Scene((ground_grid(self._seen(), ground_height(self._scene.bounds())),))
+
     def _place_ground(self) -> None:
-        layers = ground(self._seen()).layers if self._grid else ()
-        lines = [item for layer in layers for item in layer.items if isinstance(item, Lines)]
-        key = ("ground", self._palette.name, *(line.points.tobytes() for line in lines))
+        lines = [item for _, item in self._ground().items() if isinstance(item, Lines)]
+        key = (GROUND_LAYER, self._palette.name, *(line.points.tobytes() for line in lines))
         if key not in self._shown:
-            self._drop([known for known in self._shown if known[0] == "ground"])
+            self._drop([known for known in self._shown if known[0] == GROUND_LAYER])
             self._add(key, Layer(GROUND_LAYER, tuple(lines)))
 
     def _add(self, key: tuple[Any, ...], layer: Layer) -> None:
@@ -279,7 +285,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         near, far = near_far(camera, self._bounds)
         if self._grid:
             # The ground may reach behind the eye; it shall not cost the model its depth.
-            ground_near, ground_far = near_far(camera, ground(camera).bounds())
+            ground_near, ground_far = near_far(camera, self._ground().bounds())
             parallel = camera.kind == "orthographic"
             near = min(near, ground_near if parallel else GROUND_NEAR * camera.distance)
             far = max(far, ground_far)

@@ -18,10 +18,10 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene
+from bozzetto.scene.grid import ground_grid, ground_height
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.backends import Shading
-from bozzetto_app.canvas.ground import ground
 from bozzetto_app.jobs import Channel, Request
 
 __all__ = ["SoftwareViewport"]
@@ -166,7 +166,8 @@ class SoftwareViewport(QWidget):
         camera = self._camera.with_viewport(*size)
         scene = self._scene + self._live
         if self._grid:
-            scene = ground(camera) + scene
+            grid = ground_grid(camera, ground_height(self._scene.bounds()))
+            scene = Scene((grid, *scene.layers))
         palette, shading = self._palette, self._shading
 
         def work(job: Job) -> NDArray[np.uint8]:

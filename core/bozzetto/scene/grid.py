@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 from bozzetto.scene.display_list import Layer, Lines
 from bozzetto.view.camera import Camera
 
-__all__ = ["grid_step", "ground_grid"]
+__all__ = ["GROUND", "grid_step", "ground_grid", "ground_height"]
+
+GROUND = "ground"
+"""Name of the layer that holds the grid."""
 
 STEP_PIXELS = 36.0
 """Least distance between two lines at the depth of the target, px."""
@@ -36,6 +39,18 @@ def grid_step(camera: Camera) -> float:
         if step >= least:
             return float(step)
     return float(10.0 * decade)
+
+
+def ground_height(bounds: NDArray[np.float64]) -> float:
+    """Z of a ground on which everything stands: 0, or the lowest point where that is lower.
+
+    Parameters
+    ----------
+    bounds : (2, 3) float
+        Corners of the box around the scene, mm; NaN for an empty one.
+    """
+    lowest = float(bounds[0, 2])
+    return min(0.0, lowest) if np.isfinite(lowest) else 0.0
 
 
 def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
@@ -90,7 +105,7 @@ def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
                     hidden="hide",
                 )
             )
-    return Layer("ground", tuple(items))
+    return Layer(GROUND, tuple(items))
 
 
 def _line(

@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,6 @@ from bozzetto.view.navigation import fit
 from bozzetto.view.standard import standard_view
 from bozzetto_app.canvas.backends import choose_backend
 from bozzetto_app.canvas.canvas import Canvas
-from bozzetto_app.canvas.ground import ground, square_size
 from bozzetto_app.canvas.software import SoftwareViewport
 from bozzetto_app.settings import settings
 
@@ -324,21 +323,6 @@ def test_documents_are_opened_and_everything_else_imported(session, canvas, tmp_
 def test_what_is_no_file_is_not_taken(session, canvas, tmp_path):
     assert not drop(canvas, [tmp_path / "absent.svg", tmp_path])
     assert session.calls == []
-
-
-@pytest.mark.parametrize("visible", [0.003, 1.0, 47.0, 200.0, 1e6])
-def test_the_ground_has_round_squares_of_a_useful_size(visible):
-    side = square_size(visible)
-    assert visible / 10 <= side <= visible / 4
-    mantissa = side / 10 ** np.floor(np.log10(side) + 1e-9)
-    assert round(mantissa, 6) in (1, 2, 5)
-
-
-@pytest.mark.parametrize("view", VIEWS)
-def test_the_ground_lies_at_zero(session, canvas, view):
-    camera = standard_view(replace(session.camera, target=(30.0, -20.0, 5.0)), view)
-    bounds = ground(camera).bounds()
-    np.testing.assert_allclose(bounds[:, 2], 0, atol=1e-6)
 
 
 def test_both_themes_are_shown(canvas, qtbot):

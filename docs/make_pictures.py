@@ -1,0 +1,213 @@
+"""Make every picture of the documentation, with the program itself.
+
+Run ``python docs/make_pictures.py`` after a change that can be seen. Nothing is drawn by
+hand: the shapes are built from the sample drawings, and the window is the real one, drawn
+in with simulated pen events.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+HERE = Path(__file__).parent
+PICTURES = HERE / "pictures"
+SAMPLES = HERE.parent / "plugins" / "bozzetto_silhouette" / "samples"
+PATIENCE = 30.0
+"""Seconds that a solve may take."""
+
+
+def main() -> int:
+    """Make all pictures."""
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    home = tempfile.mkdtemp(prefix="bozzetto-pictures-")
+    for name in ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"):
+        os.environ[name] = home
+    PICTURES.mkdir(exist_ok=True)
+    shapes()
+    window()
+    return 0
+
+
+# -- shapes, without a window --
+
+
+def shapes() -> None:
+    """The samples as solids, the ink of one, and the skeleton of another."""
+    from bozzetto.document import Document
+    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.registry import Registry
+    from bozzetto.scene import DARK, LIGHT, Layer, Lines, Points, Scene, Shaded
+    from bozzetto.scene.picture import picture
+    from bozzetto.workbench import Workbench
+
+    bench = Workbench(Registry())
+    for name in ("horse", "fish", "key"):
+        model = bench.from_drawing(
+            "bozzetto.silhouette", read_drawing(SAMPLES / f"{name}.json"), {}
+        )
+        scene = bench.scene(Document((model,)), Job())
+        solid = Scene(tuple(layer for layer in scene.layers if layer.name != "ink"))
+        palette = DARK if name == "fish" else LIGHT
+        save(picture(solid, palette=palette, size=(800, 600)), f"{name}.png")
+        ink = Scene(
+            tuple(
+                Layer("ink", tuple(Lines(i.points, i.starts, "ink", i.width) for i in layer.items))
+                for layer in scene.layers
+                if layer.name == "ink"
+            )
+        )
+        save(picture(ink, view="front", size=(800, 600)), f"{name}-ink.png")
+        if name == "horse":
+            shapes = bench.shapes((model,), Job())
+            bones = shapes.skeletons[0]
+            glass = Shaded(shapes.solids[0].mesh, opacity=0.35)
+            lines = [
+                Lines(bones.joints[pair], color="second", width=2.5, hidden="show")
+                for pair in bones.bones
+            ]
+            joints = Points(bones.joints, color="accent", size=6.0, hidden="show")
+            seen = Scene((Layer("skeleton", (glass, *lines, joints)),))
+            save(picture(seen, view="front", size=(800, 600)), "skeleton.png")
+
+
+def save(pixels: object, name: str) -> None:
+    """Write a picture small enough for a repository."""
+    import numpy as np
+    from PIL import Image
+
+    image = Image.fromarray(np.asarray(pixels)).convert("RGB")
+    image.quantize(256, dither=Image.Dither.NONE).save(PICTURES / name, optimize=True)
+    print(f"wrote {PICTURES.name}/{name}")
+
+
+# -- the real window --
+
+
+def window() -> None:
+    """The window while a horse is drawn in it, when it stands, and in the dark theme."""
+    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.plugin.registry import Registry
+    from bozzetto_app.session import Session
+    from bozzetto_app.start import application
+    from bozzetto_app.theme import Theme
+    from bozzetto_app.window import Window
+
+    application()
+    session = Session(Registry())
+    shown = Window(session, Path(tempfile.mkdtemp()))
+    shown.resize(1280, 800)
+    shown.set_theme(Theme.LIGHT)
+    shown.show()
+    until(lambda: not session.busy)
+    wait(0.5)
+    grab(shown, "window-empty.png")
+
+    drawing = read_drawing(SAMPLES / "horse.json")
+    session.set_camera(drawing.camera.with_viewport(*session.camera.viewport))
+    camera = session.camera
+    scale = camera.pixels_per_mm / drawing.camera.pixels_per_mm
+    for stroke in drawing.strokes:
+        middle = stroke.points - [part / 2 for part in drawing.camera.viewport]
+        path = middle * scale + [part / 2 for part in camera.viewport]
+        pen_stroke(shown.canvas, path, stroke.pressure, lambda: grab(shown, "drawing.png"))
+    until(lambda: not session.busy)
+    wait(2.0)
+    shown.canvas.look("three-quarter")
+    wait(1.0)
+    shown.canvas.fit()
+    wait(1.0)
+    until(lambda: not session.busy)
+    wait(1.0)
+    grab(shown, "window.png")
+    shown.set_theme(Theme.DARK)
+    wait(1.0)
+    grab(shown, "window-dark.png")
+    shown.keeper.close()
+
+
+def pen_stroke(
+    canvas: object, path: object, pressure: object, at_four_fifths: Callable[[], None]
+) -> None:
+    """One stroke of a simulated pen."""
+    from PySide6.QtCore import QEvent, QPointF, Qt
+    from PySide6.QtGui import QInputDevice, QPointingDevice, QTabletEvent
+    from PySide6.QtWidgets import QApplication
+
+    kind, able = QEvent.Type, QInputDevice.Capability
+    pen = QPointingDevice(
+        "pen",
+        7,
+        QInputDevice.DeviceType.Stylus,
+        QPointingDevice.PointerType.Pen,
+        able.Position | able.Pressure | able.Hover,
+        1,
+        3,
+    )
+    none, left = Qt.MouseButton.NoButton, Qt.MouseButton.LeftButton
+    last = len(path) - 1
+    for number, (x, y) in enumerate(path):
+        place = QPointF(float(x), float(y))
+        event = QTabletEvent(
+            kind.TabletPress
+            if number == 0
+            else kind.TabletRelease
+            if number == last
+            else kind.TabletMove,
+            pen,
+            place,
+            QPointF(canvas.mapToGlobal(place)),
+            0.0 if number == last else float(pressure[number]),
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            Qt.KeyboardModifier.NoModifier,
+            left if number in (0, last) else none,
+            none if number == last else left,
+        )
+        event.setTimestamp(1000 + 8 * number)
+        QApplication.sendEvent(canvas, event)
+        wait(0.002)
+        if number == 4 * last // 5:
+            wait(0.5)
+            at_four_fifths()
+
+
+def grab(widget: object, name: str) -> None:
+    """Save what a widget shows."""
+    import numpy as np
+    from PySide6.QtGui import QImage
+
+    image = widget.grab().toImage().convertToFormat(QImage.Format.Format_RGBA8888)
+    pixels = np.frombuffer(image.constBits(), np.uint8)
+    save(pixels.reshape(image.height(), image.width(), 4), name)
+
+
+def wait(seconds: float) -> None:
+    """Let the window live for a while."""
+    from PySide6.QtWidgets import QApplication
+
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        QApplication.processEvents()
+        time.sleep(0.002)
+
+
+def until(true: Callable[[], bool]) -> None:
+    """Let the window live until something is so."""
+    end = time.monotonic() + PATIENCE
+    while not true():
+        if time.monotonic() > end:
+            raise TimeoutError("the window did not come to rest")
+        wait(0.02)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
