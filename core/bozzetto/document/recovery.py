@@ -43,7 +43,6 @@ __all__ = ["CrashedSession", "Recovered", "RecoverySession", "RecoveryStore"]
 REBASE_BYTES: Final = 64 << 20
 """A journal longer than this (and than four times its base) makes room for a new base."""
 
-
 LOCK, FACTS = "lock", "session.json"
 
 
