@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
+from bozzetto.errors import UserError
 from bozzetto_app.files import DOCUMENT_ENDING
 from bozzetto_app.session import Session
 from bozzetto_app.settings import settings
@@ -30,6 +31,7 @@ class FileQuestions:
     def __init__(self, session: Session, window: QWidget) -> None:
         self._session = session
         self._window = window
+        self._box: QMessageBox | None = None
 
     def ask_new(self) -> None:
         """An empty sheet, once unsaved work is safe."""
@@ -54,12 +56,12 @@ class FileQuestions:
         if path is not None:
             self._session.files.import_file(path)
 
-    def ask_save(self) -> None:
+    def ask_save(self, then: Callable[[], None] = lambda: None) -> None:
         """Save where the document lies, or ask for a place."""
         if self._session.path is None or self._session.read_only:
-            self.ask_save_as()
+            self.ask_save_as(then)
         else:
-            self._session.files.save()
+            self._session.files.save(then=then)
 
     def ask_save_as(self, then: Callable[[], None] = lambda: None) -> None:
         """A place for the document."""
@@ -97,24 +99,44 @@ class FileQuestions:
         if not self._session.is_modified:
             then()
             return
+        if self._box is not None:
+            self._box.raise_()
+            return
         box = QMessageBox(self._window)
+        box.setObjectName("unsaved")
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(
-            tr("Files", "“{name}” has changes that are not saved.").format(name=self._session.title)
+            tr("Files", "“{name}” has changes that are not saved.", name=self._session.title)
         )
         save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
         drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
         box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(save)
-        box.exec()
-        if box.clickedButton() is drop:
-            then()
-        elif box.clickedButton() is save and self._session.path and not self._session.read_only:
-            self._session.files.save(then=then)
-        elif box.clickedButton() is save:
-            self.ask_save_as(then)
-        elif refused is not None:
-            refused()
+
+        def answered() -> None:
+            self._box = None
+            box.deleteLater()
+            if box.clickedButton() is drop:
+                then()
+            elif box.clickedButton() is save and self._session.pending:
+                self._session.complain(
+                    UserError(
+                        tr(
+                            "Files",
+                            "Ink is waiting. Finish it with Enter or take it back with "
+                            "Backspace, then save.",
+                        )
+                    )
+                )
+            elif box.clickedButton() is save:
+                self.ask_save(then)
+            elif refused is not None:
+                refused()
+
+        # Not exec(): an event loop within an event loop would hold up a drop or a close.
+        self._box = box
+        box.finished.connect(answered)
+        box.open()
 
     def _chosen(self, title: str, kinds: str) -> Path | None:
         name, _ = QFileDialog.getOpenFileName(self._window, title, self._folder(), kinds)

@@ -5,24 +5,28 @@ No dialog is shown here: `bozzetto_app.asking` asks, this does.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
+from bozzetto.document.lock import FileLock, Locked, document_lock_path
 from bozzetto.document.model import Document, Model, Underlay, new_id
 from bozzetto.errors import UserError
+from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
 from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.saying import Notice
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["DOCUMENT_ENDING", "Files", "recent_files"]
+__all__ = ["DOCUMENT_ENDING", "Claim", "Files", "recent_files"]
 
 DOCUMENT_ENDING = ".bozz"
 MESH_MODELER = "bozzetto.mesh"
@@ -31,6 +35,9 @@ MOST_RECENT = 10
 THUMBNAIL = 256
 """Side of the picture that file managers show, pixels."""
 
+READ_LIMIT = 60.0
+"""Seconds that reading or exporting may go on without progress before it counts as hung."""
+
 UNDERLAY_WIDTH = 200.0
 """Width at which a picture to trace is laid on the sheet, mm."""
 
@@ -38,8 +45,24 @@ UNDERLAY_WIDTH = 200.0
 def recent_files() -> list[Path]:
     """Documents opened or saved lately that are still there, newest first."""
     kept = settings().value(RECENT, [])
-    names = [kept] if isinstance(kept, str) else list(kept or [])
+    names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
     return [Path(name) for name in names if Path(name).is_file()]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Whether a document may be written to.
+
+    Attributes
+    ----------
+    lock : FileLock, optional
+        Held if it may.
+    refusal : str
+        Why it may not; told to the person.
+    """
+
+    lock: FileLock | None
+    refusal: str = ""
 
 
 class Files(QObject):
@@ -50,25 +73,51 @@ class Files(QObject):
     recent_changed
         The list of recent documents is another one.
     saved : Path
+    imported
+        Something came in from a file.
+    progressed : float, str; busy_changed : bool
+        Long work advances, starts, ends.
     """
 
     recent_changed = Signal()
+    imported = Signal()
     saved = Signal(object)
+    progressed = Signal(float, str)
+    busy_changed = Signal(bool)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._channel = Channel("file", keep_all=True, parent=self)
-        self._channel.progressed.connect(session.progressed)
-        self._channel.busy_changed.connect(session.busy_changed)
+        self._lock: FileLock | None = None
+        # Saving has a channel of its own: a plugin that hangs over an import or an export
+        # must not come between a person and their file.
+        self._saves = Channel("save", keep_all=True, parent=self)
+        self._reads = Channel("file", keep_all=True, time_limit=READ_LIMIT, parent=self)
+        for channel in (self._saves, self._reads):
+            channel.progressed.connect(self.progressed)
+            channel.busy_changed.connect(self.busy_changed)
 
     @property
     def busy(self) -> bool:
         """Whether a file is being read or written."""
-        return self._channel.busy
+        return self._saves.busy or self._reads.busy
+
+    @property
+    def saving(self) -> bool:
+        """Whether a document is on its way to the disk."""
+        return self._saves.busy
+
+    def cancel(self) -> None:
+        """Stop reading and exporting; a document that is being saved is not disturbed."""
+        self._reads.cancel()
+
+    def close(self) -> None:
+        """The program ends: others may have the document."""
+        self._hold(None)
 
     def new(self) -> None:
         """Start on an empty sheet."""
+        self._hold(None)
         self._session.show_document(Document(), None)
 
     def open(self, path: Path) -> None:
@@ -78,20 +127,88 @@ class Files(QObject):
             self.new()
             self.import_file(path)
             return
+        before = session.document, session.pending
 
         def work(job: Job) -> Any:
             from bozzetto.document.file import read_document
 
-            return read_document(path, session.registry)
+            claim = self.claim(path)
+            try:
+                document, report = read_document(path, session.registry)
+                job.checkpoint(1.0, path.name)
+                return claim, document, report
+            except BaseException:
+                self._give_back(claim.lock)
+                raise
 
         def done(answer: Any) -> None:
-            document, report = answer
-            session.show_document(document, path, read_only=report.read_only)
+            claim, document, report = answer
+            if (session.document, session.pending) != before and session.is_modified:
+                self._give_back(claim.lock)
+                session.tell(
+                    tr("Files", "“{name}” was not opened: you were drawing.", name=path.name)
+                )
+                return
+            self.show(claim, document, path, read_only=report.read_only)
             self._remember(path)
             for warning in report.warnings:
                 session.tell(warning)
 
-        self._submit(work, done)
+        self._reads.submit(Request(work, done, session.complain))
+
+    def claim(self, path: Path) -> Claim:
+        """In a worker: see whether a document may be written to, and keep others from it."""
+        place = document_lock_path(path)
+        if self._lock is not None and self._lock.path == place:
+            return Claim(self._lock)
+        try:
+            return Claim(FileLock.acquire(place, path.name))
+        except Locked as locked:
+            since = time.strftime("%H:%M", time.localtime(locked.holder.since))
+            return Claim(
+                None,
+                tr(
+                    "Files",
+                    "{user} on {host} has had “{name}” open since {time}. You can look at it "
+                    "and save it under another name.",
+                    user=locked.holder.user,
+                    host=locked.holder.host,
+                    name=path.name,
+                    time=since,
+                ),
+            )
+        except UserError:
+            return Claim(
+                None,
+                tr(
+                    "Files",
+                    "“{name}” lies where nothing can be written. You can look at it and save "
+                    "it elsewhere.",
+                    name=path.name,
+                ),
+            )
+
+    def show(
+        self,
+        claim: Claim,
+        document: Document,
+        path: Path | None,
+        *,
+        read_only: bool = False,
+        saved: bool = True,
+        pending: tuple[Stroke, ...] = (),
+    ) -> None:
+        """Make another document the one on the sheet; see `Session.show_document`."""
+        self._hold(claim.lock)
+        self._session.show_document(
+            document,
+            path,
+            read_only=read_only or bool(claim.refusal),
+            saved=saved,
+            pending=pending,
+        )
+        if claim.refusal:
+            self._session.noticed.emit(Notice("error", claim.refusal))
 
     def save(self, path: Path | None = None, then: Callable[[], None] = lambda: None) -> None:
         """Save the document as it is at this moment.
@@ -109,50 +226,66 @@ class Files(QObject):
             raise ValueError("a document without a place needs a path")
         if target.suffix.lower() != DOCUMENT_ENDING:
             target = target.with_name(target.name + DOCUMENT_ENDING)
-        snapshot, scene = session.document, session.scene
+        snapshot, scene, camera = session.document, session.scene, session.camera
+        history = session.history
         backups = int(str(settings().value("files/backups", 3)))
 
-        def work(job: Job) -> None:
+        def work(job: Job) -> FileLock:
             from bozzetto.document.file import write_document
             from bozzetto.document.underlays import encode_png
             from bozzetto.scene.picture import thumbnail
 
-            write_document(
-                replace(snapshot, camera=session.camera),
-                target,
-                thumbnail=encode_png(thumbnail(scene, THUMBNAIL)),
-                backups=backups,
-            )
+            place = document_lock_path(target)
+            mine = self._lock is not None and self._lock.path == place
+            lock = self._lock if mine and self._lock else FileLock.acquire(place, target.name)
+            try:
+                write_document(
+                    replace(snapshot, camera=camera),
+                    target,
+                    thumbnail=encode_png(thumbnail(scene, THUMBNAIL)),
+                    backups=backups,
+                )
+            except BaseException:
+                self._give_back(lock)
+                raise
+            return lock
 
-        def done(answer: None) -> None:
-            session.saved_as(target, snapshot)
+        def done(lock: FileLock) -> None:
             self._remember(target)
-            self.saved.emit(target)
-            session.tell(tr("Files", "Saved “{name}”.").format(name=target.name))
+            if session.history is history:
+                self._hold(lock)
+                session.saved_as(target, snapshot)
+                self.saved.emit(target)
+            else:
+                self._give_back(lock)
+            session.tell(tr("Files", "Saved “{name}”.", name=target.name))
             then()
 
-        self._submit(work, done)
+        self._saves.submit(Request(work, done, session.complain))
 
     def export(self, path: Path) -> None:
         """Hand all visible objects over to other programs."""
         session = self._session
         models = [model for model in session.document if model.visible]
+        camera = session.camera
 
         def work(job: Job) -> None:
             from bozzetto.exchange.export import export
 
-            export(session.workbench.shapes(models, job), path, camera=session.camera)
+            shapes = session.workbench.shapes(models, job)
+            job.checkpoint(1.0, path.name)
+            export(shapes, path, camera=camera)
 
         def done(answer: None) -> None:
-            session.tell(tr("Files", "Exported “{name}”.").format(name=path.name))
+            session.tell(tr("Files", "Exported “{name}”.", name=path.name))
 
-        self._submit(work, done)
+        self._reads.submit(Request(work, done, session.complain))
 
     def import_file(self, path: Path) -> None:
         """Bring a drawing, a mesh or a picture onto the sheet."""
         session = self._session
         modeler = session.active_modeler
-        context = session.context()
+        context, history = session.context(), session.history
 
         def work(job: Job) -> Model | Underlay:
             from bozzetto.exchange.formats import find, readers
@@ -170,12 +303,24 @@ class Files(QObject):
             return session.workbench.from_drawing(modeler, drawing, {}, here)
 
         def done(answer: Model | Underlay) -> None:
-            session.take_in(answer, tr("Files", "Import {name}").format(name=path.name))
+            if session.history is not history:
+                return
+            if isinstance(answer, Model):
+                self.imported.emit()
+            session.take_in(answer, tr("Files", "Import {name}", name=path.name))
 
-        self._submit(work, done)
+        self._reads.submit(Request(work, done, session.complain))
 
-    def _submit(self, work: Callable[[Job], Any], done: Callable[[Any], None]) -> None:
-        self._channel.submit(Request(work, done, self._session.complain))
+    def _hold(self, lock: FileLock | None) -> None:
+        """Hold one document's lock, and no other."""
+        held, self._lock = self._lock, lock
+        if held is not None and held is not lock:
+            held.release()
+
+    def _give_back(self, lock: FileLock | None) -> None:
+        """Release a lock that came to nothing, unless it is the one of the open document."""
+        if lock is not None and lock is not self._lock:
+            lock.release()
 
     def _remember(self, path: Path) -> None:
         whole = path.resolve()

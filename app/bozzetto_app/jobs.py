@@ -11,8 +11,10 @@ from __future__ import annotations
 
 import itertools
 import logging
+import sys
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -21,10 +23,11 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from bozzetto.errors import Cancelled
+from bozzetto.plugin.guard import Overrun
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.watchdog import interrupt
 
-__all__ = ["Channel", "Request"]
+__all__ = ["Channel", "Hung", "Request"]
 
 log = logging.getLogger(__name__)
 
@@ -35,6 +38,24 @@ GRACE = 1.0
 """Seconds that abandoned work gets to notice it, before its thread is left behind."""
 
 _tickets = itertools.count(1)
+
+
+class Hung(TimeoutError):
+    """Work did not answer in time.
+
+    Attributes
+    ----------
+    thread : Thread
+        Where it went on when this was noticed.
+    stack : str
+        What it was doing there.
+    """
+
+    def __init__(self, limit: float, thread: threading.Thread) -> None:
+        super().__init__(f"no answer within {limit:g} s")
+        self.thread = thread
+        frame = sys._current_frames().get(thread.ident or 0)
+        self.stack = "".join(traceback.format_stack(frame)) if frame is not None else ""
 
 
 @dataclass(eq=False)
@@ -55,7 +76,7 @@ class Request:
     failed: Callable[[BaseException], None]
     quality: str = "final"
     ticket: int = field(default_factory=lambda: next(_tickets))
-    started: float = 0.0
+    seen_alive: float = 0.0
     abandoned_at: float | None = None
     thread: threading.Thread | None = None
 
@@ -80,8 +101,8 @@ class Channel(QObject):
     keep_all : bool
         Run every request in order; otherwise only the newest waiting one survives.
     time_limit : float, optional
-        Seconds after which a running request counts as hung: it fails with
-        `TimeoutError` and its thread is left behind.
+        Seconds without progress after which a running request counts as hung: it fails
+        with `Hung` and its thread is left behind.
     """
 
     progressed = Signal(float, str)
@@ -137,7 +158,7 @@ class Channel(QObject):
             return
         request = self._waiting.popleft()
         self._running = request
-        request.started = time.monotonic()
+        request.seen_alive = time.monotonic()
         request.thread = threading.Thread(
             target=self._work, args=(request,), name=f"bozzetto-{self.name}", daemon=True
         )
@@ -147,7 +168,7 @@ class Channel(QObject):
 
     def _work(self, request: Request) -> None:
         def progress(fraction: float, step: str) -> None:
-            now = time.monotonic()
+            request.seen_alive = now = time.monotonic()
             if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
                 self._last_progress = now
                 self.progressed.emit(float(fraction), str(step))
@@ -160,13 +181,15 @@ class Channel(QObject):
         answer: Any = None
         error: BaseException | None = None
         try:
-            answer = request.work(job)
-        except BaseException as problem:
-            error = problem
-        try:
+            try:
+                answer = request.work(job)
+            except BaseException as problem:
+                error = problem
             self._answered.emit(request, answer, error)
         except RuntimeError:
             log.debug("the window closed before %s answered", self.name)
+        except Overrun:
+            log.debug("%s answered just when it was given up", self.name)
 
     def _deliver(self, request: Request, answer: Any, error: BaseException | None) -> None:
         if request is not self._running:
@@ -187,17 +210,18 @@ class Channel(QObject):
             self._watch.stop()
             return
         deaf = request.abandoned_at is not None and now - request.abandoned_at > GRACE
-        late = self.time_limit is not None and now - request.started > self.time_limit
+        late = self.time_limit is not None and now - request.seen_alive > self.time_limit
         if not (deaf or late):
             return
         log.warning("%s did not stop or answer in time; its thread is left behind", self.name)
         wanted = not request.abandoned
         request.abandon()
-        if request.thread is not None:
-            interrupt(request.thread)
         self._finish()
-        if wanted:
-            request.failed(TimeoutError(f"no answer within {self.time_limit:g} s"))
+        if request.thread is not None:
+            if wanted and self.time_limit is not None:
+                # Told before it is interrupted, while it can still be seen where it hangs.
+                request.failed(Hung(self.time_limit, request.thread))
+            interrupt(request.thread)
         self._start_next()
         if not self.busy:
             self.busy_changed.emit(False)

@@ -1,27 +1,70 @@
 """Keeping every stroke: the session's changes go to a journal as they are made.
 
-After a crash at most the stroke under the pen is lost. The journal is written beside the
-window's thread; of several changes that wait only the newest snapshot need be written.
+After a crash at most the stroke under the pen is lost. One thread writes, in order; of
+several snapshots that wait only the newest need be written. Nothing of a plugin's runs in
+it, so nothing can hold it up but the disk.
 """
 
 from __future__ import annotations
 
 import logging
+import queue
+import threading
+from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
+from bozzetto.document.history import History
 from bozzetto.document.model import Document
 from bozzetto.document.recovery import CrashedSession, Recovered, RecoverySession, RecoveryStore
 from bozzetto.errors import UserError
+from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
+from bozzetto_app.files import Claim
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.session import Session
 
 __all__ = ["Keeper"]
 
 log = logging.getLogger(__name__)
+
+RECOVER_LIMIT = 60.0
+"""Seconds that bringing a drawing back may take before it counts as hung."""
+
+LAST_WRITES = 10.0
+"""Seconds that closing waits for the disk; later the data are found at the next start."""
+
+
+class _Snapshot(NamedTuple):
+    name: str
+    path: Path | None
+    document: Document
+    pending: tuple[Stroke, ...]
+
+
+@dataclass(eq=False)
+class _Book:
+    """What is kept of one document while it is open.
+
+    Attributes
+    ----------
+    newest : deque
+        The snapshot to be written, if there is one: a newer one takes its place.
+    kept : RecoverySession, optional
+        Used by the writing thread alone.
+    brought_back : CrashedSession, optional
+        Forgotten once this book has everything that was in it.
+    """
+
+    history: History
+    brought_back: CrashedSession | None = None
+    begun: bool = False
+    newest: deque[_Snapshot] = field(default_factory=lambda: deque(maxlen=1))
+    kept: RecoverySession | None = None
 
 
 class Keeper(QObject):
@@ -34,96 +77,130 @@ class Keeper(QObject):
         Where recovery data lie; survives a restart of the machine.
     """
 
+    _failed = Signal(object)
+
     def __init__(self, session: Session, folder: Path) -> None:
         super().__init__(session)
         self._session = session
         self._store = RecoveryStore(folder)
-        self._kept: RecoverySession | None = None
-        self._recovered: CrashedSession | None = None
-        self._channel = Channel("journal", parent=self)
-        self._saves = Channel("journal-base", keep_all=True, parent=self)
+        self._book = _Book(session.history)
+        self._coming: CrashedSession | None = None
+        self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
+        self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
+        self._thread.start()
+        self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
+        self._failed.connect(self._complain)
         session.document_changed.connect(self._record)
         session.pending_changed.connect(self._record)
-        session.opened.connect(self._another_document)
         session.files.saved.connect(self._saved)
 
     @property
     def busy(self) -> bool:
-        """Whether something is being written."""
-        return self._channel.busy or self._saves.busy
+        """Whether something is being written or brought back."""
+        return self._tasks.unfinished_tasks > 0 or self._reads.busy
 
-    def crashed(self) -> list[CrashedSession]:
-        """Documents that were open when their program died."""
-        return self._store.crashed_sessions()
+    # -- what a crash left behind --
 
-    def recover(self, crashed: CrashedSession, done: Callable[[Recovered], None]) -> None:
+    def find_crashed(self, found: Callable[[list[CrashedSession]], None]) -> None:
+        """Look for documents that were open when their program died."""
+        self._reads.submit(
+            Request(lambda job: self._store.crashed_sessions(), found, self._complain)
+        )
+
+    def recover(self, crashed: CrashedSession) -> None:
         """Bring one back onto the sheet, complete to its last stroke."""
+        session = self._session
 
-        def work(job: Job) -> Recovered:
-            return self._store.recover(crashed, self._session.registry)
+        def work(job: Job) -> tuple[Recovered, Claim]:
+            recovered = self._store.recover(crashed, session.registry)
+            path = crashed.path
+            return recovered, session.files.claim(path) if path is not None else Claim(None)
 
-        def shown(recovered: Recovered) -> None:
-            self._recovered = crashed
-            self._session.show_document(
-                recovered.document, crashed.path, saved=False, pending=recovered.pending
+        def shown(answer: tuple[Recovered, Claim]) -> None:
+            recovered, claim = answer
+            self._coming = crashed
+            session.files.show(
+                claim, recovered.document, crashed.path, saved=False, pending=recovered.pending
             )
-            done(recovered)
+            for warning in recovered.warnings:
+                session.tell(warning)
 
-        self._saves.submit(Request(work, shown, self._session.complain))
+        self._reads.submit(Request(work, shown, session.complain))
+
+    # -- what is drawn now --
 
     def close(self) -> None:
         """The person closed the document and knows what became of it."""
-        self._channel.cancel()
-        if self._kept is not None:
-            self._kept.close()
-            self._kept = None
-
-    def _another_document(self) -> None:
-        self.close()
-        self._record()
+        self._end_book(self._book)
+        self._tasks.put(None)
+        self._thread.join(LAST_WRITES)
 
     def _record(self) -> None:
         """Write down the document as it is, and the ink that waits."""
         session = self._session
-        if self._kept is None and not session.is_modified:
+        if session.history is not self._book.history:
+            self._end_book(self._book)
+            self._book = _Book(session.history, self._coming)
+            self._coming = None
+        book = self._book
+        if not book.begun and not session.is_modified:
             return
-        name, path, document, pending = (
-            session.title,
-            session.path,
-            session.document,
-            session.pending,
+        book.begun = True
+        book.newest.append(
+            _Snapshot(session.title, session.path, session.document, session.pending)
         )
+        self._tasks.put(lambda: self._write(book))
 
-        def work(job: Job) -> None:
-            self._write(name, path, document, pending)
+    def _saved(self, path: Path) -> None:
+        book, document = self._book, self._session.document
 
-        self._channel.submit(Request(work, self._written, self._failed))
+        def begin_afresh() -> None:
+            if book.kept is not None:
+                book.kept.saved(document, path.stem, path)
 
-    def _write(
-        self, name: str, path: Path | None, document: Document, pending: tuple[object, ...]
-    ) -> None:
-        if self._kept is None:
-            self._kept = self._store.begin(name, path, document)
-        self._kept.record(document, pending)  # type: ignore[arg-type]
+        if book.begun:
+            self._tasks.put(begin_afresh)
+            self._record()
 
-    def _written(self, answer: None) -> None:
-        if self._recovered is not None:
-            recovered, self._recovered = self._recovered, None
-            self._store.discard(recovered)
+    def _end_book(self, book: _Book) -> None:
+        def end() -> None:
+            book.newest.clear()
+            if book.kept is not None:
+                book.kept.close()
+                book.kept = None
 
-    def _failed(self, problem: BaseException) -> None:
+        self._tasks.put(end)
+
+    # -- in the writing thread --
+
+    def _run(self) -> None:
+        while True:
+            task = self._tasks.get()
+            try:
+                if task is None:
+                    return
+                task()
+            except Exception as problem:
+                try:
+                    self._failed.emit(problem)
+                except RuntimeError:
+                    log.debug("the window closed before the journal failed: %s", problem)
+            finally:
+                self._tasks.task_done()
+
+    def _write(self, book: _Book) -> None:
+        if not book.newest:
+            return
+        now = book.newest.pop()
+        if book.kept is None:
+            book.kept = self._store.begin(now.name, now.path, now.document)
+        book.kept.record(now.document, now.pending)
+        if book.brought_back is not None:
+            crashed, book.brought_back = book.brought_back, None
+            self._store.discard(crashed)
+
+    def _complain(self, problem: BaseException) -> None:
         if isinstance(problem, UserError):
             self._session.complain(problem)
         else:
             log.error("the journal cannot be written", exc_info=problem)
-
-    def _saved(self, path: Path) -> None:
-        kept, document = self._kept, self._session.document
-        if kept is not None:
-            self._saves.submit(
-                Request(
-                    lambda job: kept.saved(document, path.stem, path),
-                    lambda answer: None,
-                    self._failed,
-                )
-            )

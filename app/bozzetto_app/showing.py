@@ -1,14 +1,16 @@
 """Showing: solves what is on the sheet in the background and keeps the picture of each model.
 
 First a preview of everything, so that a shape stands within a blink; then the final
-results, one by one. What was shown stays until something better is there.
+results, one by one. What was shown stays until something better is there. A recipe that
+has no solution, or whose plugin fails over it, is complained about once and not tried
+again; its ink is shown all the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 from PySide6.QtCore import QObject, Signal
 
@@ -22,14 +24,20 @@ from bozzetto_app.jobs import Channel, Request
 
 __all__ = ["Showing"]
 
+SOLVE_LIMIT = 60.0
+"""Seconds a solve may go on without a sign of progress before it counts as hung."""
+
+UNSOLVED: Final = object()
+"""Stands for the result of a recipe that is shown before it is solved."""
+
 
 class Showing(QObject):
     """The pictures of a document's models, kept up to date by one worker.
 
     Signals
     -------
-    changed
-        Some model's picture is another one.
+    changed : bool
+        Some model's picture is another one; True if it shows a solved shape.
     settled : str
         A model (id) that was waiting for it has its final picture.
     reported : Model, dict
@@ -39,7 +47,7 @@ class Showing(QObject):
     progressed : float, str; busy_changed : bool
     """
 
-    changed = Signal()
+    changed = Signal(bool)
     settled = Signal(str)
     reported = Signal(object, object)
     failed = Signal(object)
@@ -52,8 +60,11 @@ class Showing(QObject):
         self._workbench = workbench
         self._document = Document()
         self._shown: dict[str, tuple[Model, Any, Scene]] = {}
+        self._insoluble: dict[str, Any] = {}
+        self._in_hand: Model | None = None
+        self._last_report: tuple[Any, dict[str, Any]] | None = None
         self._awaited: set[str] = set()
-        self._channel = Channel("solve", parent=self)
+        self._channel = Channel("solve", time_limit=SOLVE_LIMIT, parent=self)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)
         self._solved.connect(self._take)
@@ -77,7 +88,9 @@ class Showing(QObject):
         """Drop every picture and all work: another document comes."""
         self._channel.cancel()
         self._shown.clear()
+        self._insoluble.clear()
         self._awaited.clear()
+        self._last_report = None
 
     def cancel(self) -> None:
         """Stop solving; what is shown stays."""
@@ -88,23 +101,55 @@ class Showing(QObject):
         self._document = document
         known = {model.id for model in document}
         self._shown = {key: value for key, value in self._shown.items() if key in known}
-        if self._channel.running is not None:
+        self._insoluble = {key: value for key, value in self._insoluble.items() if key in known}
+        if self._channel.running is not None and self._is_urgent(document):
             self._channel.running.abandon()
 
         def work(job: Job) -> tuple[Model, dict[str, Any]] | None:
             for quality in ("preview", "final"):
-                for model in document:
-                    if model.visible and not self._workbench.is_foreign(model):
-                        self._solve(model, replace(job, quality=quality))
-            if selected is None or self._workbench.result(selected, "final") is None:
-                return None
-            return selected, self._workbench.report(selected, job)
+                for model in self._soluble(document):
+                    if document is not self._document:
+                        return None
+                    self._in_hand = model
+                    self._solve(model, replace(job, quality=quality))
+            self._in_hand = selected
+            return self._report(selected, job)
 
         def done(answer: tuple[Model, dict[str, Any]] | None) -> None:
             if answer is not None:
                 self.reported.emit(*answer)
 
-        self._channel.submit(Request(work, done, self.failed.emit))
+        def failed(problem: BaseException) -> None:
+            """A plugin hangs: the others' models get their turn."""
+            stuck = self._in_hand
+            if stuck is not None:
+                self._insoluble[stuck.id] = stuck.state
+            self.failed.emit(problem)
+            if stuck is not None:
+                self.show(self._document, selected)
+
+        self._channel.submit(Request(work, done, failed))
+
+    def _soluble(self, document: Document) -> list[Model]:
+        """The models to be solved: those that can be seen, and for which there is hope."""
+        return [
+            model
+            for model in document
+            if model.visible
+            and not self._workbench.is_foreign(model)
+            and self._insoluble.get(model.id) is not model.state
+        ]
+
+    def _is_urgent(self, document: Document) -> bool:
+        """Whether the work in hand is unwanted, or has to wait for a model without a shape."""
+        in_hand = self._in_hand
+        wanted = self._soluble(document)
+        if in_hand is None or all(model.state is not in_hand.state for model in wanted):
+            return True
+        return any(
+            model.state is not in_hand.state and self._workbench.best_result(model) is None
+            for model in wanted
+        )
 
     def _solve(self, model: Model, job: Job) -> None:
         """In the worker: one model at one quality, unless that is shown already."""
@@ -112,23 +157,43 @@ class Showing(QObject):
         if job.quality == "preview" and bench.result(model, "final") is not None:
             return
         try:
-            result = bench.solve(model, job)
             shown = self._shown.get(model.id)
+            if shown is None and bench.best_result(model) is None:
+                self._solved.emit(model, UNSOLVED, bench.model_scene(model, None))
+            result = bench.solve(model, job)
             if shown is not None and shown[0] is model and shown[1] is result:
                 return
             self._solved.emit(model, result, bench.model_scene(model, result))
         except (UserError, PluginFault) as problem:
-            self._solved.emit(model, None, problem)
+            # Work that was overtaken and then interrupted is nobody's fault.
+            if not job.cancelled():
+                self._insoluble[model.id] = model.state
+                self._solved.emit(model, UNSOLVED, problem)
+
+    def _report(self, model: Model | None, job: Job) -> tuple[Model, dict[str, Any]] | None:
+        """In the worker: the figures of a model that has its final result."""
+        if model is None or self._workbench.result(model, "final") is None:
+            return None
+        if self._last_report is None or self._last_report[0] is not model.state:
+            # Empty first, so that a report which fails or hangs is not asked for again.
+            self._last_report = (model.state, {})
+            try:
+                self._last_report = (model.state, self._workbench.report(model, job))
+            except (UserError, PluginFault) as problem:
+                if not job.cancelled():
+                    self._solved.emit(model, UNSOLVED, problem)
+        return model, self._last_report[1]
 
     def _take(self, model: Model, result: Any, answer: Any) -> None:
         """On the window's thread: exchange one model's picture."""
+        if isinstance(answer, BaseException):
+            if any(model.state is known.state for known in self._document):
+                self.failed.emit(answer)
+            return
         if all(model is not known for known in self._document):
             return
-        if isinstance(answer, BaseException):
-            self.failed.emit(answer)
-            return
         self._shown[model.id] = (model, result, answer)
-        self.changed.emit()
+        self.changed.emit(result is not UNSOLVED)
         if model.id in self._awaited and result is self._workbench.result(model, "final"):
             self._awaited.discard(model.id)
             self.settled.emit(model.id)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import faulthandler
 import logging
 import logging.handlers
+import os
 import signal
+import socket
 import sys
 import threading
 from collections.abc import Callable
@@ -13,22 +15,21 @@ from importlib import import_module
 from pathlib import Path
 from typing import TextIO
 
-from PySide6.QtCore import QEvent, QObject, QTimer
+from PySide6.QtCore import QEvent, QObject, QSocketNotifier, QTimer
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin.registry import Registry
 from bozzetto_app.canvas.gl_setup import prepare
 from bozzetto_app.places import log_file, state_folder
 from bozzetto_app.session import Session
-from bozzetto_app.settings import ORGANISATION, PROGRAM, settings
+from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
 from bozzetto_app.window import Window
 
 __all__ = ["application", "start"]
 
+VIEWPORT = "view/backend"
 HEAVY = ("scipy.optimize", "scipy.spatial", "shapely", "manifold3d")
 """Imported in a thread after the first paint, so that the first stroke need not wait."""
-
-DISABLED_PLUGINS = "plugins/disabled"
 
 
 def application() -> QApplication:
@@ -60,18 +61,35 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
         The process's exit code.
     """
     app = application()
+    viewport = str(settings().value(VIEWPORT, "auto"))
+    if viewport != "auto":
+        os.environ.setdefault("BOZZETTO_VIEWPORT", viewport)
     crash_log = _log_to_disk()
-    kept = settings().value(DISABLED_PLUGINS, [])
-    disabled = [kept] if isinstance(kept, str) else list(kept or [])
-    session = Session(Registry(disabled=disabled, no_plugins=not plugins))
+    session = Session(Registry(disabled=disabled_plugins(), no_plugins=not plugins))
     window = Window(session)
     paint = _FirstPaint(window, lambda: _after_first_paint(window, document))
     window.installEventFilter(paint)
     window.show()
-    signal.signal(signal.SIGINT, lambda *_: window.close())
+    _listen_for_interrupts(window)
     code = app.exec()
+    faulthandler.disable()
     crash_log.close()
     return code
+
+
+def _listen_for_interrupts(window: Window) -> None:
+    """Ctrl+C in the terminal closes the window as its cross does.
+
+    Python looks at signals only between two of its own instructions, and the event loop
+    has none while nobody touches it: a socket wakes it up.
+    """
+    ear, mouth = socket.socketpair()
+    mouth.setblocking(False)
+    signal.set_wakeup_fd(mouth.fileno(), warn_on_full_buffer=False)
+    signal.signal(signal.SIGINT, lambda *_: window.close())
+    waker = QSocketNotifier(ear.fileno(), QSocketNotifier.Type.Read, window)
+    waker.activated.connect(lambda: ear.recv(64))
+    window.destroyed.connect(mouth.close)
 
 
 class _FirstPaint(QObject):

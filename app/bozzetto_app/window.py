@@ -20,6 +20,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from bozzetto.document.recovery import CrashedSession
+from bozzetto.errors import UserError
 from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions import ActionRegistry
 from bozzetto_app.asking import FileQuestions
@@ -132,6 +134,9 @@ class Window(QMainWindow):
         ):
             signal.connect(self.actions_.refresh)
         session.files.imported.connect(self._imported)
+        session.opened.connect(self._stop_replay)
+        session.files.busy_changed.connect(self._saving_ended)
+        session.when_safe = self.files.when_safe
         self.canvas.hand.ink_began.connect(self._ink_began)
         self._restore_layout()
         self._show_title()
@@ -222,12 +227,16 @@ class Window(QMainWindow):
         self.welcome.setVisible(not len(self.session.document))
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        if self._closing or not self.session.is_modified:
+        if not self._closing and self.session.is_modified:
+            event.ignore()
+            QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
+        elif self.session.files.saving:
+            event.ignore()
+            self._closing = True
+            self.hide()
+        else:
             self._leave()
             event.accept()
-            return
-        event.ignore()
-        QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
 
     def _close_now(self) -> None:
         self._closing = True
@@ -237,13 +246,20 @@ class Window(QMainWindow):
         kept = settings()
         kept.setValue("window/geometry", self.saveGeometry())
         kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
+        self._stop_replay()
+        self.session.cancel_all()
+        self.session.files.close()
         self.keeper.close()
+
+    def _saving_ended(self) -> None:
+        if self._closing and not self.session.files.saving:
+            self.close()
 
     # -- documents --
 
     def open(self, path: Path) -> None:
         """Open a document once unsaved work is safe."""
-        self.files.when_safe(lambda: self.session.open(path))
+        self.session.open(path)
 
     def _open_sample(self, modeler_id: str, path: Path) -> None:
         self.session.activate_modeler(modeler_id)
@@ -260,7 +276,11 @@ class Window(QMainWindow):
         from bozzetto.exchange.importing import read_drawing
 
         def begin() -> None:
-            drawing = read_drawing(path)
+            try:
+                drawing = read_drawing(path)
+            except UserError as problem:
+                self.session.complain(problem)
+                return
             self.session.files.new()
             self.session.activate_modeler(modeler_id)
             self._play(drawing)
@@ -268,23 +288,31 @@ class Window(QMainWindow):
         self.files.when_safe(begin)
 
     def _play(self, drawing: Drawing) -> None:
-        if self._replay is not None:
-            self._replay.stop()
+        self._stop_replay()
         self.session.set_camera(drawing.camera.with_viewport(*self.session.camera.viewport))
         self._replay = Replay(self.session, drawing, parent=self)
         self._replay.start()
 
+    def _stop_replay(self) -> None:
+        replay, self._replay = self._replay, None
+        if replay is not None:
+            replay.stop()
+            replay.deleteLater()
+
     def offer_recovery(self) -> None:
         """Ask about drawings that a crash left behind, if there are any."""
-        crashed = self.keeper.crashed()
-        if crashed:
-            from bozzetto_app.dialogs.recovery import RecoveryDialog
 
-            self._show(
-                RecoveryDialog(
-                    crashed, lambda one: self.keeper.recover(one, lambda back: None), self
-                )
-            )
+        def found(crashed: list[CrashedSession]) -> None:
+            if crashed:
+                from bozzetto_app.dialogs.recovery import RecoveryDialog
+
+                self._show(RecoveryDialog(crashed, self._recover, self))
+
+        self.keeper.find_crashed(found)
+
+    def _recover(self, crashed: CrashedSession) -> None:
+        """Bring one drawing back, once the one on the sheet is safe."""
+        self.files.when_safe(lambda: self.keeper.recover(crashed))
 
     # -- what the commands need --
 
@@ -401,9 +429,7 @@ class Window(QMainWindow):
 
     def _ink_began(self) -> None:
         self.status.gesture_began()
-        if self._replay is not None:
-            self._replay.stop()
-            self._replay = None
+        self._stop_replay()
 
     def _keep_off(self, plugin: str) -> None:
         """A plugin that was switched off stays so at the next start."""

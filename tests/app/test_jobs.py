@@ -8,7 +8,7 @@ import time
 import pytest
 
 from bozzetto.errors import Cancelled
-from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.jobs import Channel, Hung, Request
 
 
 class Heard:
@@ -110,7 +110,7 @@ def test_a_hung_request_is_left_behind_and_the_next_one_runs(qtbot, heard):
     channel.submit(heard.request(lambda job: gate.wait(30)))
     channel.submit(heard.request(lambda job: "alive"))
     qtbot.waitUntil(lambda: heard.answers == ["alive"], timeout=5000)
-    assert [type(problem) for problem in heard.problems] == [TimeoutError]
+    assert [type(problem) for problem in heard.problems] == [Hung]
     gate.set()
     qtbot.wait(50)
     assert heard.answers == ["alive"]

@@ -74,6 +74,7 @@ class Guard:
         self._faults: Counter[str] = Counter()
         self._listeners: list[Callable[[PluginFault], None]] = []
         self._lock = threading.Lock()
+        self._inside: dict[threading.Thread, tuple[str, str]] = {}
 
     # -- calling --------------------------------------------------------------------------
 
@@ -102,6 +103,9 @@ class Guard:
         plugin = self._plugin_of(modeler_id)
         self.refuse_if_off(plugin)
         before = Remembered(arguments)
+        here = threading.current_thread()
+        around = self._inside.get(here)
+        self._inside[here] = (modeler_id, what)
         try:
             answer = function(*arguments)
         except (UserError, Unfinished, Cancelled, KeyboardInterrupt):
@@ -117,8 +121,17 @@ class Guard:
             said = " ".join(_words_of(problem).split())[:200].rstrip(".")
             reason = f"{what} failed ({name}{': ' if said else ''}{said})"
             raise self._fault(plugin, reason, _told(problem)) from None
+        finally:
+            if around is None:
+                del self._inside[here]
+            else:
+                self._inside[here] = around
         self._put_back(plugin, what, before)
         return answer
+
+    def caught_in(self, thread: threading.Thread) -> tuple[str, str] | None:
+        """Which modeler's function a thread is in, as given to `call`; None if in none."""
+        return self._inside.get(thread)
 
     def _put_back(self, plugin: str, what: str, before: Remembered) -> None:
         changed = before.restore()

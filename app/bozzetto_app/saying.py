@@ -1,0 +1,59 @@
+"""What the program says to the person, and in which way."""
+
+from __future__ import annotations
+
+import logging
+import traceback
+from dataclasses import dataclass
+from typing import Literal
+
+from bozzetto.errors import UserError
+from bozzetto.plugin.guard import Guard, PluginFault
+from bozzetto_app.jobs import Hung
+from bozzetto_app.words import tr
+
+__all__ = ["Notice", "notice_of"]
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something to tell the person.
+
+    Attributes
+    ----------
+    kind : {"hint", "info", "error", "fault"}
+        "hint" is the next expected gesture; "error" is a `UserError`; "fault" a plugin's.
+    places : tuple of (x, y)
+        Canvas positions to light up.
+    plugin : str
+        Id of the plugin at fault.
+    details : str
+        A traceback, for the Details button only.
+    """
+
+    kind: Literal["hint", "info", "error", "fault"]
+    text: str
+    places: tuple[tuple[float, float], ...] = ()
+    plugin: str = ""
+    details: str = ""
+
+
+def notice_of(problem: BaseException, guard: Guard) -> Notice:
+    """How a problem is told: each kind in its own way."""
+    if isinstance(problem, Hung):
+        caught = guard.caught_in(problem.thread)
+        if caught is not None:
+            modeler, what = caught
+            problem = guard.blame(modeler, f"{what} gave {problem}", problem.stack)
+    if isinstance(problem, UserError):
+        return Notice("error", problem.message, problem.places)
+    if isinstance(problem, PluginFault):
+        return Notice("fault", str(problem), plugin=problem.plugin, details=problem.details)
+    log.error("a bug in the program itself", exc_info=problem)
+    return Notice(
+        "fault",
+        tr("Session", "Bozzetto made a mistake; your drawing is safe."),
+        details="".join(traceback.format_exception(problem)),
+    )

@@ -1,0 +1,106 @@
+"""The toolbox: which modeler is drawn with, which tools it has, and which one is in the hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from PySide6.QtCore import QObject
+
+from bozzetto.plugin.job import Job
+from bozzetto_app.jobs import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["ToolInfo", "Toolbox"]
+
+TOOLS_LIMIT = 20.0
+"""Seconds a plugin may take to be imported and to name its tools before it counts as hung."""
+
+
+@dataclass(frozen=True)
+class ToolInfo:
+    """A tool as the rail shows it."""
+
+    id: str
+    title: str
+    icon: Path | None
+    hint: str
+    gesture: Literal["ink", "tap", "drag"]
+
+
+class Toolbox(QObject):
+    """The active modeler with its tools.
+
+    Attributes
+    ----------
+    modeler, tool : str
+        Ids; empty while there is none.
+    tools : tuple of ToolInfo
+        Empty until the modeler's plugin has been imported, which happens in a worker.
+    """
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self.modeler = ""
+        self.tool = ""
+        self.tools: tuple[ToolInfo, ...] = ()
+        self._channel = Channel("tools", time_limit=TOOLS_LIMIT, parent=self)
+
+    @property
+    def busy(self) -> bool:
+        """Whether the tools are still being asked for."""
+        return self._channel.busy
+
+    def take_modeler(self, modeler_id: str) -> None:
+        """Draw with another modeler."""
+        session = self._session
+        info = session.registry.info(modeler_id)
+        self.modeler, self.tools, self.tool = modeler_id, (), ""
+        session.modeler_changed.emit()
+        session.say_hint(info.hint)
+
+        def work(job: Job) -> tuple[ToolInfo, ...]:
+            return tuple(
+                ToolInfo(
+                    tool.id,
+                    tool.title,
+                    info.folder / tool.icon if tool.icon else None,
+                    tool.hint,
+                    tool.gesture,
+                )
+                for tool in session.workbench.tools(modeler_id)
+            )
+
+        def found(tools: tuple[ToolInfo, ...]) -> None:
+            if self.modeler == modeler_id:
+                self.tools = tools
+                session.modeler_changed.emit()
+                if tools:
+                    self.take_tool(tools[0].id)
+
+        self._channel.cancel()
+        self._channel.submit(Request(work, found, session.complain))
+
+    def take_tool(self, tool_id: str) -> None:
+        """Take another tool of the active modeler."""
+        for tool in self.tools:
+            if tool.id == tool_id:
+                self.tool = tool_id
+                self._session.tool_changed.emit()
+                self._session.say_hint(tool.hint)
+
+    def tool_for(self, gesture: Literal["ink", "tap", "drag"]) -> str:
+        """The tool that gets a gesture: drags of handles go to the one that takes drags."""
+        if gesture == "drag":
+            for tool in self.tools:
+                if tool.gesture == "drag":
+                    return tool.id
+        return self.tool
+
+    def hint_of(self, tool_id: str) -> str:
+        """A tool's hint; "" where it is not among the tools."""
+        return next((tool.hint for tool in self.tools if tool.id == tool_id), "")
