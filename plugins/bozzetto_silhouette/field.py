@@ -25,6 +25,7 @@ from bozzetto_silhouette.kernel import (
     pairs_within_reach,
     segment_integrals,
 )
+from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.sampling import Rim, sample_rim
 from bozzetto_silhouette.skeleton import Skeleton, chordal_axis, simplified
@@ -250,6 +251,10 @@ def _guarded(
     return result, np.minimum(slope, -1e-2)
 
 
+_fields: Memory[tuple[ConvolutionField, Points]] = Memory(limit=16)
+"""The preview's field is the final solid's, too: it does not depend on the resolution."""
+
+
 def convolution_field(
     outline: Outline, *, softness: float = 1.4, inflation: float = 1.0
 ) -> tuple[ConvolutionField, Points]:
@@ -270,6 +275,11 @@ def convolution_field(
     axis : (k, 3) float array
         The unsimplified chordal axis, in the frame of the sums.
     """
+    question = (outline, softness, inflation)
+    return _fields.recall(question, lambda: _fitted(outline, softness, inflation))
+
+
+def _fitted(outline: Outline, softness: float, inflation: float) -> tuple[ConvolutionField, Points]:
     low, high = outline.bounds
     scale, origin = outline.size, 0.5 * (low + high)
     inner = outline.transformed(1.0 / scale, -origin / scale)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.outline import Outline, outline_from_strokes
 from bozzetto_silhouette.sheet import Sheet
 from bozzetto_silhouette.state import Part
@@ -16,6 +17,9 @@ from bozzetto_silhouette.state import Part
 __all__ = ["outline_of", "points_on_sheet", "surrounds"]
 
 Array = NDArray[np.float64]
+
+_outlines: Memory[Outline] = Memory(limit=64)
+"""The tool looks at an outline before the solver does."""
 
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
@@ -42,6 +46,10 @@ def outline_of(part: Part) -> Outline:
     UserError
         If the ink does not close or crosses itself; its places are canvas pixels.
     """
+    return _outlines.recall(part, lambda: _outline_of(part))
+
+
+def _outline_of(part: Part) -> Outline:
     strokes = tuple(part.strokes)
     try:
         return outline_from_strokes(points_on_sheet(strokes, part.sheet))

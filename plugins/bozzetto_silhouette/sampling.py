@@ -15,6 +15,9 @@ __all__ = ["Rim", "corner_mask", "sample_rim", "tangent_radii"]
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+_Ring = tuple[Points, Points, Indices, float]
+"""Points on a ring, their arc length, their vertex number or -1, and the ring's length."""
+
 CORNER_TURN = np.deg2rad(18.0)
 """A vertex of the drawn polygon that turns by more is a corner and is kept."""
 
@@ -112,7 +115,9 @@ def _frames(points: Points, after: Indices, before: Indices) -> tuple[Points, Po
     return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1), turn
 
 
-def tangent_radii(points: Points, inward: Points, limit: float) -> Points:
+def tangent_radii(
+    points: Points, inward: Points, limit: float, asked: Indices | None = None
+) -> Points:
     """Radius of the largest ball on one side of the outline that touches it at each point.
 
     The shrinking ball of Ma, Bae and Choi, "3D medial axis point approximation using
@@ -124,12 +129,19 @@ def tangent_radii(points: Points, inward: Points, limit: float) -> Points:
         Dense samples and unit normals towards the side wanted.
     limit : float
         Radius to begin with, which is also the largest answer.
+    asked : (k,) int array, optional
+        The points whose radii are wanted; all of them when not given.
+
+    Returns
+    -------
+    (k,) or (m,) float array
     """
     from scipy.spatial import cKDTree
 
     tree = cKDTree(points)
     radius = np.full(len(points), limit)
-    active = np.arange(len(points))
+    asked = np.arange(len(points)) if asked is None else asked
+    active = asked
     for _ in range(_SHRINKS):
         centre = points[active] + radius[active, None] * inward[active]
         gap, near = (np.asarray(column) for column in tree.query(centre))
@@ -147,7 +159,7 @@ def tangent_radii(points: Points, inward: Points, limit: float) -> Points:
         if not len(active):
             break
         radius[active] = smaller
-    return radius
+    return radius[asked]
 
 
 def _graded(values: Points, arc: Points, length: float, slope: float) -> Points:
@@ -181,7 +193,7 @@ def smoothed(values: Points, arc: Points, length: float, width: Points) -> Point
     return values[:n]
 
 
-def _arc_sample(ring: Points, step: float) -> tuple[Points, Points, Points, float]:
+def _arc_sample(ring: Points, step: float) -> _Ring:
     """Vertices of the ring plus points in between, no farther apart than `step`.
 
     Returns points, arc length, the original vertex index or -1, and the ring's length.
@@ -196,6 +208,27 @@ def _arc_sample(ring: Points, step: float) -> tuple[Points, Points, Points, floa
     points = ring[index] + share[:, None] * edge[index]
     arc = start[index] + share * length[index]
     return points, arc, np.where(part == 0, index, -1), float(length.sum())
+
+
+def _spread(arc: Points, spacing: float, corners: Indices) -> Indices:
+    """Samples of a ring about `spacing` apart where it has more, and all corners."""
+    place = np.floor(arc / spacing)
+    first = np.flatnonzero(np.diff(place, prepend=-1.0))
+    return np.union1d(first, corners)
+
+
+def _radii(
+    points: Points, inward: Points, limit: float, dense: list[_Ring], asked: list[Indices]
+) -> Points:
+    """`tangent_radii` at the samples asked for, and in between by the arc."""
+    firsts = np.cumsum([0] + [len(ring[0]) for ring in dense[:-1]])
+    places = np.concatenate([at + first for at, first in zip(asked, firsts, strict=True)])
+    known = tangent_radii(points, inward, limit, places)
+    ends = np.cumsum([len(at) for at in asked])[:-1]
+    return np.concatenate([
+        np.interp(arc, arc[at], radius, period=length)
+        for (_, arc, _, length), at, radius in zip(dense, asked, np.split(known, ends), strict=True)
+    ])  # fmt: skip
 
 
 def sample_rim(
@@ -223,37 +256,44 @@ def sample_rim(
     """
     low = np.min([r.min(axis=0) for r in rings], axis=0)
     high = np.max([r.max(axis=0) for r in rings], axis=0)
-    limit = float((high - low).max())
     dense = [_arc_sample(ring, step) for ring in rings]
     points = np.concatenate([d[0] for d in dense])
     after, before = ring_links([len(d[0]) for d in dense])
     inward, _ = _frames(points, after, before)
-    inside = tangent_radii(points, inward, limit)
-    outside = tangent_radii(points, -inward, limit)
+    corners = [
+        np.flatnonzero((origin >= 0) & corner_mask(ring)[origin])
+        for ring, (_, _, origin, _) in zip(rings, dense, strict=True)
+    ]
+    asked = [
+        _spread(arc, step / 3.0, at) for (_, arc, _, _), at in zip(dense, corners, strict=True)
+    ]
+    # Nothing larger fits into the box; and a gap wider than a step asks for no finer one.
+    inside = _radii(points, inward, 0.51 * float((high - low).min()), dense, asked)
+    outside = _radii(points, -inward, step, dense, asked)
     wanted = np.clip(np.minimum(thinness * inside, 1.2 * outside), finest, step)
 
     samples, counts, steps, radii = [], [], [], []
     first = 0
-    for ring, (own, arc, origin, length) in zip(rings, dense, strict=True):
+    for (own, arc, origin, length), turns in zip(dense, corners, strict=True):
         part = slice(first, first + len(own))
         first += len(own)
         size = _graded(wanted[part], arc, length, GRADATION)
         reach = _graded(np.maximum(inside[part], finest), arc, length, 0.6)
         reach = smoothed(reach, arc, length, CALM * reach)
-        corners = np.flatnonzero((origin >= 0) & (every_vertex | corner_mask(ring)[origin]))
-        if not len(corners):
-            corners = np.array([0])
+        stay = np.flatnonzero(origin >= 0) if every_vertex else turns
+        if not len(stay):
+            stay = np.array([0])
         position = np.append(arc, length)
         density = np.append(1.0 / size, 1.0 / size[0])
         filled = np.concatenate(
             [[0.0], np.cumsum(np.diff(position) * 0.5 * (density[1:] + density[:-1]))]
         )
-        stops = np.append(corners, corners[0] + len(arc))
+        stops = np.append(stay, stay[0] + len(arc))
         marks = []
         for a, b in itertools.pairwise(stops):
             begin = filled[a]
             end = filled[b] if b <= len(arc) else filled[-1] + filled[b - len(arc)]
-            minimum = 3 if len(corners) == 1 else 2 if len(corners) == 2 else 1
+            minimum = 3 if len(stay) == 1 else 2 if len(stay) == 2 else 1
             n = max(minimum, int(np.ceil(end - begin - 0.2)))
             marks.append(begin + (end - begin) * np.arange(n) / n)
         mark = np.concatenate(marks)

@@ -23,7 +23,8 @@ class Soundness:
     Attributes
     ----------
     status : str
-        manifold3d's verdict, ``"NoError"`` when the mesh is a manifold.
+        In the words of manifold3d: ``"NoError"`` when every edge joins two faces that run
+        along it in opposite directions.
     volume : float
         In cubed outline units; negative means inside out.
     genus, expected_genus : int
@@ -69,22 +70,46 @@ def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mani
 def soundness_of(
     vertices: NDArray[np.float64], faces: NDArray[np.int32], outline: Outline
 ) -> Soundness:
-    """Check a mesh (v, 3), (f, 3) against the outline it was made from."""
+    """Check a mesh (v, 3), (f, 3) against the outline it was made from.
+
+    Notes
+    -----
+    Counted from the faces themselves, which takes a fifth of the time that manifold3d needs
+    to build its solid: this runs while a person waits. Reports and exports ask manifold3d.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    solid = as_manifold(vertices, faces)
     # Two edges join the three corners of a face.
     a, b = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
     links = coo_array((np.ones(len(a), dtype=np.int32), (a, b)), shape=(len(vertices),) * 2)
-    components, _ = connected_components(links, directed=False)
-    # manifold3d counts the handles of several bodies as if they were one.
-    genus = solid.genus() + components - 1
+    used = np.bincount(faces.ravel(), minlength=len(vertices)) > 0
+    pieces, _ = connected_components(links, directed=False)
+    components = pieces - int((~used).sum())
+    # Euler's formula, summed over the bodies; of three half edges each face owns one and a half.
+    euler = int(used.sum()) - 3 * len(faces) // 2 + len(faces)
     return Soundness(
-        solid.status().name,
-        float(solid.volume()),
-        int(genus),
+        _status(vertices, faces),
+        _volume(vertices, faces),
+        components - euler // 2,
         outline.genus,
-        int(components),
+        components,
         outline.components,
     )
+
+
+def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
+    if not np.isfinite(vertices).all():
+        return "NonFiniteVertex"
+    first = faces.astype(np.int64).ravel()
+    second = np.roll(faces, -1, axis=1).astype(np.int64).ravel()
+    along = np.sort(first * len(vertices) + second)
+    against = np.sort(second * len(vertices) + first)
+    closed = len(along) > 0 and np.array_equal(along, against) and (np.diff(along) > 0).all()
+    return "NoError" if closed else "NotManifold"
+
+
+def _volume(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+    """Volume by the divergence theorem, about a vertex so that far away no digits are lost."""
+    a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
