@@ -16,6 +16,10 @@ NO_SCREEN = (
 )
 EXIT_ERROR = 2
 
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
+"""Our systems are small, a few hundred unknowns: the threads of the linear algebra would wait
+for each other by spinning, which doubles a solve on two cores and takes them from the pen."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command, or open the window on an optional document.
@@ -30,6 +34,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The process's exit code.
     """
+    for name in ONE_THREAD:  # read when numpy is first imported
+        os.environ.setdefault(name, "1")
     from bozzetto import cli
 
     words = list(sys.argv[1:] if argv is None else argv)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from bozzetto.scene.palette import Color, Palette
 
@@ -80,6 +81,7 @@ class Tones:
     good: Color
 
 
+@lru_cache(maxsize=8)  # every icon asks, and the search for legible tones takes a millisecond
 def tones_of(palette: Palette) -> Tones:
     """Mix the widgets' colours from a palette."""
     ink, panel, paper = palette.ink, palette.panel, palette.paper

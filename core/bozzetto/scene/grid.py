@@ -71,36 +71,33 @@ def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
     step = grid_step(camera)
     middle = np.round(np.asarray(camera.target[:2]) / step)
     radius = REACH * step
-    points: list[NDArray[np.float64]] = []
-    widths: list[NDArray[np.float64]] = []
-    starts: list[int] = []
+    aside = np.arange(-REACH, REACH + 1)
+    points, widths = [], []
     for axis in (0, 1):
-        for k in range(-REACH, REACH + 1):
-            number = middle[axis] + k
-            if number == 0:
-                continue  # an axis
-            width = FINE_WIDTH if number % FIFTH else COARSE_WIDTH
-            starts.append(len(points) * (2 * PIECES + 1))
-            points.append(_line(axis, number * step, middle * step, radius, height))
-            widths.append(width * _fading(k / REACH))
+        number = middle[axis] + aside
+        grid = number != 0  # that one is an axis
+        points.append(_lines(axis, number[grid] * step, middle * step, radius, height))
+        width = np.where(number % FIFTH == 0, COARSE_WIDTH, FINE_WIDTH)
+        widths.append((width[:, None] * _fading(aside / REACH))[grid])
+    count = sum(len(lines) for lines in points)
     items = [
         Lines(
-            np.concatenate(points).astype(np.float32),
-            np.array(starts, np.int32),
+            np.concatenate(points).reshape(-1, 3).astype(np.float32),
+            np.arange(count, dtype=np.int32) * (2 * PIECES + 1),
             "grid",
-            np.concatenate(widths).astype(np.float32),
+            np.concatenate(widths).ravel().astype(np.float32),
             hidden="hide",
         )
     ]
     # The x axis runs where y is 0, and the other way round.
     for axis, color in ((1, "accent"), (0, "second")):
         if abs(middle[axis]) <= REACH:
-            line = _line(axis, 0.0, middle * step, radius, height)
+            (line,) = _lines(axis, np.zeros(1), middle * step, radius, height)
             items.append(
                 Lines(
                     line.astype(np.float32),
                     color=color,
-                    width=(AXIS_WIDTH * _fading(middle[axis] / REACH)).astype(np.float32),
+                    width=(AXIS_WIDTH * _fading(middle[axis] / REACH)[0]).astype(np.float32),
                     opacity=AXIS_OPACITY,
                     hidden="hide",
                 )
@@ -108,18 +105,23 @@ def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
     return Layer(GROUND, tuple(items))
 
 
-def _line(
-    axis: int, place: float, middle: NDArray[np.float64], radius: float, height: float
+def _lines(
+    axis: int,
+    places: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    radius: float,
+    height: float,
 ) -> NDArray[np.float64]:
-    """Points of the line on which the coordinate `axis` has one value."""
-    along = np.linspace(-radius, radius, 2 * PIECES + 1)
-    points = np.full((len(along), 3), height)
-    points[:, axis] = place
-    points[:, 1 - axis] = middle[1 - axis] + along
+    """Points of the lines on which the coordinate `axis` has one value each, (n, p, 3)."""
+    along = radius * np.linspace(-1.0, 1.0, 2 * PIECES + 1)
+    points = np.full((len(places), len(along), 3), height)
+    points[..., axis] = places[:, None]
+    points[..., 1 - axis] = middle[1 - axis] + along
     return points
 
 
-def _fading(aside: float) -> NDArray[np.float64]:
-    """Share of the width along a line that runs so far (−1 … 1) aside of the middle."""
+def _fading(aside: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share of the width along lines that run so far (−1 … 1) aside of the middle, (n, p)."""
     along = np.linspace(-1.0, 1.0, 2 * PIECES + 1)
-    return np.clip(1.0 - (along**2 + aside**2), 0.0, 1.0)
+    share: NDArray[np.float64] = 1.0 - (along**2 + np.atleast_1d(aside)[:, None] ** 2)
+    return np.clip(share, 0.0, 1.0)
