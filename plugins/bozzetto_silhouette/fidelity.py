@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto_silhouette.outline import Outline
+from bozzetto_silhouette.shadow import shadow_of
 from bozzetto_silhouette.solid import SilhouetteSolid
-from bozzetto_silhouette.soundness import as_manifold, soundness_of
+from bozzetto_silhouette.soundness import soundness_of
 
 __all__ = ["Fidelity", "measure"]
 
@@ -32,7 +34,7 @@ class Fidelity:
     worst_place : (x, y)
         Where that distance occurs.
     status : str
-        manifold3d's verdict.
+        The verdict of `soundness_of`.
     watertight : bool
         Whether the mesh bounds a solid.
     volume, area : float
@@ -74,21 +76,11 @@ class Fidelity:
 
 
 def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
-    """Compare a solid with an outline, by default the one it was made from.
-
-    Notes
-    -----
-    ``Manifold.project()`` is exact and takes one or two milliseconds.
-    """
-    import shapely
-
+    """Compare a solid with an outline, by default the one it was made from."""
     outline = solid.outline if outline is None else outline
     sound = soundness_of(solid.vertices, solid.faces, outline)
-    manifold = as_manifold(solid.vertices, solid.faces)
     drawn = outline.polygon()
-    shadow = shapely.MultiPolygon()
-    for ring in manifold.project().to_polygons():
-        shadow = shadow.symmetric_difference(shapely.Polygon(ring).buffer(0))
+    shadow = shadow_of(solid.vertices, solid.faces)
     if not drawn.is_valid:
         drawn = drawn.buffer(0)
     union = drawn.union(shadow).area
@@ -102,10 +94,10 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
         hausdorff=far,
         hausdorff_share=far / outline.diagonal,
         worst_place=place,
-        status=manifold.status().name,
-        watertight=sound.watertight and manifold.status().name == "NoError",
+        status=sound.status,
+        watertight=sound.watertight,
         volume=sound.volume,
-        area=float(manifold.surface_area()),
+        area=_area(solid.vertices, solid.faces),
         genus=sound.genus,
         expected_genus=sound.expected_genus,
         components=sound.components,
@@ -113,6 +105,11 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
         thickness_ratio=0.5 * depth / radius,
         asymmetry=float(abs(z.max() + z.min()) / depth) if depth > 0 else 0.0,
     )
+
+
+def _area(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
 def _hausdorff(one: object, other: object, spacing: float) -> tuple[float, tuple[float, float]]:

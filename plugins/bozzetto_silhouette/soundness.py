@@ -75,7 +75,7 @@ def soundness_of(
     Notes
     -----
     Counted from the faces themselves, which takes a fifth of the time that manifold3d needs
-    to build its solid: this runs while a person waits. Reports and exports ask manifold3d.
+    to build its solid: this runs while a person waits. Exports ask manifold3d.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

@@ -164,13 +164,14 @@ class SoftwareViewport(QWidget):
 
         size = (self.width(), self.height())
         camera = self._camera.with_viewport(*size)
-        scene = self._scene + self._live
-        if self._grid:
-            grid = ground_grid(camera, ground_height(self._scene.bounds()))
-            scene = Scene((grid, *scene.layers))
+        solid, live, grid = self._scene, self._live, self._grid
         palette, shading = self._palette, self._shading
 
         def work(job: Job) -> NDArray[np.uint8]:
+            scene = solid + live
+            if grid:
+                ground = ground_grid(camera, ground_height(solid.bounds()))
+                scene = Scene((ground, *scene.layers))
             return render(scene, camera, palette, size=size, scale=scale, shading=shading)
 
         return work

@@ -158,6 +158,10 @@ class StatusLine(QWidget):
         self.faults.details_wanted.connect(self.details_wanted)
         self.faults.switch_off_wanted.connect(self._switch_off)
         self._progress = _Progress()
+        # A line that takes its room along would resize the sheet whenever work begins.
+        room = self._progress.sizePolicy()
+        room.setRetainSizeWhenHidden(True)
+        self._progress.setSizePolicy(room)
         self._sign = _Sign()
         self._words = _Elided(session.hint)
         self._step = QLabel()
