@@ -232,8 +232,8 @@ class Files(QObject):
 
         def work(job: Job) -> FileLock:
             from bozzetto.document.file import write_document
-            from bozzetto.document.underlays import encode_png
             from bozzetto.scene.picture import thumbnail
+            from bozzetto.scene.png import png_bytes
 
             place = document_lock_path(target)
             mine = self._lock is not None and self._lock.path == place
@@ -242,7 +242,7 @@ class Files(QObject):
                 write_document(
                     replace(snapshot, camera=camera),
                     target,
-                    thumbnail=encode_png(thumbnail(scene, THUMBNAIL)),
+                    thumbnail=png_bytes(thumbnail(scene, THUMBNAIL)),
                     backups=backups,
                 )
             except BaseException:
