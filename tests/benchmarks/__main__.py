@@ -13,7 +13,11 @@ import platform
 import sys
 from pathlib import Path
 
+from bozzetto_app.__main__ import ONE_THREAD
+
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+for name in ONE_THREAD:  # as the program itself has it
+    os.environ.setdefault(name, "1")
 HERE = Path(__file__).parent
 DOCUMENT = HERE.parents[1] / "docs" / "performance.md"
 HEADINGS = ("Room", "What", "Median", "Budget", "Alternative, same run", "Ratio")

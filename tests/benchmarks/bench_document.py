@@ -1,17 +1,18 @@
-"""How long a large document takes: saving, opening, editing.
+"""How long a large document takes: saving, opening, editing, journalling.
 
-``python -m tests.benchmarks.bench_document`` prints medians beside two named alternatives
-measured in the same run: numpy's ``savez`` of the same arrays, and JSON of the same samples.
+Two named alternatives are measured in the same run: numpy's ``savez`` of the same arrays, and
+JSON of the same samples; for an edit, a deep copy of changeable ink as an undo step.
 """
 
 from __future__ import annotations
 
+import copy
 import os
 import statistics
 import tempfile
 import time
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from bozzetto.document.recovery import RecoveryStore
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
 from bozzetto.view.camera import Camera
+from tests.benchmarks.timing import Row
 
 STROKES, SAMPLES = 5_000, 200
 MESHES, VERTICES, FACES = 20, 25_000, 50_000
@@ -175,6 +177,21 @@ def edits(document: Document, count: int = 200) -> dict[str, float]:
     return {"edit": statistics.median(times) * 1e3, "bytes": used / count}
 
 
+def as_changeable(document: Document) -> list[dict[str, Any]]:
+    """The ink as lists of arrays that can be written to: an undo step has to copy them."""
+    return [
+        {
+            "name": model.name,
+            "strokes": [
+                {name: np.array(getattr(stroke, name)) for name in COLUMNS[:5]}
+                for stroke in model.state.strokes
+            ],
+        }
+        for model in document
+        if isinstance(model.state, Sketch)
+    ]
+
+
 def journal(count: int = 300) -> float:
     """Median time in ms of journalling one more stroke of the large drawing."""
     document = large_document()
@@ -192,15 +209,30 @@ def journal(count: int = 300) -> float:
     return statistics.median(times) * 1e3
 
 
-def main() -> None:
-    """Print all figures."""
-    for name, value in save_and_load().items():
-        print(f"{name:12s} {value:8.1f} {'MB' if name == 'megabytes' else 'ms'}")
+def rows() -> Iterator[Row]:
+    """The table's rows about the document."""
+    found = save_and_load()
+    size = f"{STROKES:,} strokes and {MESHES} meshes, {found['megabytes']:.0f} MB"
+    for ours, what, budget in (("save", "saved", "≤ 60 ms"), ("load", "opened", "≤ 50 ms")):
+        for other, named in (("savez", "numpy.savez, unchecked"), ("json", "JSON by msgspec")):
+            yield Row(
+                "document", f"{size}, {what}", found[ours], budget=budget, alternative=named,
+                other=found[f"{other} {ours}"],
+            )  # fmt: skip
+    yield Row(
+        "document", f"{size}, saved", found["save"], budget="≤ 60 ms",
+        alternative="writing as many bytes to the disk", other=found["write"],
+    )  # fmt: skip
     for name, document in (("one model", large_document()), ("1,000 models", spread_document())):
-        found = edits(document)
-        print(f"an edit, {name}: {found['edit']:.3f} ms, {found['bytes']:.0f} bytes")
-    print(f"a journal record: {journal():.2f} ms")
-
-
-if __name__ == "__main__":
-    main()
+        edit = edits(document)
+        changeable = as_changeable(document)
+        copied = median_ms(lambda kept=changeable: copy.deepcopy(kept), repeats=3)
+        yield Row(
+            "document", f"an edit, 5,000 strokes in {name}", edit["edit"], budget="≤ 1 ms",
+            alternative="deep copy of the ink", other=copied,
+        )  # fmt: skip
+        yield Row(
+            "document", f"its cost beyond its own data, {name}", edit["bytes"], "bytes",
+            "≤ 8,000 bytes",
+        )  # fmt: skip
+    yield Row("document", "a stroke journalled, on the disk", journal())

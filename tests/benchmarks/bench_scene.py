@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
@@ -81,6 +83,55 @@ def frame(triangles: int, *, antialias: bool, size: tuple[int, int] = SIZE) -> f
     return median_time(draw)
 
 
+def painted(triangles: int) -> float:
+    """The usual way without a z-buffer: QPainter's polygons, the farthest first.
+
+    Faces that look away are left out; lines are laid over everything, hidden or not.
+    """
+    from PySide6.QtCore import QPointF
+    from PySide6.QtGui import QColor, QImage, QPainter, QPolygonF
+    from PySide6.QtWidgets import QApplication
+
+    application = QApplication.instance() or QApplication([])
+    scene = scene_of(triangles)
+    camera = view_of(scene)
+    shaded, lines = scene.layers[0].items
+    ends = np.append(lines.starts, len(lines.points))
+
+    def polygon(points: np.ndarray) -> QPolygonF:
+        return QPolygonF([QPointF(x, y) for x, y in points.tolist()])
+
+    def draw(k: int) -> object:
+        view = turn(camera, 7.0 * k, 0)
+        pixels, depth = view.project(shaded.mesh.vertices)
+        faces = shaded.mesh.faces
+        a, b, c = shaded.mesh.vertices[faces].transpose(1, 0, 2)
+        normal = np.cross(b - a, c - a)
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None]
+        light = np.clip(normal @ (np.asarray(view.eye) / np.linalg.norm(view.eye)), 0, 1)
+        p, q, r = pixels[faces].transpose(1, 0, 2)
+        towards = (q - p)[:, 0] * (r - p)[:, 1] - (q - p)[:, 1] * (r - p)[:, 0] < 0
+        order = np.argsort(-depth[faces].mean(axis=1))
+        order = order[towards[order]]
+        grey = (60 + 180 * light).astype(int)
+        image = QImage(*SIZE, QImage.Format.Format_RGB32)
+        image.fill(QColor(*LIGHT.paper))
+        painter = QPainter(image)
+        for corners, value in zip(pixels[faces[order]], grey[order].tolist(), strict=True):
+            color = QColor(value, value, value)
+            painter.setPen(color)
+            painter.setBrush(color)
+            painter.drawPolygon(polygon(corners))
+        painter.setPen(QColor(*LIGHT.ink))
+        places, _ = view.project(lines.points)
+        for start, end in pairwise(ends.tolist()):
+            painter.drawPolyline(polygon(places[start:end]))
+        painter.end()
+        return application, image
+
+    return median_time(draw, repeats=3)
+
+
 def frame_10k() -> float:
     return frame(10_000, antialias=False)
 
@@ -114,14 +165,17 @@ def rows() -> list[Row]:
     """The table's rows about the viewport."""
     timed = (
         ("frame, 10k triangles and 500 polylines, 1000×700, turning", frame_10k, ""),
-        ("frame, 100k triangles and 500 polylines, 1000×700, turning", frame_100k, "150 ms"),
+        ("frame, 100k triangles and 500 polylines, 1000×700, turning", frame_100k, "≤ 150 ms"),
         ("the same, anti-aliased", still_100k, ""),
         ("frame, 100k triangles and 500 polylines, 1920×1080, turning", frame_100k_full_hd, ""),
         ("tree for rays, 100k triangles", index_100k, ""),
-        ("1 ray, 100k triangles", lambda: rays_100k(1), "3 ms"),
-        ("500 rays, 100k triangles", lambda: rays_100k(500), "50 ms"),
+        ("1 ray, 100k triangles", lambda: rays_100k(1), ""),
+        ("500 rays, 100k triangles", lambda: rays_100k(500), ""),
     )
-    return [Row("scene", what, 1e3 * call(), budget=budget) for what, call, budget in timed]
+    made = [Row("scene", what, 1e3 * call(), budget=budget) for what, call, budget in timed]
+    named = "QPainter's polygons, sorted by depth"
+    made[1] = replace(made[1], alternative=named, other=1e3 * painted(100_000))
+    return made
 
 
 if __name__ == "__main__":
