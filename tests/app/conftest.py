@@ -36,3 +36,100 @@ def fake_session(fakes, qapp):
     from bozzetto_app.icons import FOLDER
 
     return fakes.FakeSession(FOLDER)
+
+
+# -- the real session and the real window ------------------------------------------------------
+
+SETTLED = 30_000
+"""How long work may take before a test gives up, ms; a loaded machine needs most of it."""
+
+
+@pytest.fixture
+def settle(qtbot):
+    """Wait until a session, and the keepers given, have nothing to do."""
+
+    def wait(session, *keepers):
+        def calm():
+            return not session.busy and not any(keeper.busy for keeper in keepers)
+
+        # Twice: an answer may be the reason for the next request.
+        for _ in range(2):
+            qtbot.waitUntil(calm, timeout=SETTLED)
+            qtbot.wait(2)
+
+    return wait
+
+
+@pytest.fixture
+def boxes(tmp_path, monkeypatch):
+    """The troublemaking modeler in a package of its own; `boxes.package` is its name."""
+    from tests.app import troublemaker
+
+    package = f"made_up_{tmp_path.name.replace('-', '_')}"
+    troublemaker.write_package(tmp_path / "packages", package)
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    importlib.invalidate_caches()
+    modeler = troublemaker.Boxes()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    yield modeler
+    sys.modules.pop(package, None)
+
+
+@pytest.fixture
+def make_session(qtbot, settle):
+    """A function that makes sessions; `draw_with` is the modeler that is active at once."""
+    from bozzetto.plugin.registry import Registry
+    from bozzetto_app.session import Session
+
+    made = []
+
+    def make(draw_with="bozzetto.silhouette", extra=()):
+        session = Session(Registry(extra=extra))
+        session.heard = []
+        session.noticed.connect(session.heard.append)
+        session.camera = session.camera.with_viewport(987.0, 727.0)
+        session.activate_modeler(draw_with)
+        settle(session)
+        made.append(session)
+        return session
+
+    yield make
+    for session in made:
+        session.cancel_all()
+        session.files.close()
+        session.deleteLater()
+
+
+@pytest.fixture
+def make_window(qtbot, tmp_path, settle):
+    """A function that opens windows, each with a session of its own."""
+    from PySide6.QtWidgets import QApplication
+
+    from bozzetto.plugin.registry import Registry
+    from bozzetto_app.session import Session
+    from bozzetto_app.window import Window
+
+    made = []
+
+    def make(draw_with="bozzetto.silhouette", extra=(), recovery=None):
+        session = Session(Registry(extra=extra))
+        session.heard = []
+        session.noticed.connect(session.heard.append)
+        session.activate_modeler(draw_with)
+        window = Window(session, recovery or tmp_path / "recovery")
+        window.canvas.motion.reduced = True
+        window.resize(1280, 800)
+        window.show()
+        qtbot.waitExposed(window)
+        settle(session, window.keeper)
+        made.append(window)
+        return window
+
+    yield make
+    for window in made:
+        window._closing = True
+        window.close()
+        window.deleteLater()
+        window.session.deleteLater()
+    QApplication.sendPostedEvents(None, 52)  # deferred deletions
