@@ -1,4 +1,4 @@
-"""XML from outside: no document types, no entities, no bottomless nesting."""
+"""XML from outside: no entities, nothing fetched, no bottomless nesting."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, at_most
 __all__ = ["Element", "parsed", "writable"]
 
 XML_SPACE: Final = "http://www.w3.org/XML/1998/namespace"
+
+GZIP: Final = b"\x1f\x8b"
 
 NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -48,14 +50,18 @@ class Element:
 def parsed(data: bytes) -> Element:
     """The root element of an XML file.
 
-    A document type is refused before anything in it is looked at, and with it every
-    entity: that is where the known attacks on XML readers live.
+    A document type may be named, as many programs do; what it refers to is not fetched.
+    One that defines something is refused before that is looked at, and with it every
+    entity: there the known attacks on XML readers live.
 
     Raises
     ------
     FormatError
-        If it is not well-formed, has a DOCTYPE, or is too large or too deep.
+        If it is not well-formed, its DOCTYPE defines something, or it is too large or too
+        deep.
     """
+    if data.startswith(GZIP):
+        raise FormatError("It is compressed. Unpack it first, or save it as a plain file.")
     top = Element("", "", {})
     stack: list[Element] = [top]
     words: list[list[str]] = [[]]
@@ -63,9 +69,13 @@ def parsed(data: bytes) -> Element:
 
     def refuse(*_: object) -> None:
         raise FormatError(
-            "It has a document type (<!DOCTYPE …>), which is not accepted. Remove that line, "
-            "or export the file again as plain SVG or InkML."
+            "Its document type (<!DOCTYPE … [ … ]>) defines something, which is not accepted. "
+            "Export the file again as plain SVG or InkML."
         )
+
+    def doctype(name: str, system: str | None, public: str | None, defines: bool) -> None:
+        if defines:
+            refuse()
 
     def start(name: str, attributes: dict[str, str]) -> None:
         nonlocal count
@@ -84,7 +94,7 @@ def parsed(data: bytes) -> Element:
 
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.buffer_text = True
-    parser.StartDoctypeDeclHandler = refuse
+    parser.StartDoctypeDeclHandler = doctype
     parser.EntityDeclHandler = refuse
     parser.StartElementHandler = start
     parser.EndElementHandler = end

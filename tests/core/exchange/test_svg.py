@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -252,6 +253,118 @@ def test_every_icon_is_closed_and_has_the_area_that_was_measured():
                 assert area == pytest.approx(float(measured[path.stem]["area"]), rel=5e-3)
 
 
+# -- painted areas --------------------------------------------------------------------------
+
+
+def painted(body, **more):
+    """The area inside the lines of a drawing: nested ones are holes."""
+    region = shapely.Polygon()
+    for line in lines(body, **more):
+        ring = shapely.Polygon(line)
+        assert ring.is_valid
+        region = region.symmetric_difference(ring)
+    return region
+
+
+SQUARES = "M0 0h20v20h-20z M10 10h20v20h-20z"
+
+
+@pytest.mark.parametrize(
+    ("body", "area", "rings"),
+    [
+        (f'<path d="{SQUARES}"/>', 700, 1),
+        (f'<path fill-rule="evenodd" d="{SQUARES}"/>', 600, 2),
+        (f'<g style="fill-rule:evenodd"><path d="{SQUARES}"/></g>', 600, 2),
+        ('<path d="M0 0h20v20h-20z M10 10v20h20v-20z"/>', 600, 2),  # they run opposite ways
+        ('<rect width="20" height="20"/><rect x="10" y="10" width="20" height="20"/>', 700, 1),
+        ('<rect width="20" height="20"/><rect x="20" width="20" height="20"/>', 800, 1),
+        ('<rect width="20" height="20"/><rect width="20" height="20"/>', 400, 1),
+        ('<rect width="20" height="20"/><rect x="5" y="5" width="9" height="9"/>', 319, 2),
+        ('<rect width="20" height="20"/><rect x="5" y="5" width="9" height="15"/>', 400, 1),
+        (f'<path d="{SQUARES} M2 2v4h4v-4z"/>', 684, 2),
+        (f'<path d="{SQUARES}"/><rect x="50" width="9" height="9"/>', 781, 2),
+    ],
+)
+def test_painted_areas_that_overlap_become_one(body, area, rings):
+    assert len(lines(body)) == rings
+    assert painted(body).area == pytest.approx(area, rel=1e-3)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1, 1e4])
+def test_joining_is_exact_at_any_scale_and_place(scale):
+    body = (
+        f'<g transform="translate({1e4 * scale} 7) scale({scale} {-scale})">'
+        '<circle r="10"/><circle cx="12" r="10"/></g>'
+    )
+    disc = shapely.Point(0, 0).buffer(10, 256)
+    expected = disc.union(shapely.Point(12, 0).buffer(10, 256)).area * scale**2
+    assert painted(body).area == pytest.approx(expected, rel=1e-3)
+
+
+def test_mere_lines_that_cross_stay_as_they_were_drawn():
+    assert len(lines(f'<path fill="none" stroke="red" d="{SQUARES}"/>')) == 2
+    (eight,) = lines('<path d="M0 0L9 9V0L0 9z"/>')
+    assert len(eight) == 5
+
+
+# -- what is to be seen ---------------------------------------------------------------------
+
+
+def test_what_is_not_painted_is_passed_over_unless_there_is_nothing_else():
+    frame = '<path stroke="none" fill="none" d="M0 0h24v24H0z"/>'
+    assert len(lines(f'{frame}<path d="M1 1h5v5z"/>')) == 1
+    assert len(lines(frame)) == 1
+    hidden = '<g visibility="hidden"><path d="M0 0h9v9z"/><path visibility="visible" d="M0 0h5"/>'
+    assert len(lines(f"{hidden}</g>")) == 1
+
+
+def test_style_sheets_say_what_is_painted():
+    sheet = (
+        "<style>/* .b{display:inline} */ .a, .b { fill: none } path{stroke:#00f!important}"
+        "#c{stroke:red;} .hidden{display:none} g > path {stroke:green}</style>"
+    )
+    body = (
+        f'{sheet}<path class="a" d="M0 0h9"/><path id="c" fill="none" d="M0 0h9"/>'
+        '<path class="x hidden" d="M0 0h9"/><path style="stroke:none" class="b" d="M0 0h9"/>'
+    )
+    assert [s.color for s in read(body).strokes] == [(0, 0, 255), (255, 0, 0)]
+
+
+def test_repeated_elements_stand_where_they_are_named():
+    body = (
+        '<defs><path id="p" d="M0 0L1 2"/><symbol id="s" viewBox="0 0 10 10"><use href="#p"/>'
+        '</symbol></defs><use xlink:href="#p" x="5" y="6" transform="scale(2)" '
+        'xmlns:xlink="http://www.w3.org/1999/xlink"/>'
+        '<use href="#s" x="1" width="20" height="20"/><use href="#s"/><use href="#missing"/>'
+    )
+    first, second, third = lines(body)
+    np.testing.assert_allclose(first, [[10, 12], [12, 16]], atol=1e-5)
+    np.testing.assert_allclose(second, [[1, 0], [3, 4]], atol=1e-5)
+    np.testing.assert_allclose(third, [[0, 0], [10, 20]], atol=1e-5)  # as large as the canvas
+
+
+# -- how it is written down -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_other_programs_heads_are_read(encoding):
+    text = (
+        f'<?xml version="1.0" encoding="{encoding.removesuffix("-sig")}" standalone="no"?>'
+        '<!-- é --><!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" '
+        '"http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">'
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:i="&amp;ns_ai;" i:view="1">'
+        '<metadata><rdf:RDF xmlns:rdf="urn:r"><path d="M0 0h1"/></rdf:RDF></metadata>'
+        '<path d="M0 0L3 4"/></svg>'
+    )
+    drawing = read_svg(text.encode(encoding), "test")
+    assert len(drawing.strokes) == 1
+
+
+def test_a_compressed_file_is_told_from_a_damaged_one():
+    with pytest.raises(FormatError, match="compressed"):
+        read_svg(gzip.compress(b"<svg/>"), "test")
+
+
 # -- refused --------------------------------------------------------------------------------
 
 HUGE = "<g transform='scale(1e8)'>"
@@ -261,19 +374,27 @@ LAUGHS = (
     '<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;">]><svg>&c;</svg>'
 )
 
+DOUBLINGS = (
+    "<svg><g id='a0'/>"
+    + "".join(f"<g id='a{k + 1}'>" + f"<use href='#a{k}'/>" * 9 + "</g>" for k in range(20))
+    + "</svg>"
+)
+
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         (LAUGHS, "document type"),
-        ('<!DOCTYPE svg SYSTEM "file:///etc/passwd"><svg/>', "document type"),
+        ('<!DOCTYPE svg SYSTEM "x.dtd" []><svg/>', "document type"),
         ("<svg>&unknown;</svg>", "well-formed"),
         ("<svg><g></svg>", "well-formed"),
         ("<html/>", "not an SVG"),
         ("<svg/>", "no lines"),
         ('<svg><path d="M0 0L1 1" transform="spin(3)"/></svg>', "spin"),
         ('<svg><path d="M0 0L1 1" transform="scale(1e99)"/></svg>', "too large"),
-        ('<svg><g id="a"/><use href="#a"/></svg>', "unlink"),
+        ('<svg><use href="other.svg#a"/></svg>', "another file"),
+        ('<svg><g id="a"><use href="#a"/></g></svg>', "nesting"),
+        (DOUBLINGS, "repeated elements"),
         ('<svg><rect width="1e30" height="1"/></svg>', "width"),
         ('<svg><polyline points="0 0 1e300 0"/></svg>', "further"),
         (f"<svg>{HUGE * 9}<path d='M0 0L1 1'/>{'</g>' * 9}</svg>", "further"),
