@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_silhouette.distance import RimDistance
+from bozzetto_silhouette.elements import Elements, factorised
 from bozzetto_silhouette.outline import signed_area
 from bozzetto_silhouette.plan import Plan, plan_of
 from bozzetto_silhouette.sampling import sample_rim
@@ -51,28 +52,10 @@ def membrane(plan: Plan) -> Points:
     -------
     (n,) float array
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.linalg import spsolve
-
-    rim, count = len(plan.after), len(plan.points)
-    t = plan.triangles
-    corner = plan.points[t]
-    opposite = np.roll(corner, -2, axis=1) - np.roll(corner, -1, axis=1)
-    e1, e2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    twice = np.maximum(e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0], 1e-14)
-    stiffness = np.einsum("tid,tjd->tij", opposite, opposite) / (2.0 * twice)[:, None, None]
-    rows = np.repeat(t, 3, axis=1).ravel()
-    columns = np.tile(t, (1, 3)).ravel()
-    free = (rows >= rim) & (columns >= rim)
-    size = count - rim
-    matrix = coo_array(
-        (stiffness.ravel()[free], (rows[free] - rim, columns[free] - rim)), shape=(size, size)
-    ).tocsc()
-    # A point that no triangle uses (degenerate ink) must not make the system singular.
-    matrix.setdiag(np.maximum(matrix.diagonal(), 1e-9))
-    load = np.bincount(t.ravel(), np.repeat(twice / 6.0, 3), count)[rim:]
-    u = np.zeros(count)
-    u[rim:] = spsolve(matrix, load, permc_spec="MMD_AT_PLUS_A")
+    rim = len(plan.after)
+    elements = Elements.of(plan)
+    u = np.zeros(len(plan.points))
+    u[rim:] = factorised(elements.stiffness()[rim:, rim:]).solve(elements.mass[rim:])
     return u
 
 

@@ -7,10 +7,14 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.plan import Plan
 
-__all__ = ["mirrored_shell", "vertex_normals"]
+__all__ = ["mirrored_shell", "shell_normals", "vertex_normals"]
 
 Points = NDArray[np.float64]
 Faces = NDArray[np.int32]
+
+
+_ROUNDS = 3
+"""Rounds in which gradients are made exact for quadratic functions."""
 
 
 def mirrored_shell(plan: Plan, heights: Points) -> tuple[Points, Faces]:
@@ -41,6 +45,63 @@ def mirrored_shell(plan: Plan, heights: Points) -> tuple[Points, Faces]:
     front = plan.triangles
     back = np.where(front >= rim, front + (count - rim), front)[:, ::-1]
     return vertices, np.concatenate([front, back]).astype(np.int32)
+
+
+def shell_normals(plan: Plan, square: Points, inflation: float = 1.0) -> Points:
+    """Unit normals of the surface z^2 = u over a plan, for the vertices of its mirrored shell.
+
+    They come from the slope of u, which is nearly quadratic where z itself, upright at the
+    rim, is hard to differentiate: the facets of the mesh do not show in them.
+
+    Parameters
+    ----------
+    plan : Plan
+    square : (n,) float array
+        u, 0 on the rim.
+    inflation : float
+        Factor by which the shell is stretched in depth.
+
+    Returns
+    -------
+    (v, 3) float array
+        In the order of `mirrored_shell`.
+    """
+    rim = len(plan.after)
+    slope = _gradients(plan, square)
+    front = np.column_stack([-slope, 2.0 / inflation * np.sqrt(square)])
+    front /= np.maximum(np.sqrt((front**2).sum(axis=1)), 1e-300)[:, None]
+    return np.concatenate([front, front[rim:] * (1.0, 1.0, -1.0)])
+
+
+def _gradients(plan: Plan, values: Points) -> Points:
+    """Gradients at the points of a plan (n, 2), exact for quadratic functions.
+
+    Along an edge e a quadratic function grows by the mean of its end gradients times e.
+    So every point fits its gradient to its edges by least squares, the change of gradient
+    along each edge being taken from the round before.
+    """
+    count = len(plan.points)
+    t = plan.triangles
+    ends = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
+    ends = np.concatenate([ends, ends[:, ::-1]])  # inner edges twice as often: no harm
+    a, b = ends.T
+    edge = plan.points[b] - plan.points[a]
+    weight = edge / np.maximum((edge**2).sum(axis=1), 1e-300)[:, None]
+    rise = values[b] - values[a]
+
+    def gathered(amounts: Points) -> Points:
+        return np.bincount(a, amounts, count).astype(np.float64)
+
+    xx, xy, yy = (gathered(weight[:, i] * edge[:, j]) for i, j in ((0, 0), (0, 1), (1, 1)))
+    determinant = np.maximum(xx * yy - xy * xy, 1e-12)
+    gradient = np.zeros((count, 2))
+    for turn in range(_ROUNDS + 1):
+        if turn:
+            bend = ((gradient[b] - gradient[a]) * edge).sum(axis=1)
+        rest = rise - 0.5 * bend if turn else rise
+        x, y = gathered(weight[:, 0] * rest), gathered(weight[:, 1] * rest)
+        gradient = np.stack([yy * x - xy * y, xx * y - xy * x], axis=1) / determinant[:, None]
+    return gradient
 
 
 def vertex_normals(vertices: Points, faces: Faces) -> Points:

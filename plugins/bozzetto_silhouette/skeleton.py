@@ -38,6 +38,11 @@ SPLIT = 2.0
 """Edges longer than this many radii are split: the fit needs the freedom."""
 
 
+TIP = 0.4
+"""The last piece of a limb, in radii: towards a free end the kernel has only one side, and a
+weight of its own makes up for that."""
+
+
 @dataclass(frozen=True, eq=False)
 class Skeleton:
     """A graph of balls.
@@ -248,6 +253,13 @@ def _douglas_peucker(chain: Points, tolerance: float) -> list[int]:
     return sorted(keep)
 
 
+def _tip(row: Points, end: int, inwards: int) -> int:
+    """The node of a chain (n, 3) about `TIP` radii from its free end."""
+    away = np.hypot(*(row[:, :2] - row[end, :2]).T)[::inwards]
+    far = int(np.argmax(away >= TIP * row[end, 2]))
+    return end + inwards * far
+
+
 def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     """Fewer, longer edges: Douglas-Peucker in (x, y, r), then long edges split.
 
@@ -268,6 +280,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
             nodes.append(axis.nodes[old])
         return number[old]
 
+    ends = axis.degrees
     for chain in _chains(axis):
         row = axis.nodes[chain]
         if chain[0] == chain[-1]:
@@ -276,6 +289,10 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
             kept += [half + k for k in _douglas_peucker(row[half:], tolerance)[1:]]
         else:
             kept = _douglas_peucker(row, tolerance)
+        for at, inwards in ((0, 1), (-1, -1)):
+            if ends[chain[at]] == 1:
+                kept.append(_tip(row, len(row) - 1 if at else 0, inwards))
+        kept = sorted(set(kept))
         for i, j in itertools.pairwise(kept):
             a, b = row[i], row[j]
             length = float(np.hypot(*(b - a)[:2]))

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.fairing import faired
 from bozzetto_silhouette.field import ConvolutionField, convolution_field, with_correction
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.plan import plan_of
 from bozzetto_silhouette.sampling import sample_rim
-from bozzetto_silhouette.shell import mirrored_shell, vertex_normals
+from bozzetto_silhouette.shell import mirrored_shell, shell_normals
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.soundness import Soundness, soundness_of
 
@@ -107,16 +108,18 @@ def solidify(
         plan = plan_of(rim, axis, step)
         checkpoint(0.4, "field")
         field = with_correction(raw, rim)
-        heights = np.zeros(len(plan.points))
+        square = np.zeros(len(plan.points))
         first = len(plan.after)
-        heights[first:] = field.heights_inner(plan.points[first:])
+        square[first:] = field.heights_inner(plan.points[first:]) ** 2
+        checkpoint(0.6, "fairing")
+        square = faired(plan, square)
         checkpoint(0.8, "surface")
-        vertices, faces = mirrored_shell(plan, heights)
+        vertices, faces = mirrored_shell(plan, np.sqrt(square))
         vertices[:, :2] = vertices[:, :2] * raw.scale + raw.origin
         vertices[:, 2] *= raw.scale * inflation
         soundness = soundness_of(vertices, faces, outline)
         if soundness.ok:
             break
-    normals = vertex_normals(vertices, faces)
+    normals = shell_normals(plan, square, inflation)
     checkpoint(1.0, "done")
     return SilhouetteSolid(vertices, faces, normals, field.skeleton, outline, field, soundness)

@@ -24,6 +24,9 @@ HEIGHTS = 1.5
 """Importance of all height rows together, relative to the outline's: the outline is made
 exact afterwards, the heights are not."""
 
+EVEN = 0.05
+"""Pull of neighbouring weights towards each other, relative to the iso-value."""
+
 HOLD = 4e-2
 """Pull of the weights towards 1, relative to the iso-value."""
 
@@ -55,8 +58,11 @@ def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Poin
         Each at least `LOWEST`.
     """
     level = iso_value(segments.sigma)
-    tops = skeleton.nodes[:, :2]
-    heights = skeleton.heights(tops)
+    middles = skeleton.nodes[skeleton.edges].mean(axis=1)
+    tops = np.concatenate([skeleton.nodes, middles])
+    tops, radii = tops[:, :2], tops[:, 2]
+    # Between two nodes the union has the ball of their mean radius, too.
+    heights = np.maximum(skeleton.heights(tops), radii)
     rows = np.vstack([samples, tops])
     matrix = design_matrix(segments, rows, np.concatenate([np.zeros(len(samples)), heights**2]))
     importance = np.concatenate([
@@ -66,9 +72,22 @@ def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Poin
     count = len(segments)
     # Substituting weight = LOWEST + more turns the lower bound into non-negativity.
     weighted = matrix * importance[:, None]
-    normal = weighted.T @ weighted + hold**2 * np.eye(count)
+    even = (EVEN / HOLD * hold) ** 2 * _unevenness(skeleton)
+    normal = weighted.T @ weighted + hold**2 * np.eye(count) + even
     right = weighted.T @ (level * importance) + hold**2
     return LOWEST + non_negative_least_squares(normal, right - LOWEST * normal.sum(axis=1))
+
+
+def _unevenness(skeleton: Skeleton) -> Points:
+    """Quadratic form (s, s): squared differences of weights that meet where a limb goes on."""
+    ends = skeleton.edges.ravel()
+    order = np.argsort(ends, kind="stable")
+    first = np.searchsorted(ends[order], np.flatnonzero(skeleton.degrees == 2))
+    a, b = order[first] // 2, order[first + 1] // 2
+    form = np.zeros((len(skeleton.edges), len(skeleton.edges)))
+    for one, other, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
+        np.add.at(form, (one, other), sign)
+    return form
 
 
 def non_negative_least_squares(normal: Points, right: Points) -> Points:
