@@ -28,7 +28,7 @@ from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
-from bozzetto.view.navigation import fit, with_kind
+from bozzetto.view.navigation import fit_points, with_kind
 from bozzetto.view.standard import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
 from bozzetto_app.canvas.drop import dropped_files, take_file
@@ -201,11 +201,11 @@ class Canvas(QWidget):
 
     def _frame(self, scene: Scene) -> None:
         self.motion.finish()
-        bounds = scene.bounds()
+        points = scene.points()
         camera: Camera = self._session.camera
-        if np.isfinite(bounds).all() and np.ptp(bounds, axis=0).max() == 0.0:
-            bounds = bounds + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
-        self.animate_to(fit(camera, bounds))
+        if len(points) and np.ptp(points, axis=0).max() == 0.0:
+            points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
+        self.animate_to(fit_points(camera, points))
 
     def _look_from(self, direction: Point) -> None:
         self.motion.finish()

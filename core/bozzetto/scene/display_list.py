@@ -36,6 +36,10 @@ __all__ = [
 Paint = str | Color
 Hidden = Literal["hide", "faint", "dashed", "show"]
 
+MOST_FRAMED = 100_000
+"""Points that are looked at when a scene is framed; a mesh of more has edges so short that
+what thinning it out leaves over the margin cannot be seen."""
+
 _revisions = count(1)
 
 
@@ -248,6 +252,20 @@ class Scene:
         if not np.isfinite(low).all():
             return np.full((2, 3), np.nan)
         return np.stack((low, high))
+
+    def points(self) -> NDArray[np.float64]:
+        """What has to be in the picture when the scene is framed, shape (n, 3), mm.
+
+        The vertices of meshes, the points of lines and marks, the corners of images. Beyond
+        `MOST_FRAMED` they are thinned out evenly.
+        """
+        parts = [
+            item.mesh.vertices if isinstance(item, Shaded) else _extent(item)
+            for _, item in self.items()
+        ]
+        count = sum(len(part) for part in parts)
+        step = 1 + count // MOST_FRAMED
+        return np.concatenate([np.zeros((0, 3)), *(part[::step] for part in parts)])
 
 
 EMPTY: Final = Scene()

@@ -9,13 +9,13 @@ from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.software import Shading, render
 from bozzetto.view.camera import Camera
-from bozzetto.view.navigation import fit
+from bozzetto.view.navigation import fit_points
 from bozzetto.view.standard import standard_view
 
 __all__ = ["picture", "thumbnail"]
 
-MARGIN = 0.03
-"""Part of a picture left free on each side of the box around the scene."""
+MARGIN = 0.06
+"""Part of a picture left free on each side of what is shown."""
 
 
 def picture(
@@ -58,7 +58,7 @@ def picture(
     """
     if camera is None:
         camera = Camera(viewport=(max(size[0], 1), max(size[1], 1)))
-        camera = fit(standard_view(camera, view), scene.bounds(), MARGIN)
+        camera = fit_points(standard_view(camera, view), scene.points(), MARGIN)
     return render(
         scene, camera, palette, size=size, scale=scale, shading=shading, background=background
     )

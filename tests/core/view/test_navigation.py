@@ -6,12 +6,21 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
-from bozzetto.view.navigation import fit, interpolate, orbit, pan, turn, with_kind, zoom
+from bozzetto.view.navigation import (
+    fit,
+    fit_points,
+    interpolate,
+    orbit,
+    pan,
+    turn,
+    with_kind,
+    zoom,
+)
 from bozzetto.view.projection import gl_matrices, near_far
 from bozzetto.view.standard import CUBE_DIRECTIONS, STANDARD_VIEWS, look_along, standard_view
 from tests.core.view.cameras import cameras, point
@@ -163,6 +172,62 @@ def test_fit_to_nothing_and_to_a_point(kind):
     spot = fit(Camera(kind), [(7, 8, 9), (7, 8, 9)])
     assert spot.target == (7, 8, 9)
     assert spot.visible_height == pytest.approx(Camera(kind).visible_height)
+
+
+clouds = st.lists(point, min_size=2, max_size=12)
+
+
+@given(cameras(), clouds, st.floats(0, 0.4))
+def test_points_are_framed_as_tightly_as_can_be(camera, points, margin):
+    points = np.array(points)
+    assume(np.ptp(points, axis=0).max() > 1e-3)
+    fitted = fit_points(camera, points, margin)
+    np.testing.assert_allclose(fitted.axes, camera.axes, atol=1e-6)
+    pixels, depth = fitted.project(points)
+    assert (depth > 0).all()
+    # −1 and 1 on the margins, 0 in the middle
+    reach = (pixels / fitted.viewport - 0.5) / (0.5 - margin)
+    assert np.abs(reach).max() <= 1 + 1e-6
+    touched = (reach.min(0) < -1 + 1e-4) & (reach.max(0) > 1 - 1e-4)
+    flat = camera.kind == "orthographic"
+    kept = (fitted.height, camera.height) if flat else (depth.min(), camera.distance)
+    end_on = kept[0] == pytest.approx(kept[1])
+    assert touched.any() or end_on, "on two opposite sides, unless the scale was kept"
+
+
+@given(cameras(), point, st.tuples(*[st.floats(1, 300)] * 3))
+def test_points_are_never_smaller_than_in_the_fitted_box(camera, corner, size):
+    corners = np.array(list(product(*zip(corner, np.add(corner, size), strict=True))))
+    tight = fit_points(camera, corners)
+    loose = fit(camera, (corner, np.add(corner, size)))
+    if camera.kind == "orthographic":
+        assert tight.height <= loose.height * (1 + 1e-9)
+    else:
+        back = camera.axes[2]
+        assert np.dot(tight.eye, back) >= np.dot(loose.eye, back) - 1e-6 * tight.distance
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_a_sphere_fills_the_picture_where_its_box_does_not(kind):
+    rng = np.random.default_rng(5)
+    ball = rng.normal(size=(4000, 3))
+    ball /= np.linalg.norm(ball, axis=1)[:, None]
+    camera = standard_view(Camera(kind, viewport=(400, 400)), "three-quarter")
+    tight = fit_points(camera, ball, 0.0)
+    loose = fit(camera, ((-1,) * 3, (1,) * 3), 0.0)
+    assert tight.pixels_per_mm > 1.3 * loose.pixels_per_mm
+    pixels, _ = tight.project(ball)
+    np.testing.assert_allclose(pixels.mean(0), (200, 200), atol=8)
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_framing_no_points_and_a_single_one(kind):
+    camera = Camera(kind, target=(5, 5, 5))
+    for nothing in (np.zeros((0, 3)), np.full((4, 3), np.nan)):
+        assert fit_points(camera, nothing) == fit(camera, np.full((2, 3), np.nan))
+    spot = fit_points(camera, [(7, 8, 9), (np.inf, 0, 0)])
+    np.testing.assert_allclose(spot.target, (7, 8, 9), atol=1e-9)
+    assert spot.visible_height == pytest.approx(camera.visible_height)
 
 
 @given(cameras())
