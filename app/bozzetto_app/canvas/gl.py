@@ -278,6 +278,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._marks.setGeometry(self.rect())
+        self._place_ground()  # the lines' distance depends on the scale
         self._show_marks()
 
     def _prepare_frame(self) -> None:

@@ -77,6 +77,19 @@ def test_a_scene_is_shown(make, box_scene):
     assert np.abs(pixels(viewport.grab()) - LIGHT.paper).max() <= 1
 
 
+def test_the_ground_suits_the_size_that_the_viewport_got_last(make):
+    viewport = make()
+    viewport.set_style("clay", True)
+    expected = pixels(viewport.grab())
+    assert (np.abs(expected - LIGHT.paper).max(2) > 4).mean() > 0.01
+    viewport.resize(8, 6)
+    QApplication.processEvents()
+    viewport.set_scene(Scene())
+    viewport.resize(*SIZE)
+    QApplication.processEvents()
+    assert np.abs(pixels(viewport.grab()) - expected).mean() < 0.1
+
+
 @pytest.mark.parametrize("shading", ["clay", "zebra", "curvature", "normals", "xray"])
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
 def test_colours_are_those_of_the_software_renderer(make, box_scene, shading, palette):
