@@ -12,6 +12,7 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from bozzetto_app.icons import paint_icon
+from bozzetto_app.panels.known_figures import KnownFigure, known_figures, known_values
 from bozzetto_app.theme import tones
 from bozzetto_app.words import tr
 
@@ -40,6 +41,12 @@ ACRONYMS = {"iou": "IoU", "rms": "RMS", "id": "id"}
 MOST_IN_A_ROW = 4
 """Numbers of a list that are written out; longer lists are counted."""
 
+LARGEST_WRITTEN_OUT = 1e9
+"""Beyond it, a number is written with a power of ten."""
+
+THIN_SPACE = "\u202f"
+MINUS = "\u2212"
+
 Mark = Literal["", "good", "bad"]
 
 
@@ -51,6 +58,7 @@ class Figure:
     value: str | None
     mark: Mark = ""
     depth: int = 0
+    tip: str = ""
 
 
 def readable_key(key: str) -> tuple[str, str]:
@@ -66,63 +74,91 @@ def readable_key(key: str) -> tuple[str, str]:
 
 def _number(value: float) -> str:
     if isinstance(value, int):
-        return f"{value:,}".replace(",", "\u202f")
+        return f"{value:,}".replace(",", THIN_SPACE).replace("-", MINUS)
     if value == 0 or 1e-3 <= abs(value) < 1e5:
-        text = f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}".replace(",", "\u202f")
-        return text
+        text = f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}".replace(",", THIN_SPACE)
+        return text.replace("-", MINUS)
     return f"{value:.2e}"
 
 
-def _said(value: Any) -> str:
+def _said(value: Any, known: KnownFigure | None = None) -> str:
     if value is None:
         return "–"
     if isinstance(value, bool):
         return tr("Figures", "yes") if value else tr("Figures", "no")
     if isinstance(value, int | float):
+        if known is not None and known.digits >= 0 and abs(value) < LARGEST_WRITTEN_OUT:
+            # Adding nothing takes the sign from a zero.
+            text = f"{round(known.factor * value, known.digits) + 0.0:,.{known.digits}f}"
+            return text.replace(",", THIN_SPACE).replace("-", MINUS)
         return _number(value)
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) <= MOST_IN_A_ROW:
-            return ", ".join(_said(entry) for entry in value) or "–"
+            return ", ".join(_said(entry, known) for entry in value) or "–"
         return tr("Figures", "{count} values", count=len(value))
     return str(value)
+
+
+def _parts(value: Any) -> list[Mapping[str, Any]]:
+    """The entries of a list of reports; none where it is something else."""
+    if isinstance(value, list) and all(isinstance(entry, Mapping) for entry in value):
+        return value
+    return []
 
 
 def figures_of(report: Mapping[str, Any], depth: int = 0) -> Iterator[Figure]:
     """The rows of a report, in its own order.
 
-    A value whose key also occurs with ``expected_`` before it is good when both agree.
+    A value whose key also occurs with ``expected_`` before it is good when both agree. A
+    single part without a name needs no heading.
     """
     for key, value in report.items():
-        name, unit = readable_key(key)
+        parts = _parts(value)
         if isinstance(value, Mapping):
-            yield Figure(name, None, depth=depth)
+            yield Figure(readable_key(key)[0], None, depth=depth)
             yield from figures_of(value, depth + 1)
-        elif isinstance(value, list) and value and all(isinstance(v, Mapping) for v in value):
-            for number, part in enumerate(value, 1):
+        elif len(parts) == 1 and not parts[0].get("name"):
+            yield from figures_of(parts[0], depth)
+        elif parts:
+            for number, part in enumerate(parts, 1):
                 own = part.get("name")
-                title = str(own) if own else f"{name.removesuffix('s')} {number}"
-                yield Figure(title, None, depth=depth)
+                name = readable_key(key)[0].removesuffix("s")
+                yield Figure(str(own) if own else f"{name} {number}", None, depth=depth)
                 rest = {k: v for k, v in part.items() if k != "name"}
                 yield from figures_of(rest, depth + 1)
         elif not (key.startswith("expected_") and key.removeprefix("expected_") in report):
-            yield _row(report, key, name, unit, depth)
+            yield _row(report, key, depth)
 
 
-def _row(report: Mapping[str, Any], key: str, name: str, unit: str, depth: int) -> Figure:
+def _row(report: Mapping[str, Any], key: str, depth: int) -> Figure:
     value = report[key]
-    said = _said(value)
+    name, unit = readable_key(key)
+    known = known_figures().get(key) or known_figures().get(
+        key.rpartition("_")[0] if unit[:2] == "mm" else ""
+    )
+    if known is not None:
+        name, unit = known.label, known.unit
+    if value is None:
+        unit = ""
+    said = _said(value, known)
     mark: Mark = ""
+    if isinstance(value, str) and value in known_values():
+        said, verdict = known_values()[value]
+        mark = "" if verdict is None else "good" if verdict else "bad"
     if f"expected_{key}" in report:
         expected = report[f"expected_{key}"]
         mark = "good" if value == expected else "bad"
         if mark == "bad":
             said = tr(
-                "Figures", "{value}, expected {expected}", value=said, expected=_said(expected)
+                "Figures",
+                "{value}, expected {expected}",
+                value=said,
+                expected=_said(expected, known),
             )
     elif isinstance(value, bool) and key.lower().split("_")[-1] in GOOD_WHEN_TRUE:
         mark = "good" if value else "bad"
-    joint = "" if unit in ("°", "") else " "
-    return Figure(name, f"{said}{joint}{unit}", mark, depth)
+    joint = {"": "", "°": "", "%": THIN_SPACE}.get(unit, "\u00a0")
+    return Figure(name, f"{said}{joint}{unit}", mark, depth, known.tip if known else "")
 
 
 class _Mark(QWidget):
@@ -173,6 +209,7 @@ class Figures(QWidget):
                 self._grid.addWidget(words, row, 0, 1, 3)
                 continue
             words.setProperty("tone", "quiet")
+            words.setToolTip(figure.tip)
             value = QLabel(figure.value)
             value.setTextFormat(Qt.TextFormat.PlainText)
             value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

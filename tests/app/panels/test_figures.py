@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from PySide6.QtWidgets import QLabel
 
 from bozzetto_app.panels.figures import Figures, figures_of, readable_key
+from bozzetto_app.panels.known_figures import known_figures
 
 
 @pytest.mark.parametrize(
@@ -45,10 +46,47 @@ def test_parts_have_headings(qapp):
     rows = list(figures_of({"parts": [{"name": "Body", "genus": 0}, {"genus": 1}]}))
     assert [(f.key, f.value, f.depth) for f in rows] == [
         ("Body", None, 0),
-        ("Genus", "0", 1),
+        ("Holes", "0", 1),
         ("Part 2", None, 0),
-        ("Genus", "1", 1),
+        ("Holes", "1", 1),
     ]
+
+
+def test_usual_figures_are_said_in_a_designers_words(qapp):
+    report = {
+        "iou": 0.99969,
+        "hausdorff": 0.0596,
+        "hausdorff_share": 4.2e-4,
+        "worst_place": [32.76, -45.07],
+        "status": "NoError",
+        "volume": 110741.9,
+        "area_mm2": 15565.1,
+        "genus": 1,
+        "expected_genus": 1,
+        "asymmetry": -1e-9,
+    }
+    rows = [(f.key, f.value, f.mark) for f in figures_of({"parts": [report]})]
+    assert rows == [
+        ("Match with drawing", "99.97\u202f%", ""),
+        ("Largest deviation", "0.06\u00a0mm", ""),
+        ("Deviation by size", "0.04\u202f%", ""),
+        ("Deviates most at", "33, \u221245\u00a0mm", ""),
+        ("Solid", "sound", "good"),
+        ("Volume", "110.7\u00a0cm³", ""),
+        ("Surface", "155.7\u00a0cm²", ""),
+        ("Holes", "1", "good"),
+        ("Front and back differ", "0.0\u202f%", ""),
+    ]
+
+
+def test_what_is_no_number_needs_no_unit(qapp):
+    assert [f.value for f in figures_of({"iou": None, "hausdorff": None})] == ["–", "–"]
+
+
+def test_every_known_figure_says_what_it_measures():
+    for known in known_figures().values():
+        assert known.label
+        assert known.tip
 
 
 plain = st.recursive(

@@ -1,0 +1,117 @@
+"""Figures that modelers often report, in a designer's words and units.
+
+A plugin names its figures as its field does; this table says the usual ones as they are
+spoken at a table. Whatever is not here is made readable from its key.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from bozzetto_app.words import tr
+
+__all__ = ["KnownFigure", "known_figures", "known_values"]
+
+PERCENT = 100.0
+PER_CM2, PER_CM3 = 1e-2, 1e-3
+"""Square and cubic millimetres in centimetres."""
+
+
+@dataclass(frozen=True)
+class KnownFigure:
+    """How one figure is said.
+
+    Parameters
+    ----------
+    label : str
+    tip : str
+        What is measured, with the field's own name for it.
+    factor : float
+        From the reported value to the one shown.
+    unit : str
+    digits : int
+        Decimals; negative: as many as a bare number gets.
+    """
+
+    label: str
+    tip: str
+    factor: float = 1.0
+    unit: str = ""
+    digits: int = -1
+
+
+@lru_cache(maxsize=1)
+def known_figures() -> dict[str, KnownFigure]:
+    """By the key without its unit."""
+    return {
+        "iou": KnownFigure(
+            tr("Figures", "Match with drawing"),
+            tr("Figures", "Area that shape and drawing share, of all they cover together (IoU)"),
+            PERCENT,
+            "%",
+            2,
+        ),
+        "hausdorff": KnownFigure(
+            tr("Figures", "Largest deviation"),
+            tr("Figures", "Farthest that the contour is from the drawn line (Hausdorff distance)"),
+            unit="mm",
+            digits=2,
+        ),
+        "hausdorff_share": KnownFigure(
+            tr("Figures", "Deviation by size"),
+            tr("Figures", "The largest deviation, as a part of the drawing’s diagonal"),
+            PERCENT,
+            "%",
+            2,
+        ),
+        "worst_place": KnownFigure(
+            tr("Figures", "Deviates most at"),
+            tr("Figures", "Where the contour is farthest from the drawn line"),
+            unit="mm",
+            digits=0,
+        ),
+        "status": KnownFigure(
+            tr("Figures", "Solid"), tr("Figures", "Whether other programs can use it as a solid")
+        ),
+        "watertight": KnownFigure(
+            tr("Figures", "Watertight"), tr("Figures", "Without a gap, so that it can be printed")
+        ),
+        "volume": KnownFigure(
+            tr("Figures", "Volume"), tr("Figures", "Enclosed by the surface"), PER_CM3, "cm³", 1
+        ),
+        "area": KnownFigure(
+            tr("Figures", "Surface"), tr("Figures", "Area of the surface"), PER_CM2, "cm²", 1
+        ),
+        "genus": KnownFigure(
+            tr("Figures", "Holes"), tr("Figures", "Holes that go through it (genus)")
+        ),
+        "components": KnownFigure(
+            tr("Figures", "Pieces"), tr("Figures", "Pieces that do not touch")
+        ),
+        "thickness_ratio": KnownFigure(
+            tr("Figures", "Roundness"),
+            tr("Figures", "Half the thickness, as a part of the largest circle in the drawing"),
+            PERCENT,
+            "%",
+            0,
+        ),
+        "asymmetry": KnownFigure(
+            tr("Figures", "Front and back differ"),
+            tr("Figures", "Difference of the halves before and behind the sheet"),
+            PERCENT,
+            "%",
+            1,
+        ),
+    }
+
+
+@lru_cache(maxsize=1)
+def known_values() -> dict[str, tuple[str, bool | None]]:
+    """Words that libraries return, said plainly; with a verdict where there is one."""
+    return {
+        "NoError": (tr("Figures", "sound"), True),
+        "NotManifold": (tr("Figures", "not closed"), False),
+        "NonFiniteVertex": (tr("Figures", "broken"), False),
+        "ok": (tr("Figures", "sound"), True),
+    }
