@@ -4,7 +4,8 @@ A channel carries one kind of work ("preview", "solve", "apply"). At most one re
 channel runs; while it runs only the newest waiting request is kept (or all of them, in
 order, where a channel says so). An answer is delivered on the window's thread, and only if
 its request was not overtaken. A request that overruns its time limit, or does not listen
-when it is cancelled, is interrupted and left behind with its thread: the window never waits.
+when it is cancelled, is left behind with its thread, and interrupted if it shows no sign of
+life even then: the window never waits.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from PySide6.QtCore import QObject, Qt, QTimer, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.guard import Overrun
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.watchdog import interrupt
+from bozzetto_app.doorbell import hang_up, ring
 
 __all__ = ["Channel", "Hung", "Request"]
 
@@ -36,6 +38,9 @@ PROGRESS_INTERVAL = 0.05
 
 GRACE = 1.0
 """Seconds that abandoned work gets to notice it, before its thread is left behind."""
+
+PATIENCE = 60.0
+"""Seconds until work that was left behind is interrupted, where it has no time limit."""
 
 _tickets = itertools.count(1)
 
@@ -107,7 +112,6 @@ class Channel(QObject):
 
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
-    _answered = Signal(object, object, object)
 
     def __init__(
         self,
@@ -124,7 +128,8 @@ class Channel(QObject):
         self._waiting: deque[Request] = deque()
         self._running: Request | None = None
         self._last_progress = 0.0
-        self._answered.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
+        self._left_behind: list[Request] = []
+        hang_up()
         self._watch = QTimer(self)
         self._watch.setInterval(50)
         self._watch.timeout.connect(self._look_at_the_clock)
@@ -171,7 +176,7 @@ class Channel(QObject):
             request.seen_alive = now = time.monotonic()
             if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
                 self._last_progress = now
-                self.progressed.emit(float(fraction), str(step))
+                ring(self, self.progressed.emit, float(fraction), str(step))
 
         job = Job(
             quality="preview" if request.quality == "preview" else "final",
@@ -185,9 +190,7 @@ class Channel(QObject):
                 answer = request.work(job)
             except BaseException as problem:
                 error = problem
-            self._answered.emit(request, answer, error)
-        except RuntimeError:
-            log.debug("the window closed before %s answered", self.name)
+            ring(self, self._deliver, request, answer, error)
         except Overrun:
             log.debug("%s answered just when it was given up", self.name)
 
@@ -205,27 +208,43 @@ class Channel(QObject):
             self.busy_changed.emit(False)
 
     def _look_at_the_clock(self) -> None:
-        request, now = self._running, time.monotonic()
+        now = time.monotonic()
+        self._interrupt_the_hung(now)
+        request = self._running
         if request is None:
-            self._watch.stop()
+            if not self._left_behind:
+                self._watch.stop()
             return
-        deaf = request.abandoned_at is not None and now - request.abandoned_at > GRACE
         late = self.time_limit is not None and now - request.seen_alive > self.time_limit
+        deaf = request.abandoned_at is not None and now - request.abandoned_at > GRACE
         if not (deaf or late):
             return
         log.warning("%s did not stop or answer in time; its thread is left behind", self.name)
         wanted = not request.abandoned
         request.abandon()
         self._finish()
-        if request.thread is not None:
-            if wanted and self.time_limit is not None:
-                # Told before it is interrupted, while it can still be seen where it hangs.
-                request.failed(Hung(self.time_limit, request.thread))
-            interrupt(request.thread)
+        self._left_behind.append(request)
+        if wanted and self.time_limit is not None and request.thread is not None:
+            # Told before it is interrupted, while it can still be seen where it hangs.
+            request.failed(Hung(self.time_limit, request.thread))
+        self._interrupt_the_hung(now)
         self._start_next()
         if not self.busy:
             self.busy_changed.emit(False)
 
+    def _interrupt_the_hung(self, now: float) -> None:
+        """Stop work that was left behind, once it has shown no sign of life for long.
+
+        Not at once: it may be in the middle of an import, which must not be torn.
+        """
+        for request in tuple(self._left_behind):
+            limit = PATIENCE if self.time_limit is None else self.time_limit
+            assert request.thread is not None
+            if not request.thread.is_alive():
+                self._left_behind.remove(request)
+            elif now - request.seen_alive > limit:
+                self._left_behind.remove(request)
+                interrupt(request.thread)
+
     def _finish(self) -> None:
         self._running = None
-        self._watch.stop()

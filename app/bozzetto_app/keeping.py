@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject
 
 from bozzetto.document.history import History
 from bozzetto.document.model import Document
@@ -24,6 +24,7 @@ from bozzetto.document.recovery import CrashedSession, Recovered, RecoverySessio
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
+from bozzetto_app.doorbell import ring
 from bozzetto_app.files import Claim
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.session import Session
@@ -77,8 +78,6 @@ class Keeper(QObject):
         Where recovery data lie; survives a restart of the machine.
     """
 
-    _failed = Signal(object)
-
     def __init__(self, session: Session, folder: Path) -> None:
         super().__init__(session)
         self._session = session
@@ -89,7 +88,6 @@ class Keeper(QObject):
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
         self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
-        self._failed.connect(self._complain)
         session.document_changed.connect(self._record)
         session.pending_changed.connect(self._record)
         session.files.saved.connect(self._saved)
@@ -181,10 +179,7 @@ class Keeper(QObject):
                     return
                 task()
             except Exception as problem:
-                try:
-                    self._failed.emit(problem)
-                except RuntimeError:
-                    log.debug("the window closed before the journal failed: %s", problem)
+                ring(self, self._complain, problem)
             finally:
                 self._tasks.task_done()
 

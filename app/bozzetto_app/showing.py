@@ -20,6 +20,7 @@ from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Layer, Scene
 from bozzetto.workbench import Workbench
+from bozzetto_app.doorbell import ring
 from bozzetto_app.jobs import Channel, Request
 
 __all__ = ["Showing"]
@@ -53,7 +54,6 @@ class Showing(QObject):
     failed = Signal(object)
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
-    _solved = Signal(object, object, object)
 
     def __init__(self, workbench: Workbench, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -67,7 +67,6 @@ class Showing(QObject):
         self._channel = Channel("solve", time_limit=SOLVE_LIMIT, parent=self)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)
-        self._solved.connect(self._take)
 
     @property
     def busy(self) -> bool:
@@ -159,16 +158,16 @@ class Showing(QObject):
         try:
             shown = self._shown.get(model.id)
             if shown is None and bench.best_result(model) is None:
-                self._solved.emit(model, UNSOLVED, bench.model_scene(model, None))
+                ring(self, self._take, model, UNSOLVED, bench.model_scene(model, None))
             result = bench.solve(model, job)
             if shown is not None and shown[0] is model and shown[1] is result:
                 return
-            self._solved.emit(model, result, bench.model_scene(model, result))
+            ring(self, self._take, model, result, bench.model_scene(model, result))
         except (UserError, PluginFault) as problem:
             # Work that was overtaken and then interrupted is nobody's fault.
             if not job.cancelled():
                 self._insoluble[model.id] = model.state
-                self._solved.emit(model, UNSOLVED, problem)
+                ring(self, self._take, model, UNSOLVED, problem)
 
     def _report(self, model: Model | None, job: Job) -> tuple[Model, dict[str, Any]] | None:
         """In the worker: the figures of a model that has its final result."""
@@ -181,7 +180,7 @@ class Showing(QObject):
                 self._last_report = (model.state, self._workbench.report(model, job))
             except (UserError, PluginFault) as problem:
                 if not job.cancelled():
-                    self._solved.emit(model, UNSOLVED, problem)
+                    ring(self, self._take, model, UNSOLVED, problem)
         return model, self._last_report[1]
 
     def _take(self, model: Model, result: Any, answer: Any) -> None:

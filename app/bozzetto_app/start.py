@@ -20,9 +20,11 @@ from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin.registry import Registry
 from bozzetto_app.canvas.gl_setup import prepare
+from bozzetto_app.doorbell import ring
 from bozzetto_app.places import log_file, state_folder
 from bozzetto_app.session import Session
 from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
+from bozzetto_app.tidying import Tidier
 from bozzetto_app.window import Window
 
 __all__ = ["application", "start"]
@@ -65,9 +67,10 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     if viewport != "auto":
         os.environ.setdefault("BOZZETTO_VIEWPORT", viewport)
     crash_log = _log_to_disk()
+    tidier = Tidier(app)
     session = Session(Registry(disabled=disabled_plugins(), no_plugins=not plugins))
     window = Window(session)
-    paint = _FirstPaint(window, lambda: _after_first_paint(window, document))
+    paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier))
     window.installEventFilter(paint)
     window.show()
     _listen_for_interrupts(window)
@@ -107,16 +110,16 @@ class _FirstPaint(QObject):
         return False
 
 
-def _after_first_paint(window: Window, document: Path | None) -> None:
-    threading.Thread(target=_import_heavy, name="bozzetto-imports", daemon=True).start()
+def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) -> None:
+    def import_heavy() -> None:
+        for name in HEAVY:
+            import_module(name)
+        ring(tidier, tidier.settle)
+
+    threading.Thread(target=import_heavy, name="bozzetto-imports", daemon=True).start()
     if document is not None:
         window.session.open(document)
     window.offer_recovery()
-
-
-def _import_heavy() -> None:
-    for name in HEAVY:
-        import_module(name)
 
 
 def _log_to_disk() -> TextIO:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gc
 import importlib.util
 import os
 import sys
@@ -8,7 +9,8 @@ from pathlib import Path
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 import pytest
-from PySide6.QtCore import QSettings
+from PySide6.QtCore import QEvent, QSettings
+from PySide6.QtWidgets import QApplication
 
 _FAKE = Path(__file__).with_name("fake_session.py")
 
@@ -76,8 +78,25 @@ def boxes(tmp_path, monkeypatch):
     sys.modules.pop(package, None)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _collect_here():
+    """No garbage is collected in a worker's thread: it would take Qt objects along."""
+    gc.disable()
+    yield
+    gc.collect()
+    gc.enable()
+
+
 @pytest.fixture
-def make_session(qtbot, settle):
+def _tidy(qapp):
+    """Leave nothing of a session or window behind."""
+    yield
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    gc.collect()
+
+
+@pytest.fixture
+def make_session(qtbot, settle, _tidy):
     """A function that makes sessions; `draw_with` is the modeler that is active at once."""
     from bozzetto.plugin.registry import Registry
     from bozzetto_app.session import Session
@@ -102,10 +121,8 @@ def make_session(qtbot, settle):
 
 
 @pytest.fixture
-def make_window(qtbot, tmp_path, settle):
+def make_window(qtbot, tmp_path, settle, _tidy):
     """A function that opens windows, each with a session of its own."""
-    from PySide6.QtWidgets import QApplication
-
     from bozzetto.plugin.registry import Registry
     from bozzetto_app.session import Session
     from bozzetto_app.window import Window
@@ -132,4 +149,3 @@ def make_window(qtbot, tmp_path, settle):
         window.close()
         window.deleteLater()
         window.session.deleteLater()
-    QApplication.sendPostedEvents(None, 52)  # deferred deletions

@@ -1,0 +1,331 @@
+"""A plugin that does every wrong thing at every door: the document and the window stay well."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QTimer
+
+from bozzetto.exchange.export import write_drawing
+from bozzetto.geometry import Mesh, Shapes, Solid
+from bozzetto.ink import Strokes
+from bozzetto.ink.drawing import Drawing
+from bozzetto.scene import Layer, Lines, Scene, Shaded
+from tests.app.tablet import circle, stroke_of
+from tests.app.troublemaker import MODELER, PLUGIN, BoxesState, box
+
+LIMIT = 0.5
+"""Seconds after which the tests' channels call a plugin hung."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _imported():
+    """So that no limit is reached by the imports of the modeler that behaves."""
+    for name in ("scipy.spatial", "scipy.sparse.linalg", "scipy.optimize", "shapely"):
+        importlib.import_module(name)
+
+
+@pytest.fixture(autouse=True)
+def _impatient(monkeypatch):
+    for module, name in (
+        ("inking", "APPLY_LIMIT"),
+        ("inking", "PREVIEW_LIMIT"),
+        ("toolbox", "TOOLS_LIMIT"),
+        ("showing", "SOLVE_LIMIT"),
+        ("files", "READ_LIMIT"),
+    ):
+        monkeypatch.setattr(f"bozzetto_app.{module}.{name}", LIMIT)
+    monkeypatch.setattr("bozzetto_app.jobs.GRACE", LIMIT)
+
+
+let_go = threading.Event()
+"""Set at the end of each test, so that no thread sleeps on."""
+
+
+@pytest.fixture(autouse=True)
+def _let_go():
+    let_go.clear()
+    yield
+    let_go.set()
+
+
+def raises(*arguments):
+    raise ValueError("half a thing")
+
+
+def hangs(*arguments):
+    while not let_go.is_set():
+        pass
+
+
+def sleeps(*arguments):
+    let_go.wait(60)
+
+
+def leaves(*arguments):
+    sys.exit(3)
+
+
+def recurses(*arguments):
+    return recurses(*arguments)
+
+
+def scribbles(*arguments):
+    """Writes past the freeze of everything it was given."""
+    for argument in arguments:
+        for name in getattr(argument, "__dataclass_fields__", ()):
+            object.__setattr__(argument, name, None)
+        if isinstance(argument, dict):
+            argument.clear()
+            argument["x"] = 1
+    raise KeyError("done")
+
+
+def spoiled(thing, name):
+    """A frozen thing into which numbers were smuggled that its maker refuses."""
+    array = np.full_like(getattr(thing, name), np.nan)
+    object.__setattr__(thing, name, array)
+    return thing
+
+
+NAN_MESH = spoiled(Mesh(np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32)), "vertices")
+NAN_LINES = spoiled(Lines(np.zeros((2, 3), np.float32)), "points")
+GARBAGE = {
+    "create": BoxesState(table=(float("nan"), object())),
+    "tools": [42],
+    "preview": Scene((Layer("x", (NAN_LINES,)),)),
+    "apply": "a state, surely",
+    "solve": np.nan,
+    "scene": Scene((Layer("x", (Shaded(NAN_MESH),)),)),
+    "shapes": Shapes(solids=(Solid(NAN_MESH),)),
+    "report": [1, 2, 3],
+    "read_drawing": None,
+    "read_shapes": 7,
+    "upgrade": "no dict",
+}
+MISDEEDS = {
+    "raises": raises,
+    "hangs": hangs,
+    "sleeps": sleeps,
+    "leaves": leaves,
+    "recurses": recurses,
+    "scribbles": scribbles,
+}
+
+
+class Heart:
+    """Counts the turns of the event loop, and the longest pause between two of them."""
+
+    def __init__(self):
+        self.beats, self.longest, self.last = 0, 0.0, time.perf_counter()
+        self.timer = QTimer(interval=5)
+        self.timer.timeout.connect(self.beat)
+        self.timer.start()
+
+    def beat(self):
+        now = time.perf_counter()
+        self.beats, self.longest, self.last = (
+            self.beats + 1, max(self.longest, now - self.last), now
+        )  # fmt: skip
+
+
+def faults(session):
+    return [notice for notice in session.heard if notice.kind == "fault"]
+
+
+def draw(session, settle, **more):
+    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    settle(session)
+
+
+@pytest.fixture
+def session(make_session, boxes, settle):
+    """With a document of one good box, so that there is something to damage."""
+    made = make_session(MODELER, extra=[boxes.package])
+    draw(made, settle)
+    assert len(made.document) == 1
+    made.heard.clear()
+    return made
+
+
+def reach(session, boxes, what, tmp_path, settle):
+    """Make the session call one of the modeler's functions."""
+    if what == "tools":
+        session.activate_modeler("bozzetto.silhouette")
+        session.activate_modeler(MODELER)
+    elif what in ("preview", "apply"):
+        points = stroke_of(circle(radius=70), session.camera)
+        session.pen_moved(points)
+        settle(session)
+        session.pen_lifted(points)
+    elif what == "create":
+        session.select(None)
+        session.pen_lifted(stroke_of(circle(), session.camera))
+    elif what in ("solve", "scene", "report"):
+        session.set_parameter("size", 21.0)
+    elif what == "shapes":
+        session.files.export(tmp_path / "out.stl")
+    elif what == "read_drawing":
+        ink = Strokes((stroke_of(circle(), session.camera),))
+        write_drawing(Drawing(ink, session.camera), tmp_path / "ink.json")
+        session.import_file(tmp_path / "ink.json")
+    settle(session)
+
+
+DOORS = (
+    "tools",
+    "create",
+    "preview",
+    "apply",
+    "solve",
+    "scene",
+    "report",
+    "shapes",
+    "read_drawing",
+)
+
+
+@pytest.mark.parametrize("misdeed", [*MISDEEDS, "garbage"])
+@pytest.mark.parametrize("what", DOORS)
+def test_a_misdeed_is_told_and_nothing_else_changes(
+    what, misdeed, session, boxes, settle, tmp_path, caplog
+):
+    heart, before = Heart(), session.document
+    boxes.misdeeds[what] = MISDEEDS.get(misdeed, lambda *_: GARBAGE[what])
+    with caplog.at_level(logging.ERROR, "bozzetto.plugin"):
+        reach(session, boxes, what, tmp_path, settle)
+    told = faults(session)
+    assert told, [n.text for n in session.heard]
+    assert all(notice.plugin == PLUGIN and PLUGIN in notice.text for notice in told)
+    if misdeed not in ("garbage",):
+        assert told[0].details
+    assert any(PLUGIN in record.getMessage() for record in caplog.records)
+    assert heart.beats > (20 if misdeed in ("hangs", "sleeps") else 1)
+    # The one good box is as it was, whatever may have been drawn after it.
+    first, was = session.document.models[0], before.models[0]
+    if what in ("solve", "scene", "report"):
+        assert first.state.size == 21.0
+        assert first.state.strokes is was.state.strokes
+    elif what in ("preview",):
+        assert len(first.state.strokes) == 2  # one bad preview does not cost the stroke
+    else:
+        assert session.document is before
+    assert isinstance(was.state, BoxesState)
+    assert was.state.table == ()
+    assert session.pending == ()
+    assert not (tmp_path / "out.stl").exists()
+    # The next stroke works: with this modeler if it has come to its senses, else another.
+    del boxes.misdeeds[what]
+    let_go.set()
+    session.showing._channel.time_limit = 60.0
+    session.activate_modeler("bozzetto.silhouette")
+    settle(session)
+    count = len(session.document)
+    draw(session, settle, radius=150)
+    assert len(session.document) == count + 1
+    assert session.report["parts"][0]["watertight"]
+
+
+def test_three_faults_switch_a_plugin_off_and_its_model_stays(session, boxes, settle):
+    for number, size in enumerate((20.0, 30.0, 40.0, 50.0), 1):
+        boxes.misdeeds["solve"] = raises
+        session.set_parameter("size", size)
+        settle(session)
+        assert len(faults(session)) == min(number, 3)
+    assert session.registry.guard.is_off(PLUGIN)
+    assert boxes.calls["solve"] == 2 + 3
+    assert session.document.models[0].state.size == 50.0
+    off = [notice for notice in session.heard if notice.kind == "error"]
+    assert "switched off" in off[-1].text
+    assert session.registry.plugins()
+    session.undo()
+    settle(session)
+    assert session.document.models[0].state.size == 40.0
+
+
+def test_a_preview_that_fails_is_not_asked_again_in_this_session(session, boxes, settle):
+    boxes.misdeeds["preview"] = raises
+    for _ in range(4):
+        session.pen_moved(stroke_of(circle(), session.camera))
+        settle(session)
+    assert boxes.calls["preview"] == 1
+    assert len(faults(session)) == 1
+    draw(session, settle)
+    assert len(session.document.models[0].state.strokes) == 2
+
+
+@pytest.mark.parametrize("misdeed", ["raises", "hangs", "scribbles", "leaves", "recurses"])
+def test_a_document_whose_upgrade_fails_does_not_take_the_window_along(
+    misdeed, session, boxes, settle, tmp_path
+):
+    session.files.save(tmp_path / "old.bozz")
+    settle(session)
+    before = session.document
+    boxes.misdeeds["upgrade"] = MISDEEDS[misdeed]
+    boxes.state_version = 3
+    saved = (tmp_path / "old.bozz").read_bytes()
+    session.open(tmp_path / "old.bozz")
+    settle(session)
+    assert (tmp_path / "old.bozz").read_bytes() == saved
+    let_go.set()
+    # Either it was refused, or it is open with the part closed; nothing is half open.
+    if session.document is not before:
+        assert all(session.workbench.is_foreign(model) for model in session.document)
+    assert [n for n in session.heard if n.kind in ("fault", "error", "info")]
+    session.files.save(tmp_path / "again.bozz")
+    settle(session)
+    assert (tmp_path / "again.bozz").exists()
+
+
+def test_a_hung_import_does_not_come_between_a_person_and_their_file(
+    session, boxes, settle, tmp_path, qtbot, monkeypatch
+):
+    session.files._reads.time_limit = 60.0
+    boxes.misdeeds["read_drawing"] = sleeps
+    ink = Strokes((stroke_of(circle(), session.camera),))
+    write_drawing(Drawing(ink, session.camera), tmp_path / "ink.json")
+    session.import_file(tmp_path / "ink.json")
+    qtbot.waitUntil(lambda: boxes.calls["read_drawing"] == 1)
+    with qtbot.waitSignal(session.files.saved, timeout=10_000):
+        session.files.save(tmp_path / "mine.bozz")
+    session.cancel_work()
+    settle(session)
+    assert (tmp_path / "mine.bozz").exists()
+
+
+def test_a_mesh_that_its_reader_refuses_is_a_fault_of_that_plugin(
+    session, settle, tmp_path, monkeypatch
+):
+    from bozzetto.exchange.export import export
+
+    export(Shapes(solids=(Solid(box(10.0, 0.0)),)), tmp_path / "box.stl")
+    reader = session.registry.modeler("bozzetto.mesh")
+    monkeypatch.setattr(reader, "read_shapes", raises, raising=False)
+    monkeypatch.setattr(type(reader), "read_shapes", raises)
+    before = session.document
+    session.import_file(tmp_path / "box.stl")
+    settle(session)
+    assert session.document is before
+    assert [notice.plugin for notice in faults(session)] == ["bozzetto.mesh"]
+
+
+def test_the_fault_bar_names_the_plugin_and_can_switch_it_off(make_window, boxes, settle, qtbot):
+    window = make_window(MODELER, extra=[boxes.package])
+    boxes.misdeeds["apply"] = raises
+    draw(window.session, settle)
+    bar = window.status.faults
+    assert bar.isVisible()
+    assert PLUGIN in bar._words.text()
+    bar._switch_off.click()
+    assert not bar.isVisible()
+    assert MODELER not in [info.id for info in window.session.modelers]
+    window.session.activate_modeler("bozzetto.silhouette")
+    settle(window.session)
+    draw(window.session, settle)
+    assert len(window.session.document) == 1
