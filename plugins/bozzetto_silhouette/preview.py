@@ -81,7 +81,7 @@ def _pieces(points: Points) -> list[tuple[Points, ...]]:
 
 
 def inflate(
-    outline_points: ArrayLike, *, cells: int = 28, inflation: float = 1.0
+    outline_points: ArrayLike, *, cells: int = 24, inflation: float = 1.0
 ) -> Inflation | None:
     """Inflate an open stroke, closed by a straight chord.
 
