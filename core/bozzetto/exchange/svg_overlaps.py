@@ -1,7 +1,8 @@
 """Painted outlines that overlap: one outline around everything that they paint.
 
 Nested outlines are left as they are. Overlapping ones cannot be nested, and on the screen
-they are one area with one outline: icons and logos are full of them.
+they are one area with one outline: icons and logos are full of them. An outline that runs
+to and fro along a slit to reach its hole is an outer one and a hole.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.errors import FormatError
+
 __all__ = ["Area", "without_overlaps"]
 
 Array = NDArray[np.float64]
@@ -23,6 +26,13 @@ size: outlines that touch enclose no solid."""
 
 SPECK: Final = 1e-8
 """Area of a ring that is left out, as a share of the squared size: a rest of rounding."""
+
+SAME_AREA: Final = 1e-6
+"""Areas of one outline, counted in two ways, that differ by less (a share of the area): no
+part of it is inside twice, or inside out."""
+
+MAX_MEETINGS: Final = 200_000
+"""Pairs of outlines whose boxes overlap."""
 
 ARC_CORNERS: Final = 32
 """Corners that a whole turn gets where a tip is rounded by a hair."""
@@ -63,22 +73,27 @@ def without_overlaps(
     list of (int, (n, 2) array)
         Lines, each with the number of the given one that it stands for.
     """
-    rings = [
-        k
-        for k, (line, area) in enumerate(zip(lines, areas, strict=True))
-        if area is not None and len(line) > 3 and (line[0] == line[-1]).all()
-    ]
-    meeting = _meeting([lines[k] for k in rings]) if len(rings) > 1 else []
-    if not meeting:
-        return list(enumerate(lines))
+    rings: list[int] = []
+    known: set[bytes] = set()
+    kept: list[int] = []
+    for k, (line, area) in enumerate(zip(lines, areas, strict=True)):
+        if area is not None and len(line) > 3 and (line[0] == line[-1]).all():
+            content = line.tobytes()
+            if content in known:
+                continue  # painted twice is painted
+            known.add(content)
+            rings.append(k)
+        kept.append(k)
+    meeting = _meeting([lines[k] for k in rings])
+    meeting += [(n, n) for n, k in enumerate(rings) if _only_touches_itself(lines[k])]
     element_of = {k: area.element for k in rings if (area := areas[k]) is not None}
     group_of = _groups([(element_of[rings[a]], element_of[rings[b]]) for a, b in meeting])
     result: list[tuple[int, Array]] = []
     done: set[int] = set()
-    for k, line in enumerate(lines):
+    for k in kept:
         group = group_of.get(element_of.get(k, -1))
         if group is None:
-            result.append((k, line))
+            result.append((k, lines[k]))
         elif group not in done:
             done.add(group)
             members = [j for j in rings if group_of.get(element_of[j]) == group]
@@ -91,6 +106,15 @@ def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
     """Pairs of different rings that share a point."""
     import shapely
 
+    if len(rings) < 2:
+        return []
+    boxes = np.array([(*ring.min(axis=0), *ring.max(axis=0)) for ring in rings])
+    near, _ = shapely.STRtree(shapely.box(*boxes.T)).query(shapely.box(*boxes.T))
+    if len(near) > 2 * MAX_MEETINGS:
+        raise FormatError(
+            "Too many of its areas overlap. Unite them in the program that made it, and save "
+            "it again."
+        )
     starts = np.concatenate([ring[:-1] for ring in rings])
     ends = np.concatenate([ring[1:] for ring in rings])
     owner = np.repeat(np.arange(len(rings)), [len(ring) - 1 for ring in rings])
@@ -98,6 +122,19 @@ def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
     a, b = shapely.STRtree(sides).query(sides, predicate="intersects")
     pairs = np.stack((owner[a], owner[b]), axis=1)
     return [(int(i), int(j)) for i, j in np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)]
+
+
+def _only_touches_itself(ring: Array) -> bool:
+    """Whether a ring meets itself, but nowhere crosses over to its other side."""
+    if _is_simple(ring):
+        return False
+    from manifold3d import CrossSection, FillRule
+
+    low = ring.min(axis=0)
+    unit = (ring[:-1] - low) / (float(np.ptp(ring, axis=0).max()) or 1.0)
+    signed = abs(_area(unit))
+    painted = [CrossSection([unit], r).area() for r in (FillRule.NonZero, FillRule.EvenOdd)]
+    return bool(max(abs(area - signed) for area in painted) <= SAME_AREA * signed)
 
 
 def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:

@@ -301,6 +301,26 @@ def test_joining_is_exact_at_any_scale_and_place(scale):
     assert painted(body).area == pytest.approx(expected, rel=1e-3)
 
 
+def test_a_slit_to_a_hole_is_none():
+    keyhole = "M0 0H40V20H30V10H10V30H30V20H40V40H0z"
+    assert painted(f'<path d="{keyhole}"/>').area == pytest.approx(1200, rel=1e-3)
+    assert len(lines(f'<path d="{keyhole}"/>')) == 2
+    two = "M0 0L20 0L20 10L10 5L0 10L10 5z"
+    assert painted(f'<path d="{two}"/>').area == pytest.approx(100, rel=1e-2)
+
+
+def test_a_flattened_drawing_has_no_area_and_says_so_later():
+    assert len(lines('<circle r="9" transform="scale(1 0)"/><circle r="5"/>')) >= 1
+
+
+def test_areas_piled_up_are_joined_or_refused():
+    square = '<path d="M0 0h20v20h-20z"/>'
+    assert len(lines(square * 3000)) == 1
+    spread = "".join(f'<path d="M{k / 1000} {k % 7}h20v20h-20z"/>' for k in range(2000))
+    with pytest.raises(FormatError, match="overlap"):
+        read(spread)
+
+
 def test_mere_lines_that_cross_stay_as_they_were_drawn():
     assert len(lines(f'<path fill="none" stroke="red" d="{SQUARES}"/>')) == 2
     (eight,) = lines('<path d="M0 0L9 9V0L0 9z"/>')
