@@ -37,7 +37,7 @@ def _of_document(path: Path) -> QImage | None:
     reader = ContainerReader(path.read_bytes())
     if "thumbnail.png" not in reader:
         return None
-    image = QImage.fromData(reader.read("thumbnail.png"), "PNG")
+    image = QImage.fromData(reader.read("thumbnail.png"))
     return None if image.isNull() else image
 
 
