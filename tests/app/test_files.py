@@ -1,0 +1,355 @@
+"""Files of a session: saved and reopened as they were, handed over, brought in, and locked."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from bozzetto.document.lock import FileLock, document_lock_path, holder
+from bozzetto.exchange.importing import read_mesh
+from bozzetto.exchange.solid_check import bounds_volume
+from bozzetto.scene.display_list import Shaded
+from bozzetto_app.files import recent_files
+from tests.app.tablet import circle, stroke_of
+from tests.app.troublemaker import MODELER
+
+SVG = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">
+<path d="M10 10 L90 10 L90 90 L10 90 Z" fill="none" stroke="black"/></svg>"""
+
+
+@pytest.fixture
+def session(make_session, boxes):
+    return make_session(MODELER, extra=[boxes.package])
+
+
+def draw(session, settle, **more):
+    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    settle(session)
+
+
+def words(session, kind):
+    return [notice.text for notice in session.heard if notice.kind == kind]
+
+
+def meshes(session):
+    return [item.mesh for _, item in session.scene.items() if isinstance(item, Shaded)]
+
+
+def save(session, settle, path):
+    session.files.save(path)
+    settle(session)
+
+
+def reopen(session, settle, path):
+    session.open(path)
+    settle(session)
+
+
+# -- saving and opening --------------------------------------------------------------------------
+
+
+def test_a_drawing_comes_back_to_the_last_bit(make_session, settle, tmp_path):
+    first = make_session()
+    draw(first, settle, radius=150)
+    draw(first, settle, radius=60)
+    first.set_parameter("inflation", 1.3)
+    first.set_color(first.selected, (200, 120, 30))
+    settle(first)
+    assert first.is_modified
+    save(first, settle, tmp_path / "horse")
+    assert first.path == tmp_path / "horse.bozz"
+    assert (first.title, first.is_modified) == ("horse", False)
+    first.files.close()
+
+    second = make_session()
+    reopen(second, settle, tmp_path / "horse.bozz")
+    assert not second.is_modified
+    assert second.camera == first.camera
+    (mine,), (other,) = first.document.models, second.document.models
+    assert (mine.name, mine.color, mine.id) == (other.name, other.color, other.id)
+    assert mine.state.inflation == other.state.inflation == 1.3
+    for one, two in zip(meshes(first), meshes(second), strict=True):
+        assert one.vertices.tobytes() == two.vertices.tobytes()
+        assert one.faces.tobytes() == two.faces.tobytes()
+
+
+def test_what_is_drawn_while_saving_counts_as_unsaved(session, settle, tmp_path):
+    draw(session, settle)
+    session.files.save(tmp_path / "a.bozz")
+    session.rename(session.selected, "Later")
+    settle(session)
+    assert session.is_modified
+    reopened_names = json_names(tmp_path / "a.bozz")
+    assert reopened_names == ["Boxes"]
+    session.undo()
+    assert not session.is_modified
+
+
+def json_names(path):
+    import zipfile
+
+    with zipfile.ZipFile(path) as file:
+        models = json.loads(file.read("core/models.json"))
+    found = json.dumps(models)
+    return [name for name in ("Boxes", "Later") if f'"{name}"' in found]
+
+
+def test_a_save_that_ends_after_a_new_sheet_was_begun_does_not_name_it(session, settle, tmp_path):
+    draw(session, settle)
+    session.files.save(tmp_path / "old.bozz")
+    session.files.new()
+    settle(session)
+    assert (tmp_path / "old.bozz").exists()
+    assert session.path is None
+    assert not document_lock_path(tmp_path / "old.bozz").exists()
+
+
+def test_a_failed_save_is_told_and_the_work_stays_unsaved(session, settle, tmp_path):
+    draw(session, settle)
+    save(session, settle, tmp_path / "no" / "such" / "folder.bozz")
+    assert len(words(session, "error")) == 1
+    assert session.is_modified
+    assert session.path is None
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not really", b"\0" * 5000])
+def test_a_damaged_document_is_refused_and_the_sheet_stays(session, settle, tmp_path, content):
+    draw(session, settle)
+    before = session.document
+    (tmp_path / "bad.bozz").write_bytes(content)
+    reopen(session, settle, tmp_path / "bad.bozz")
+    reopen(session, settle, tmp_path / "missing.bozz")
+    assert session.document is before
+    assert len(words(session, "error")) == 2
+    assert not document_lock_path(tmp_path / "bad.bozz").exists()
+
+
+def test_drawing_while_a_document_is_being_read_is_not_thrown_away(session, settle, tmp_path):
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    session.files.new()
+    session.files.open(tmp_path / "a.bozz")
+    session.inking.pending = (stroke_of(circle(share=0.5), session.camera),)
+    settle(session)
+    assert session.path is None
+    assert len(session.pending) == 1
+    assert "you were drawing" in words(session, "info")[-1]
+
+
+def test_recent_files_are_those_opened_and_saved_newest_first(session, settle, tmp_path):
+    draw(session, settle)
+    for name in ("a", "b", "c"):
+        save(session, settle, tmp_path / f"{name}.bozz")
+    reopen(session, settle, tmp_path / "b.bozz")
+    (tmp_path / "c.bozz").unlink()
+    assert [path.name for path in recent_files()] == ["b.bozz", "a.bozz"]
+
+
+@pytest.mark.parametrize("ending", ["stl", "3mf", "glb", "obj", "ply"])
+def test_what_is_exported_is_closed_and_as_large_as_what_is_shown(
+    make_session, settle, tmp_path, ending
+):
+    session = make_session()
+    draw(session, settle)
+    session.files.export(tmp_path / f"out.{ending}")
+    settle(session)
+    assert (tmp_path / f"out.{ending}").stat().st_size > 1000
+    assert words(session, "error") == []
+    if ending == "3mf":
+        return
+    (mesh,) = read_mesh(tmp_path / f"out.{ending}").meshes()
+    shown = meshes(session)[0]
+    assert np.allclose(
+        np.ptp(mesh.mesh.vertices, axis=0), np.ptp(shown.vertices, axis=0), rtol=1e-4
+    )
+    assert bounds_volume(mesh.mesh)
+
+
+def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle, tmp_path):
+    draw(session, settle)
+    session.set_visible(session.selected, False)
+    session.files.export(tmp_path / "out.stl")
+    settle(session)
+    assert not (tmp_path / "out.stl").exists()
+    assert len(words(session, "error")) == 1
+
+
+def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_path):
+    draw(session, settle)
+    gate, well = threading.Event(), boxes.misdeeds
+
+    def slow(state, result):
+        del well["shapes"]
+        gate.wait(10)
+        return session.registry.modeler(MODELER).shapes(state, result)
+
+    well["shapes"] = slow
+    session.files.export(tmp_path / "out.stl")
+    qtbot.waitUntil(lambda: boxes.calls["shapes"] == 1)
+    session.cancel_work()
+    gate.set()
+    settle(session)
+    assert list(tmp_path.glob("out*")) == []
+    assert words(session, "error") == []
+
+
+# -- bringing in ---------------------------------------------------------------------------------
+
+
+def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, settle, tmp_path):
+    from bozzetto.scene.png import write_png
+
+    session = make_session()
+    (tmp_path / "square.svg").write_text(SVG)
+    session.import_file(tmp_path / "square.svg")
+    settle(session)
+    session.files.export(tmp_path / "square.stl")
+    settle(session)
+    session.import_file(tmp_path / "square.stl")
+    settle(session)
+    write_png(tmp_path / "photo.png", np.full((30, 40, 4), 200, np.uint8))
+    session.import_file(tmp_path / "photo.png")
+    settle(session)
+    assert words(session, "error") == []
+    assert [model.modeler for model in session.document] == ["bozzetto.silhouette", "bozzetto.mesh"]
+    assert [under.name for under in session.document.underlays] == ["photo"]
+    assert len(session.history.entries) == 4
+    drawn, read = meshes(session)
+    assert np.allclose(np.ptp(drawn.vertices, axis=0), np.ptp(read.vertices, axis=0), rtol=1e-4)
+    # In an SVG drawing a unit is a millimetre, and (x, y) lies at (x, 0, -y).
+    assert np.allclose(drawn.vertices.min(0)[[0, 2]], (10, -90), atol=1.5)
+    across, down = session.document.underlays[0].across, session.document.underlays[0].down
+    assert abs(across[0] / down[2]) == pytest.approx(40 / 30)
+    for _ in range(3):
+        session.undo()
+    assert len(session.document) + len(session.document.underlays) == 0
+
+
+def test_an_import_that_ends_on_another_sheet_is_dropped(session, settle, tmp_path):
+    (tmp_path / "square.svg").write_text(SVG)
+    session.import_file(tmp_path / "square.svg")
+    session.files.new()
+    settle(session)
+    assert len(session.document) == 0
+
+
+def test_opening_a_drawing_makes_a_new_document_of_it(session, settle, tmp_path):
+    draw(session, settle)
+    (tmp_path / "square.svg").write_text(SVG)
+    session.open(tmp_path / "square.svg")
+    settle(session)
+    assert len(session.document) == 1
+    assert session.path is None
+    assert session.is_modified
+
+
+def test_nonsense_is_refused_with_a_sentence(session, settle, tmp_path):
+    for name, content in (("a.svg", "<svg"), ("b.stl", "solid"), ("c.png", "x"), ("d.xyz", "x")):
+        (tmp_path / name).write_text(content)
+        session.import_file(tmp_path / name)
+        settle(session)
+    assert len(words(session, "error")) == 4
+    assert words(session, "fault") == []
+    assert len(session.document) == 0
+
+
+# -- who has it open -----------------------------------------------------------------------------
+
+
+def test_the_lock_is_there_while_a_document_is_open_and_goes_with_it(session, settle, tmp_path):
+    one, two = tmp_path / "one.bozz", tmp_path / "two.bozz"
+    draw(session, settle)
+    save(session, settle, one)
+    assert holder(document_lock_path(one)).pid == os.getpid()
+    save(session, settle, two)
+    assert not document_lock_path(one).exists()
+    reopen(session, settle, one)
+    assert not document_lock_path(two).exists()
+    assert document_lock_path(one).exists()
+    reopen(session, settle, one)
+    assert document_lock_path(one).exists()
+    session.files.new()
+    assert not document_lock_path(one).exists()
+    reopen(session, settle, one)
+    session.files.close()
+    assert not document_lock_path(one).exists()
+
+
+def test_somebody_elses_document_opens_to_be_looked_at(make_session, settle, tmp_path):
+    mine, theirs = tmp_path / "mine.bozz", make_session()
+    draw(theirs, settle)
+    save(theirs, settle, mine)
+    me = make_session()
+    reopen(me, settle, mine)
+    assert len(me.document) == 1
+    assert me.read_only
+    (said,) = words(me, "error")
+    lock = holder(document_lock_path(mine))
+    assert lock.user in said
+    assert lock.host in said
+    before = mine.read_bytes()
+    me.rename(me.selected, "Other")
+    save(me, settle, mine)
+    assert mine.read_bytes() == before
+    assert me.is_modified
+    save(me, settle, tmp_path / "copy.bozz")
+    assert not me.read_only
+    assert not me.is_modified
+    assert holder(document_lock_path(mine)) == lock
+
+
+def test_a_lock_of_a_dead_process_is_taken_over(session, settle, tmp_path):
+    path = tmp_path / "a.bozz"
+    draw(session, settle)
+    save(session, settle, path)
+    session.files.new()
+    code = (
+        "import os, sys; from bozzetto.document.lock import *; "
+        "FileLock.acquire(document_lock_path(sys.argv[1]), 'a'); os._exit(0)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(path)], check=True)
+    assert holder(document_lock_path(path)).is_gone
+    reopen(session, settle, path)
+    assert not session.read_only
+    assert holder(document_lock_path(path)).pid == os.getpid()
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_document_in_a_folder_without_permission_can_be_looked_at(session, settle, tmp_path):
+    folder = tmp_path / "shelf"
+    folder.mkdir()
+    draw(session, settle)
+    save(session, settle, folder / "a.bozz")
+    session.files.new()
+    folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    try:
+        reopen(session, settle, folder / "a.bozz")
+        assert session.read_only
+        assert len(session.document) == 1
+    finally:
+        folder.chmod(0o755)
+
+
+def test_where_no_lock_can_be_made_a_document_is_read_only(session, settle, tmp_path, monkeypatch):
+    from bozzetto.errors import UserError
+
+    path = tmp_path / "a.bozz"
+    draw(session, settle)
+    save(session, settle, path)
+    session.files.new()
+
+    def refuse(*_, **__):
+        raise UserError("the folder cannot be written to")
+
+    monkeypatch.setattr(FileLock, "acquire", refuse)
+    reopen(session, settle, path)
+    assert session.read_only
+    assert len(session.document) == 1
+    assert "nothing can be written" in words(session, "error")[0]
