@@ -26,6 +26,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions import ActionRegistry
 from bozzetto_app.asking import FileQuestions
 from bozzetto_app.canvas.canvas import Canvas
+from bozzetto_app.changing_menus import ChangingMenus
 from bozzetto_app.commands import commands_of, number_keys
 from bozzetto_app.files import recent_files
 from bozzetto_app.keeping import Keeper
@@ -33,6 +34,7 @@ from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.objects import ObjectsPanel
 from bozzetto_app.panels.parameters import ParametersPanel
+from bozzetto_app.panels.plugin_panel import PluginPanel
 from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
@@ -45,7 +47,7 @@ from bozzetto_app.thumbnails import thumbnail_of
 
 __all__ = ["Window"]
 
-LAYOUT_VERSION = 1
+LAYOUT_VERSION = 2
 """Raised when docks come or go, so that an old layout is not forced on a new window."""
 
 FIRST_SIZE = (1280, 800)
@@ -107,6 +109,7 @@ class Window(QMainWindow):
         self._closing = False
 
         self.status = StatusLine(session)
+        self.status.faults.lie_over(self.canvas)
         self.status.details_wanted.connect(self._show_details)
         self.status.switched_off.connect(self._keep_off)
         self.modelers = ModelerBar(session)
@@ -119,12 +122,17 @@ class Window(QMainWindow):
             self._dock(self.parameters),
             self._dock(HistoryPanel(session)),
         ]
+        self._plugin_panel = PluginPanel(session)
+        self._plugin_dock = self._dock(self._plugin_panel)
+        self._plugin_panel.changed.connect(self._show_plugin_panel)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
+        self._changing = ChangingMenus(self, self.actions_)
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
         session.document_changed.connect(self._show_title)
+        session.pending_changed.connect(self._show_title)
         for signal in (
             session.document_changed,
             session.selection_changed,
@@ -152,6 +160,7 @@ class Window(QMainWindow):
         top = QWidget()
         top.setObjectName("top")
         menus = QMenuBar(top)
+        menus.setObjectName("menus")
         self.actions_.attach(menus)
         menus.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
         row = QHBoxLayout(top)
@@ -191,6 +200,8 @@ class Window(QMainWindow):
     def _welcome(self) -> WelcomeStrip:
         """A strip over the left of the sheet: when it goes, the ink stays where it is."""
         strip = WelcomeStrip(self.session, recent_files(), thumbnail_of, self.canvas)
+        strip.setAttribute(Qt.WidgetAttribute.WA_NoMousePropagation)
+        strip.setCursor(Qt.CursorShape.ArrowCursor)
         strip.sample_chosen.connect(self._open_sample)
         strip.sample_watched.connect(self.watch)
         strip.recent_chosen.connect(self.open)
@@ -224,6 +235,7 @@ class Window(QMainWindow):
             self.restoreState(state, LAYOUT_VERSION)
         else:
             self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
+        self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
         self.welcome.setVisible(not len(self.session.document))
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -290,7 +302,10 @@ class Window(QMainWindow):
     def _play(self, drawing: Drawing) -> None:
         self._stop_replay()
         self.session.set_camera(drawing.camera.with_viewport(*self.session.camera.viewport))
+        self.welcome.hide()
+        self.canvas.show_hint("")
         self._replay = Replay(self.session, drawing, parent=self)
+        self._replay.inked.connect(self.canvas.follow)
         self._replay.start()
 
     def _stop_replay(self) -> None:
@@ -328,6 +343,10 @@ class Window(QMainWindow):
         if model is not None:
             self.session.set_locked(model.id, not model.locked)
 
+    def keep_view(self) -> None:
+        """Keep the view that is shown now, with the document."""
+        self._changing.keep_view()
+
     @property
     def panels_shown(self) -> bool:
         """Whether any dock is open."""
@@ -338,8 +357,13 @@ class Window(QMainWindow):
         shown = not self.panels_shown
         for dock in self._docks:
             dock.setVisible(shown)
+        self._plugin_dock.setVisible(shown and self._plugin_panel.is_filled)
         if not shown:
             self.welcome.hide()
+
+    def _show_plugin_panel(self, title: str) -> None:
+        self._plugin_dock.setWindowTitle(title)
+        self._plugin_dock.setVisible(bool(title) and self.panels_shown)
 
     @property
     def is_dark(self) -> bool:
@@ -392,6 +416,7 @@ class Window(QMainWindow):
         dialog = PreferencesDialog(self)
         dialog.theme_chosen.connect(self.set_theme)
         dialog.changed.connect(self.canvas.read_settings)
+        dialog.changed.connect(self._changing.show_recent)
         dialog.pen_tester_wanted.connect(self.open_pen_tester)
         self._show(dialog)
 
