@@ -12,6 +12,7 @@ from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
+from bozzetto.plugin.panel import PanelHost
 from bozzetto.plugin.parameters import Parameter
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Ink",
     "Job",
     "Modeler",
+    "PanelHost",
     "Parameter",
     "PenSettings",
     "ReadsDrawings",

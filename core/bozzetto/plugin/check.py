@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,13 +47,16 @@ def check_package(package: str) -> list[Finding]:
     Parameters
     ----------
     package : str
-        Import name; it need not be installed with an entry point.
+        Import name; it need not be installed with an entry point. The id of an installed
+        plugin does as well.
 
     Returns
     -------
     list of Finding
         Empty where there is nothing to say.
     """
+    ids = {known.id: known.package for known in Registry().plugins()}
+    package = ids.get(package, package)
     try:
         folder = find_folder(package)
         manifest = read_manifest(folder)
@@ -116,22 +121,51 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
     from bozzetto.plugin.testing.subject import Subject
 
     registry = Registry(extra=(package,))
+    info = registry.info(modeler_id)
+    folder = info.folder
     try:
         modeler = registry.modeler(modeler_id)
         tools = registry.guard.check_tools(
             modeler_id, registry.guard.call(modeler_id, "tools", modeler.tools)
         )
     except (UserError, PluginFault) as problem:
-        return [Finding(True, modeler_id, str(problem))]
-    folder = registry.info(modeler_id).folder
-    findings = _check_icons(folder, [tool.icon for tool in tools if tool.icon])
+        return [Finding(True, modeler_id, _with_place(problem, folder))]
+    looked_at = info.icon.relative_to(folder).as_posix()
+    icons = {tool.icon for tool in tools if tool.icon} - {looked_at}
+    findings = _check_icons(folder, icons)
+    if info.panel and not hasattr(sys.modules[package], "bozzetto_panel"):
+        told = "the manifest says panel = true, and the package has no hook bozzetto_panel"
+        findings.append(Finding(True, modeler_id, told))
     subject = Subject(modeler_id, (package,))
+    told_by: dict[tuple[bool, str], list[str]] = {}
     for check in CHECKS:
         try:
             check.run(subject)
         except (UserError, Unfinished) as problem:
             told = f"could not be tried with a plain drawing ({problem}); use ModelerContract"
-            findings.append(Finding(False, f"{modeler_id}, {check.name}", told))
+            told_by.setdefault((False, told), []).append(check.name)
         except (AssertionError, PluginFault) as problem:
-            findings.append(Finding(True, f"{modeler_id}, {check.name}", str(problem)))
-    return findings
+            told = _with_place(problem, folder)
+            told_by.setdefault((True, told), []).append(check.name)
+    return findings + [
+        Finding(serious, f"{modeler_id}, {_few(names)}", told)
+        for (serious, told), names in told_by.items()
+    ]
+
+
+def _few(names: list[str]) -> str:
+    """The first two names, and how many more there are."""
+    return ", ".join(names[:2]) + (f" and {len(names) - 2} more" if len(names) > 2 else "")
+
+
+def _with_place(problem: BaseException, folder: Path) -> str:
+    """What went wrong, and the line of the plugin where it did.
+
+    A fault is told in its own words whatever check met it, so that the same fault is told once.
+    """
+    fault = problem if isinstance(problem, PluginFault) else problem.__cause__
+    if not isinstance(fault, PluginFault):
+        return str(problem)
+    frames = re.findall(r'File "([^"]+)", line (\d+)', fault.details)
+    own = [(path, line) for path, line in frames if Path(path).is_relative_to(folder)]
+    return f"{fault} ({own[-1][0]}, line {own[-1][1]})" if own else str(fault)

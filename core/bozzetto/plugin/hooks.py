@@ -12,6 +12,7 @@ from typing import Any
 import pluggy
 
 from bozzetto.plugin.modeler import Modeler
+from bozzetto.plugin.panel import PanelHost
 
 __all__ = ["PROJECT", "hookimpl", "hookspec"]
 
@@ -31,9 +32,10 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:  # type: ignore[empty-bo
 
 
 @hookspec
-def bozzetto_panel(modeler_id: str, parent: object) -> object:
+def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
     """A Qt widget of the plugin's own for one of its modelers, or None.
 
-    Only called where the manifest says ``panel = true``. `parent` is a QWidget; the
-    returned widget is shown in a dock and destroyed with it.
+    Only called where the manifest says ``panel = true``, when an object of that modeler is
+    selected. `parent` is a QWidget; the returned widget is shown in a dock, and destroyed
+    when an object of another modeler is selected. `host` gives it the object's state.
     """

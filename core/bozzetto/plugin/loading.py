@@ -92,6 +92,9 @@ def look_over_modelers(
 
 
 def _look_over(modeler: Any) -> None:
+    if isinstance(modeler, type):
+        name = modeler.__name__
+        raise Undelivered(f"bozzetto_modelers gave the class {name} itself. Give {name}().")
     name = type(modeler).__name__
     for attribute in ("id", "title"):
         if not isinstance(getattr(modeler, attribute, None), str):

@@ -55,6 +55,10 @@ Sentence = Annotated[str, msgspec.Meta(max_length=400)]
 Id = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$", max_length=80)]
 
 
+_REGEX_WORDS = re.compile(r"`str` matching regex '.*'(?= - at )")
+ID_IN_WORDS = "an id such as author.name: lower-case letters, digits, “_”, and a dot at least"
+
+
 class ManifestError(UserError):
     """A manifest that cannot be used; the message names the place and what to write there."""
 
@@ -157,8 +161,9 @@ def find_folder(package: str) -> Path:
     """
     if not package.isidentifier():
         raise ManifestError(
-            f"{package!r} is not the name of a top-level package. The entry point's value must "
-            "be the import name of the package that holds plugin.toml."
+            f"{package!r} is not the name of a top-level package. Write the import name of the "
+            "package that holds plugin.toml, such as bozzetto_ribbon; this is also the value of "
+            "the entry point."
         )
     spec = importlib.util.find_spec(package)
     if spec is None:
@@ -192,7 +197,8 @@ def read_manifest(folder: Path) -> Manifest:
     try:
         table = msgspec.convert(said, _PluginTable)
     except msgspec.ValidationError as problem:
-        raise ManifestError(f"In {MANIFEST}: {problem}.") from None
+        words = _REGEX_WORDS.sub(ID_IN_WORDS, str(problem))
+        raise ManifestError(f"In {MANIFEST}: {words}.") from None
     api_accepts(table.api, (0, 0))  # a range that cannot be read is refused here
     ids = [modeler.id for modeler in table.modeler]
     for modeler_id in ids:

@@ -56,6 +56,14 @@ class Parameter:
     advanced: bool = False
     choices: tuple[tuple[str, str], ...] = ()
 
+    def __post_init__(self) -> None:
+        pairs = self.choices if isinstance(self.choices, tuple) else (None,)
+        if not all(isinstance(pair, tuple) and len(pair) == 2 for pair in pairs):
+            raise TypeError(
+                f"the choices of {self.label!r} must be a tuple of pairs of texts, such as "
+                '(("round", "Round ends"), ("flat", "Flat ends"))'
+            )
+
 
 @dataclass(frozen=True)
 class Field:

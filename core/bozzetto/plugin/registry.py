@@ -33,6 +33,7 @@ from bozzetto.plugin.manifest import (
     read_manifest,
 )
 from bozzetto.plugin.modeler import Modeler
+from bozzetto.plugin.panel import PanelHost
 
 __all__ = ["GROUP", "ModelerInfo", "PluginInfo", "Registry"]
 
@@ -232,7 +233,7 @@ class Registry:
             )
         return upgraded
 
-    def panel(self, modeler_id: str, parent: object) -> object | None:
+    def panel(self, modeler_id: str, parent: object, host: PanelHost) -> object | None:
         """The plugin's own widget for a modeler, or None.
 
         Raises
@@ -250,7 +251,12 @@ class Registry:
             modeler_id,
             "bozzetto_panel",
             lambda: ask(
-                self._hooks, plugin.id, "bozzetto_panel", modeler_id=modeler_id, parent=parent
+                self._hooks,
+                plugin.id,
+                "bozzetto_panel",
+                modeler_id=modeler_id,
+                parent=parent,
+                host=host,
             ),
         )
         return made[0] if made else None

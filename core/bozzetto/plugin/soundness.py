@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from numbers import Integral
 from typing import Any, Final
 
 import numpy as np
@@ -51,18 +52,21 @@ def sound_scene(scene: Any) -> Scene:
     Unsound
         If it is no scene, or an item is of a wrong type, not finite or out of bounds.
     """
-    if type(scene) is not Scene or type(scene.layers) is not tuple:
-        raise Unsound(f"{type(scene).__name__} where a Scene of a tuple of layers belongs")
+    if type(scene) is not Scene:
+        raise Unsound(f"{type(scene).__name__} where a Scene belongs")
+    _expect_tuple(scene.layers, "Scene.layers")
     items = labels = 0
     for layer in scene.layers:
-        if type(layer) is not Layer or type(layer.items) is not tuple:
-            raise Unsound(f"{type(layer).__name__} where a Layer of a tuple of items belongs")
+        if type(layer) is not Layer:
+            raise Unsound(f"{type(layer).__name__} where a Layer belongs")
         _text(layer.name, "the name of a layer")
+        _expect_tuple(layer.items, f"the items of the layer {layer.name!r}")
         for item in layer.items:
             check = _ITEM_CHECKS.get(type(item))
             if check is None:
                 raise Unsound(f"{type(item).__name__} is not a display item")
             check(item)
+            _paint(getattr(item, "color", "ink"))
             items += 1
             labels += isinstance(item, Label | Handle)
     if items > MOST_ITEMS or labels > MOST_LABELS:
@@ -86,8 +90,7 @@ def sound_shapes(shapes: Any) -> Shapes:
     count = 0
     for entry, kind in zip(fields(Shapes), (Solid, Surface, Curve, Skeleton), strict=True):
         parts = getattr(shapes, entry.name)
-        if type(parts) is not tuple:
-            raise Unsound(f"Shapes.{entry.name} must be a tuple")
+        _expect_tuple(parts, f"Shapes.{entry.name}")
         count += len(parts)
         for part in parts:
             if type(part) is not kind:
@@ -140,6 +143,21 @@ def sound_report(report: Any) -> dict[str, Any]:
 def _expect(condition: bool, what: str) -> None:
     if not condition:
         raise Unsound(f"{what} is of a wrong kind or out of range")
+
+
+def _expect_tuple(value: Any, what: str) -> None:
+    if type(value) is not tuple:
+        raise Unsound(
+            f"{what}: {type(value).__name__} where a tuple belongs; "
+            "a tuple of one thing is written (thing,)"
+        )
+
+
+def _paint(paint: Any) -> None:
+    """Roles were looked at when the item was made."""
+    fine = isinstance(paint, str) or all(isinstance(part, Integral) for part in paint)
+    if not fine:
+        raise Unsound(f"the colour {paint!r}: write three whole numbers from 0 to 255, or a role")
 
 
 def _finite(values: Any, what: str) -> None:

@@ -10,11 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from bozzetto.plugin import hooks
+from bozzetto.exchange.importing import read_drawing
+from bozzetto.plugin import PanelHost, hooks
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.manifest import read_manifest
 from bozzetto.plugin.testing import ModelerContract, Pen, Shell
 from bozzetto.plugin.testing.checks import CHECKS
+from bozzetto.view import Camera
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = ROOT / "docs" / "examples" / "bozzetto_ribbon"
@@ -97,6 +99,21 @@ def test_manifest_keys_are_explained(tmp_path):
     text += "\n[[modeler]]\n" + "\n".join(f"{key} = {values[key]}" for key in inner)
     (tmp_path / "plugin.toml").write_text(text)
     assert read_manifest(tmp_path).warnings == ()
+
+
+def test_ink_file_can_be_read(tmp_path):
+    (piece,) = re.findall(r"<!-- ink -->\n```json\n(.*?)```", GUIDE, re.S)
+    path = tmp_path / "drawing.json"
+    path.write_text(piece, encoding="utf-8")
+    (stroke,) = read_drawing(path).strokes
+    assert stroke.camera == Camera()
+    assert stroke.has_pressure
+
+
+def test_panel_host_is_explained():
+    for name in vars(PanelHost):
+        if not name.startswith("_"):
+            assert f"`host.{name}" in GUIDE
 
 
 def test_short_pieces_of_code_run():

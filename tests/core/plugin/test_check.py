@@ -4,6 +4,19 @@ import pytest
 
 from bozzetto.plugin.check import check_package, icon_fault
 
+GOOD_MANIFEST = """
+id = "{author}.plugin"
+title = "Plugin"
+version = "1.0"
+api = ">=1,<2"
+
+[[modeler]]
+id = "{author}.modeler"
+title = "Modeler"
+icon = "icon.svg"
+hint = "Draw."
+"""
+
 from_svg = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">{}</svg>'
 )
@@ -77,8 +90,60 @@ def test_a_plugin_under_development_is_checked_whole(faulty, monkeypatch):
     assert check.check_package(faulty.package) == []
     faulty.misdeeds["shapes"] = lambda state, result: None
     findings = check.check_package(faulty.package)
-    assert {finding.where for finding in findings} >= {"faulty.modeler, drawing"}
-    assert all(finding.serious for finding in findings)
+    (finding,) = findings
+    assert finding.serious
+    assert finding.where.startswith("faulty.modeler, empty, drawing and ")
+
+
+FAILING = """
+from bozzetto.plugin import hookimpl
+from bozzetto.scene import Scene
+from dataclasses import dataclass
+
+@dataclass(frozen=True)
+class State:
+    pass
+
+class Failing:
+    id, title, state_type, state_version = __name__ + ".modeler", "Modeler", State, 1
+    def create(self, context):
+        return State()
+    def tools(self):
+        return ()
+    def solve(self, state, job):
+        return {}["here"]
+    def scene(self, state, result):
+        return Scene()
+    shapes = upgrade = solve
+
+@hookimpl
+def bozzetto_modelers():
+    return [Failing()]
+"""
+
+
+def test_one_fault_is_told_once_and_with_its_line(make_package):
+    package = make_package(FAILING)
+    line = 1 + FAILING.splitlines().index('        return {}["here"]')
+    told = messages(package)
+    assert told.count(f"__init__.py, line {line})") == 1
+    assert told.count("solve failed") == 2, "here, and in another process"
+
+
+def test_the_id_of_an_installed_plugin_does_as_well(monkeypatch):
+    from bozzetto.plugin.testing import checks
+
+    monkeypatch.setattr(checks, "CHECKS", ())
+    assert check_package("bozzetto.mesh") == check_package("bozzetto_mesh") == []
+
+
+def test_a_panel_that_is_announced_and_missing_is_found(make_package, faulty, monkeypatch):
+    from bozzetto.plugin.testing import checks
+
+    monkeypatch.setattr(checks, "CHECKS", ())
+    package = make_package(FAILING, GOOD_MANIFEST + "panel = true\n")
+    assert "no hook bozzetto_panel" in messages(package)
+    assert check_package(faulty.package) == []
 
 
 def test_a_drawing_that_is_not_plain_is_only_a_note(faulty, monkeypatch):

@@ -31,7 +31,7 @@ CALLS = {
     "read_drawing": lambda shell: shell.workbench.from_drawing("faulty.modeler", DRAWING, {}),
     "read_shapes": lambda shell: shell.workbench.from_shapes("faulty.modeler", Shapes(), "x"),
     "upgrade": lambda shell: shell.registry.upgrade("faulty.modeler", {"size": 1.0}, 1),
-    "panel": lambda shell: shell.registry.panel("faulty.modeler", None),
+    "panel": lambda shell: shell.registry.panel("faulty.modeler", None, None),
 }
 
 

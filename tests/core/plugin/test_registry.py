@@ -285,6 +285,6 @@ def test_lists_answer_while_a_plugin_is_imported(make_package):
 
 
 def test_panel_only_where_announced(make_package, workshop, faulty):
-    assert workshop.registry.panel("faulty.modeler", "parent") == ("faulty.modeler", "parent")
+    assert workshop.registry.panel("faulty.modeler", "parent", None) == ("faulty.modeler", "parent")
     package = make_package(WORKING)
-    assert Registry(extra=[package]).panel(f"{package}.modeler", None) is None
+    assert Registry(extra=[package]).panel(f"{package}.modeler", None, None) is None

@@ -1,17 +1,18 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
-from bozzetto.errors import Cancelled, Unfinished
-from bozzetto.geometry import Mesh, Shapes, Surface
+from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.testing import ModelerContract, Pen, same
 from bozzetto.plugin.testing.checks import CHECKS
+from bozzetto.plugin.testing.sameness import difference
 from bozzetto.plugin.testing.subject import Broken, Subject
 from bozzetto.scene import Layer, Scene
 from bozzetto.view import Camera
@@ -99,6 +100,18 @@ def narrow(state, job):
     return 1.0
 
 
+def open_solid(state, result):
+    if not len(state.strokes):
+        return Shapes()
+    return Shapes(solids=(Solid(Mesh(np.eye(3), [[0, 1, 2]])),))
+
+
+def refuse(state, gesture, context):
+    if len(gesture.strokes[0]) < 3:
+        raise UserError("Too short.")
+    return Scene()
+
+
 WRONG = {
     "shapes that change": ("shapes", counting, {"storage", "cancelling", "determinism", "empty"}),
     "cancelling swallowed": ("solve", lambda: swallow, {"cancelling"}),
@@ -110,6 +123,8 @@ WRONG = {
     "a preview that fails": ("preview", lambda: only_circles, {"odd_previews"}),
     "a gesture that fails": ("apply", lambda: lambda s, g, c: 1 / 0, {"odd_gestures", "drawing"}),
     "unfinished for ever": ("apply", lambda: never_enough, {"odd_gestures"}),
+    "an open solid": ("shapes", lambda: open_solid, {"drawing"}),
+    "a preview that refuses": ("preview", lambda: refuse, {"odd_previews"}),
     "an end of a range": ("solve", lambda: narrow, {"parameters"}),
     "nothing handed over": ("shapes", lambda: lambda s, r: Shapes(), {"drawing"}),
     "a scene that fails without a result": (
@@ -227,3 +242,113 @@ def test_same_looks_into_everything():
     assert same(Strokes([one]), Strokes([Stroke([1], [2], Camera())]))
     assert not same(Strokes([one]), Strokes([other]))
     assert not same({"a": one}, {"a": other})
+
+
+def test_difference_names_the_place():
+    @dataclass(frozen=True)
+    class Part:
+        size: float = 1.0
+        table: tuple = (1, 2)
+
+    assert difference((Part(),), (Part(),), "state") == ""
+    told = difference((Part(np.float64(1.0)),), (Part(),), "state")
+    assert told == "state[0].size: float64 became float"
+    assert difference(Part(), Part(table=(1, 3)), "state") == "state.table[1] differs"
+    assert difference(Part(), Part(table=(1,)), "state") == "state.table differs"
+
+
+# -- states and choices that only this suite can try ---------------------------------------------
+
+STATEFUL = """
+import numpy as np
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Literal
+from numpy.typing import NDArray
+from bozzetto.errors import UserError
+from bozzetto.geometry import Curve, Shapes, frozen
+from bozzetto.plugin import Parameter, hookimpl
+from bozzetto.scene import Scene
+
+@dataclass(frozen=True{options})
+class State:
+    places: NDArray[np.float64] = field(default_factory=lambda: frozen([], np.float64, 3))
+    share: float = 0.0
+    {field}
+
+class Tap:
+    id, title, icon, hint, gesture = "tap", "Tap", "", "Tap.", "tap"
+    def preview(self, state, gesture, context):
+        return Scene()
+    def apply(self, state, gesture, context):
+        place = gesture.camera.on_plane([(gesture.x, gesture.y)], (0, 0, 0), (0, 1, 0))
+        if not np.isfinite(place).all() or abs(place).max() > 1e5:
+            raise UserError("Tap on the plane.")
+        places = frozen(np.concatenate((state.places, place)), np.float64, 3)
+        return replace(state, places=places{change})
+
+class Stateful:
+    id, title, state_type, state_version = __name__ + ".modeler", "Modeler", State, 1
+    def create(self, context):
+        return State()
+    def tools(self):
+        return (Tap(),)
+    def solve(self, state, job):
+        job.checkpoint(0.0, "start")
+        {solve}
+        return state.places
+    def scene(self, state, result):
+        return Scene()
+    def shapes(self, state, result):
+        if len(result) < 2:
+            return Shapes()
+        knots = np.clip(np.arange(-1, len(result) + 1), 0, len(result) - 1)
+        return Shapes(curves=(Curve(1, knots, result),))
+    def upgrade(self, state, version):
+        return state
+
+@hookimpl
+def bozzetto_modelers():
+    return [Stateful()]
+"""
+
+ROUND = 'form: Annotated[Literal["round", "flat"], Parameter("Form")] = "round"'
+REFUSING = 'if state.form == "{}": raise UserError("This drawing has no such form.")'
+STATES = {
+    "all is well": ({}, set()),
+    "arrays and ==": ({"options": ""}, {"storage"}),
+    "numpy's number": ({"change": ", share=np.float64(0.5)"}, {"storage"}),
+    "a choice refused": ({"field": ROUND, "solve": REFUSING.format("flat")}, set()),
+    "the default refused": ({"field": ROUND, "solve": REFUSING.format("round")}, {"parameters"}),
+}
+
+
+def stateful(make_package, **changes):
+    """A subject whose modeler takes taps, with pieces of its code changed."""
+    code = STATEFUL
+    given = {"options": ", eq=False", "field": "pass", "change": "", "solve": "pass"} | changes
+    for key, text in given.items():
+        code = code.replace("{" + key + "}", text)
+    package = make_package(code)
+    return Subject(f"{package}.modeler", (package,))
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_the_suite_looks_into_states(make_package, name):
+    changes, expected = STATES[name]
+    subject = stateful(make_package, **changes)
+    found = set()
+    for check in CHECKS:
+        if check.name != "elsewhere":
+            try:
+                check.run(subject)
+            except (Broken, UserError):
+                found.add(check.name)
+    assert expected <= found
+    assert expected or not found
+
+
+def test_taps_are_a_plain_sketch(make_package):
+    subject = stateful(make_package)
+    with subject.drawn() as one, subject.drawn(1) as other:
+        assert len(one.state.places) == 3
+        assert not same(one.state.places, other.state.places)

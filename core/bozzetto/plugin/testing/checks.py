@@ -16,10 +16,11 @@ from typing import Any, Final
 
 from bozzetto.document.codec import decode_state, encode_state, state_digest
 from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.parameters import Field, parameter_fields
-from bozzetto.plugin.testing.sameness import fingerprint, same
+from bozzetto.plugin.testing.sameness import difference, fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
 from bozzetto.plugin.watchdog import Watchdog
@@ -71,7 +72,14 @@ def check_drawing(subject: Subject) -> None:
         bench.report(shell.model, Job())
         with subject.shell() as untouched:
             drawn = not same(shell.state, untouched.state)
-        ensure(not drawn or bool(shell.shapes()), "a drawing must hand something over")
+        shapes = shell.shapes()
+        ensure(not drawn or bool(shapes), "a drawing must hand something over")
+        for solid in shapes.solids:
+            ensure(
+                bounds_volume(solid.mesh),
+                f"the solid {solid.name!r} is open, inside out or flat, and no program would "
+                "take it; hand over a closed mesh, or a Surface",
+            )
 
 
 def check_samples(subject: Subject) -> None:
@@ -105,7 +113,15 @@ def _check_reopened(shell: Shell) -> None:
     before = shell.state
     shell.reopen()
     ensure(state_digest(shell.state) == state_digest(before), "a saved state comes back another")
-    ensure(same(shell.state, before), "a saved state comes back with other types or values")
+    found = difference(before, shell.state, "state")
+    ensure(not found, f"a saved state comes back with other types or values ({found})")
+    try:
+        bool(shell.state == before)
+    except ValueError:
+        raise Broken(
+            "two states cannot be compared: a dataclass that holds an array needs "
+            "@dataclass(frozen=True, eq=False)"
+        ) from None
 
 
 def check_history(subject: Subject) -> None:
@@ -152,7 +168,13 @@ def check_odd_previews(subject: Subject) -> None:
     """`preview` copes with every gesture of its kind, on an empty and on a drawn model."""
 
     def look(shell: Shell, tool: Any, gesture: Any) -> None:
-        shell.preview(gesture, tool=tool)
+        try:
+            shell.preview(gesture, tool=tool)
+        except (UserError, Unfinished) as problem:
+            raise Broken(
+                f"preview raised {type(problem).__name__} ({problem}); "
+                "it must return a Scene, an empty one if there is nothing to show"
+            ) from problem
 
     _with_odd_gestures(subject, look)
 
@@ -212,7 +234,7 @@ def check_determinism(subject: Subject) -> None:
 
 
 def check_parameters(subject: Subject) -> None:
-    """Every parameter can be solved at its default and at both ends, and no further."""
+    """Every number can be solved at both ends of its range, everything at its default."""
     with subject.drawn() as shell:
         start = shell.model
         for field in parameter_fields(type(shell.state)):
@@ -223,6 +245,9 @@ def check_parameters(subject: Subject) -> None:
                     result = shell.workbench.solve(model, _job("preview"))
                     shell.workbench.model_scene(model, result)
                 except (UserError, PluginFault) as problem:
+                    refused = isinstance(problem, UserError) and bool(problem.message.strip())
+                    if refused and field.kind == "choice" and value != field.default:
+                        continue  # a choice need not make sense for every drawing
                     raise Broken(f"{field.name} = {value!r}: {problem}") from problem
 
 
@@ -285,7 +310,7 @@ def check_elsewhere(subject: Subject) -> None:
             env=_environment(),
             check=False,
         )
-        told = done.stderr[-2000:]
+        told = (done.stderr.strip().splitlines() or [""])[-1].rpartition("PluginFault: ")[2]
         ensure(done.returncode == 0, f"it does not work in a process of its own: {told}")
         shapes, windows = done.stdout.split("\n")[-3:-1]
         ensure(shapes == fingerprint(shell.shapes()), "another process gives other shapes")

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.ink.stroke import Stroke, Strokes
 
-__all__ = ["fingerprint", "same"]
+__all__ = ["difference", "fingerprint", "same"]
 
 
 def same(one: Any, other: Any) -> bool:
@@ -21,6 +21,23 @@ def same(one: Any, other: Any) -> bool:
     not count.
     """
     return fingerprint(one) == fingerprint(other)
+
+
+def difference(one: Any, other: Any, where: str) -> str:
+    """Say where two values are not the `same`, and how; "" if they are."""
+    if same(one, other):
+        return ""
+    if type(one) is type(other):
+        if dataclasses.is_dataclass(one) and not isinstance(one, Stroke):
+            parts = [(f".{entry.name}", entry.name) for entry in dataclasses.fields(one)]
+            pairs = [(at, getattr(one, name), getattr(other, name)) for at, name in parts]
+        elif isinstance(one, tuple | list) and len(one) == len(other):
+            pairs = [(f"[{i}]", *both) for i, both in enumerate(zip(one, other, strict=True))]
+        else:
+            pairs = []
+        found = [difference(this, that, where + at) for at, this, that in pairs]
+        return next((text for text in found if text), f"{where} differs")
+    return f"{where}: {type(one).__name__} became {type(other).__name__}"
 
 
 def fingerprint(value: Any) -> str:

@@ -19,6 +19,9 @@ from bozzetto.view.camera import Camera
 
 __all__ = ["Broken", "Sketch", "Subject", "ensure", "odd_gestures", "plain_sketch"]
 
+TAPS = ((450.0, 350.0), (750.0, 400.0), (600.0, 600.0))
+"""Where a plain sketch touches the sheet, pixels."""
+
 Sketch = Callable[[Shell, Pen], None]
 
 
@@ -69,9 +72,9 @@ class Subject:
 
 
 def plain_sketch(shell: Shell, pen: Pen) -> None:
-    """Draw a circle with the first tool that takes ink, else open the first sample.
+    """Draw a circle with the first tool for ink, else open the first sample, else tap thrice.
 
-    A modeler that takes no ink and has no sample stays empty.
+    A modeler that takes neither ink nor taps and has no sample stays empty.
     """
     info = shell.registry.info(shell.model.modeler)
     takes_ink = any(tool.gesture == "ink" for tool in shell.tools())
@@ -87,6 +90,10 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
 
         drawing = read_drawing(info.samples[0])
         shell.put(shell.workbench.from_drawing(info.id, drawing, {}).state)
+    elif any(tool.gesture == "tap" for tool in shell.tools()):
+        for x, y in TAPS:
+            touch = pen.along([(x, y), (x + 1.0, y)])
+            shell.tap(float(touch.x[0]), float(touch.y[0]))
 
 
 def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gesture]]:

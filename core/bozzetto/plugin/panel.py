@@ -1,0 +1,31 @@
+"""What a plugin's own panel may know of the program, and ask of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+__all__ = ["PanelHost"]
+
+
+class PanelHost(Protocol):
+    """The door between a plugin's Qt panel and the object that is selected.
+
+    Use it on the thread of the window only.
+    """
+
+    @property
+    def state(self) -> Any | None:
+        """The selected object's state; None while none of this modeler is selected."""
+        ...
+
+    def change(self, state: Any, label: str) -> None:
+        """Put another state in its place, as one step of the history called `label`.
+
+        What cannot be done is told to the person, and the state stays as it was.
+        """
+        ...
+
+    def on_change(self, callback: Callable[[], None]) -> None:
+        """Have a function called whenever `state` has become another."""
+        ...
