@@ -1,0 +1,137 @@
+"""A plugin's own panel: shown while an object of its modeler is selected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from bozzetto.errors import UserError
+from bozzetto.plugin.guard import PluginFault
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto_app.session import Session
+
+__all__ = ["PluginPanel"]
+
+
+class _Host:
+    """The panel's door to the selected object; see `bozzetto.plugin.PanelHost`."""
+
+    def __init__(self, session: Session, modeler: str) -> None:
+        self._session = session
+        self._modeler = modeler
+        self._callbacks: list[Callable[[], None]] = []
+        self._shown: Any = None
+
+    @property
+    def state(self) -> Any | None:
+        model = self._model
+        return None if model is None else model.state
+
+    def change(self, state: Any, label: str) -> None:
+        session, model = self._session, self._model
+        try:
+            if model is None:
+                raise UserError(tr("PluginPanel", "Choose an object to change it."))
+            if model.locked:
+                raise UserError(tr("PluginPanel", "This object is locked. Unlock it to change it."))
+            state_type = session.registry.modeler(self._modeler).state_type
+            session.registry.guard.check_state(self._modeler, state_type, state)
+        except (UserError, PluginFault) as problem:
+            session.complain(problem)
+            return
+        session.commit(label, session.document.with_model(replace(model, state=state)))
+
+    def on_change(self, callback: Callable[[], None]) -> None:
+        self._callbacks.append(callback)
+
+    def tell(self) -> None:
+        """Call the panel back if the state is another than before."""
+        state = self.state
+        if state is self._shown:
+            return
+        self._shown = state
+        for callback in tuple(self._callbacks):
+            try:
+                self._session.registry.guard.call(self._modeler, "its panel", callback)
+            except (UserError, PluginFault) as problem:
+                self._callbacks.remove(callback)
+                self._session.complain(problem)
+
+    @property
+    def _model(self) -> Model | None:
+        model = self._session.selected_model
+        return model if model is not None and model.modeler == self._modeler else None
+
+
+class PluginPanel(QWidget):
+    """Holds the widget that the selected object's plugin makes for it.
+
+    Signals
+    -------
+    changed : str
+        Another modeler's widget is here: the modeler's title, or "" where there is none.
+    """
+
+    changed = Signal(str)
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("plugin-panel")
+        self._session = session
+        self._modeler = ""
+        self._host: _Host | None = None
+        self._made: QWidget | None = None
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(12, 8, 12, 12)
+        for signal in (session.selection_changed, session.document_changed):
+            signal.connect(self.refresh)
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether there is a plugin's widget to show."""
+        return self._made is not None
+
+    def refresh(self) -> None:
+        """Show what belongs to the selected object, and tell it of changes."""
+        model = self._session.selected_model
+        known = model is not None and not self._session.workbench.is_foreign(model)
+        modeler = model.modeler if model is not None and known else ""
+        if modeler != self._modeler:
+            self._modeler = modeler
+            self._replace(modeler)
+        if self._host is not None:
+            self._host.tell()
+
+    def _replace(self, modeler: str) -> None:
+        old, self._made, self._host = self._made, None, None
+        if old is not None:
+            old.hide()
+            old.deleteLater()
+        if modeler:
+            self._make(modeler)
+        title = self._session.registry.info(modeler).title if self._made is not None else ""
+        if old is not None or title:
+            self.changed.emit(title)
+
+    def _make(self, modeler: str) -> None:
+        registry, host = self._session.registry, _Host(self._session, modeler)
+        try:
+            made = registry.panel(modeler, self, host)
+            if made is not None and not isinstance(made, QWidget):
+                wrong = type(made).__name__
+                raise registry.guard.blame(
+                    modeler, f"bozzetto_panel gave {wrong} where a QWidget belongs"
+                )
+        except (UserError, PluginFault) as problem:
+            self._session.complain(problem)
+            return
+        if made is not None:
+            self._made, self._host = made, host
+            self._column.addWidget(made)

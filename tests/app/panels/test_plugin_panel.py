@@ -1,0 +1,187 @@
+"""A plugin's own panel: made for its objects only, and able to change them."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from dataclasses import replace
+
+import pytest
+from PySide6.QtWidgets import QPushButton
+
+from bozzetto.plugin.registry import Registry
+from bozzetto_app.panels.plugin_panel import PluginPanel
+from bozzetto_app.session import Session
+
+MANIFEST = """
+id = "paneled.plugin"
+title = "Paneled"
+version = "1.0"
+api = ">=1,<2"
+
+[[modeler]]
+id = "paneled.modeler"
+title = "Paneled"
+icon = "icon.svg"
+hint = "Draw."
+panel = true
+"""
+
+CODE = """
+from dataclasses import dataclass, replace
+from bozzetto.geometry import Shapes
+from bozzetto.plugin import hookimpl
+from bozzetto.scene import Scene
+
+seen = []
+made = None
+
+@dataclass(frozen=True)
+class State:
+    turns: int = 0
+
+class Paneled:
+    id, title, state_type, state_version = "paneled.modeler", "Paneled", State, 1
+    def create(self, context): return State()
+    def tools(self): return ()
+    def solve(self, state, job): return ()
+    def scene(self, state, result): return Scene()
+    def shapes(self, state, result): return Shapes()
+    def upgrade(self, state, version): return state
+
+@hookimpl
+def bozzetto_modelers():
+    return [Paneled()]
+
+@hookimpl
+def bozzetto_panel(modeler_id, parent, host):
+    from PySide6.QtWidgets import QPushButton
+    if made is not None:
+        return made(host)
+    button = QPushButton("Turn", parent)
+    def turn():
+        host.change(replace(host.state, turns=host.state.turns + 1), "Turn")
+    button.clicked.connect(turn)
+    host.on_change(lambda: seen.append(host.state.turns if host.state else None))
+    return button
+"""
+
+
+@pytest.fixture
+def plugin(tmp_path, monkeypatch):
+    folder = tmp_path / "packages" / "paneled"
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").write_text(CODE)
+    (folder / "plugin.toml").write_text(MANIFEST)
+    (folder / "icon.svg").write_text("<svg/>")
+    monkeypatch.syspath_prepend(folder.parent)
+    importlib.invalidate_caches()
+    yield importlib.import_module("paneled")
+    del sys.modules["paneled"]
+
+
+@pytest.fixture
+def session(qtbot, plugin):
+    made = Session(Registry(extra=["paneled"]))
+    yield made
+    made.cancel_all()
+    qtbot.waitUntil(lambda: not made.showing.busy)
+
+
+@pytest.fixture
+def panel(qtbot, session):
+    made = PluginPanel(session)
+    qtbot.addWidget(made)
+    return made
+
+
+def draw(session, modeler="paneled.modeler"):
+    """A new object, selected."""
+    model = session.workbench.create(modeler, session.context())
+    session.commit("new", session.document.with_model(model))
+    session.select(model.id)
+    return model.id
+
+
+def test_only_its_own_objects_have_it(session, panel):
+    titles = []
+    panel.changed.connect(titles.append)
+    assert not panel.is_filled
+    own = draw(session)
+    assert panel.findChild(QPushButton) is not None
+    draw(session, "bozzetto.mesh")
+    assert not panel.is_filled
+    session.select(own)
+    session.select(None)
+    assert not panel.is_filled
+    assert titles == ["Paneled", "", "Paneled", ""]
+
+
+def test_it_changes_the_selected_object_in_one_step(session, panel, plugin):
+    draw(session)
+    before = session.history.position
+    panel.findChild(QPushButton).click()
+    assert session.selected_model.state.turns == 1
+    assert session.history.position == before + 1
+    session.undo()
+    assert session.selected_model.state.turns == 0
+    assert plugin.seen == [0, 1, 0]
+
+
+def test_it_is_told_of_another_object_of_its_kind(session, panel, plugin):
+    draw(session)
+    button = panel.findChild(QPushButton)
+    button.click()
+    draw(session)
+    assert panel.findChild(QPushButton) is button
+    assert plugin.seen[-1] == 0
+    button.click()
+    assert [model.state.turns for model in session.document] == [1, 1]
+
+
+def test_a_locked_object_stays_as_it_is(session, panel):
+    model_id = draw(session)
+    session.set_locked(model_id, True)
+    notices = []
+    session.noticed.connect(notices.append)
+    panel.findChild(QPushButton).click()
+    assert session.selected_model.state.turns == 0
+    assert "locked" in notices[-1].text
+
+
+WRONG = {
+    "no widget": lambda host: 5,
+    "raises": lambda host: {}["here"],
+    "none": lambda host: None,
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_panel_that_fails_leaves_the_window_alone(session, panel, plugin, name):
+    notices = []
+    session.noticed.connect(notices.append)
+    plugin.made = WRONG[name]
+    draw(session)
+    assert not panel.is_filled
+    faults = [notice for notice in notices if notice.plugin]
+    assert len(faults) == (name != "none")
+
+
+def test_what_it_does_wrong_is_told_and_changes_nothing(session, panel, plugin):
+    hosts, notices = [], []
+    session.noticed.connect(notices.append)
+
+    def made(host):
+        hosts.append(host)
+        host.on_change(lambda: {}["here"])
+        return QPushButton()
+
+    plugin.made = made
+    draw(session)
+    assert any("KeyError" in notice.text + notice.details for notice in notices)
+    state = session.selected_model.state
+    for wrong in (None, replace(state, turns=0.5)):
+        told = len(notices)
+        hosts[0].change(wrong, "Wrong")
+        assert len(notices) > told
+        assert session.selected_model.state is state
