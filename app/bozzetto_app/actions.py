@@ -14,6 +14,9 @@ from bozzetto_app.theme import current_palette
 
 __all__ = ["Action", "ActionConflict", "ActionRegistry", "key_text"]
 
+MenuPath = tuple[str, ...]
+"""Titles of a menu and the submenus on the way to it."""
+
 
 def _always() -> bool:
     return True
@@ -38,7 +41,8 @@ class Action:
     menu : tuple of str
         Titles of the menu and its submenus; empty means the palette only.
     group : str
-        Actions of one group stand together, between hairlines.
+        Actions of one group stand together, between hairlines; submenus stand in the group
+        without a name, where their first action was registered.
     enabled : callable
         Whether it can be done now.
     checked : callable, optional
@@ -109,6 +113,7 @@ class ActionRegistry(QObject):
         self._made: dict[str, QAction] = {}
         self._keys: dict[str, str] = {}
         self._bar: QMenuBar | None = None
+        self._menus: list[QMenu] = []
 
     def register(self, *actions: Action) -> Callable[[], None]:
         """Add actions; call what is returned to take them out again.
@@ -216,20 +221,35 @@ class ActionRegistry(QObject):
 
     def _fill(self, bar: QMenuBar) -> None:
         bar.clear()
-        menus: dict[tuple[str, ...], QMenu] = {}
-        groups: dict[tuple[str, ...], dict[str, list[Action]]] = {}
+        for menu in self._menus:
+            menu.deleteLater()
+        self._menus = []
+        entries: dict[MenuPath, dict[str, list[Action | MenuPath]]] = {(): {}}
         for action in self._actions.values():
+            for depth in range(1, len(action.menu) + 1):
+                path = action.menu[:depth]
+                if path not in entries:
+                    entries[path] = {}
+                    entries[path[:-1]].setdefault("", []).append(path)
             if action.menu:
-                groups.setdefault(action.menu, {}).setdefault(action.group, []).append(action)
-        for path in groups:
-            for depth in range(1, len(path) + 1):
-                if path[:depth] not in menus:
-                    parent = menus[path[: depth - 1]] if depth > 1 else bar
-                    menu = parent.addMenu(path[depth - 1])
-                    menu.aboutToShow.connect(self.refresh)
-                    menus[path[:depth]] = menu
-        for path, members in groups.items():
-            for group in members.values():
-                if any(not entry.menu() for entry in menus[path].actions()):
-                    menus[path].addSeparator()
-                menus[path].addActions([self._made[action.id] for action in group])
+                entries[action.menu].setdefault(action.group, []).append(action)
+        self._add(bar, (), entries)
+
+    def _add(
+        self,
+        menu: QMenu | QMenuBar,
+        path: MenuPath,
+        entries: dict[MenuPath, dict[str, list[Action | MenuPath]]],
+    ) -> None:
+        """Fill a menu, and the menus in it, with hairlines between groups."""
+        for number, group in enumerate(entries[path].values()):
+            if number:
+                menu.addSeparator()
+            for entry in group:
+                if isinstance(entry, Action):
+                    menu.addAction(self._made[entry.id])
+                    continue
+                inner = menu.addMenu(entry[-1])
+                inner.aboutToShow.connect(self.refresh)
+                self._menus.append(inner)
+                self._add(inner, entry, entries)

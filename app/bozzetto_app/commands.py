@@ -28,6 +28,9 @@ VIEW_KEYS: dict[str, tuple[str, ...]] = {
 }
 """As in the programs that designers come from."""
 
+VIEW_ICONS = {"front": "view-front", "right": "view-right", "top": "view-top"}
+"""A cube with the side that is looked at; the sides that no icon can show get the bare cube."""
+
 
 def commands_of(window: Window) -> Iterator[Action]:
     """All commands of a window, in the order of its menus."""
@@ -215,7 +218,9 @@ def _view(window: Window) -> Iterator[Action]:
         "bottom": tr("View", "Bottom"),
         "three-quarter": tr("View", "Three-quarter"),
     }
-    yield Action("view.fit", tr("View", "&All"), canvas.fit, "home", ("Home",), menu, on_sheet=True)
+    yield Action(
+        "view.fit", tr("View", "Show &all"), canvas.fit, "home", ("Home",), menu, on_sheet=True
+    )
     yield Action(
         "view.frame",
         tr("View", "&Frame the selection"),
@@ -237,10 +242,19 @@ def _view(window: Window) -> Iterator[Action]:
             f"view.{view}",
             titles[view],
             partial(canvas.look, view),
-            "",
+            VIEW_ICONS.get(view, "cube"),
             VIEW_KEYS[view],
             (*menu, tr("View", "&Look from")),
         )
+    yield Action(
+        "view.keep",
+        tr("View", "Keep this &view…"),
+        window.keep_view,
+        "plus",
+        (),
+        (*menu, tr("View", "&Kept views")),
+        tip=tr("View", "With the document, under a name"),
+    )
     shadings: dict[str, str] = {
         "clay": tr("View", "Clay"),
         "zebra": tr("View", "Zebra stripes"),

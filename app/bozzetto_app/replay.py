@@ -36,9 +36,12 @@ class Replay(QObject):
     -------
     finished
         After the last stroke, or when it was stopped.
+    inked : Stroke or None
+        The stroke so far; None when its pen was lifted or taken away.
     """
 
     finished = Signal()
+    inked = Signal(object)
 
     def __init__(
         self,
@@ -67,6 +70,7 @@ class Replay(QObject):
         if self._timer.isActive():
             self._timer.stop()
             self._session.pen_cancelled()
+            self.inked.emit(None)
             self.finished.emit()
 
     def _step(self) -> None:
@@ -88,8 +92,11 @@ class Replay(QObject):
             self._strokes.pop(0)
             self._pen_down = time.monotonic() + PAUSE
             self._session.pen_lifted(stroke)
+            self.inked.emit(None)
         elif shown > 1:
-            self._session.pen_moved(_beginning(stroke, shown))
+            beginning = _beginning(stroke, shown)
+            self._session.pen_moved(beginning)
+            self.inked.emit(beginning)
 
 
 def _beginning(stroke: Stroke, count: int) -> Stroke:

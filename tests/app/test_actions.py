@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QMainWindow
+from PySide6.QtWidgets import QMainWindow, QMenu
 
 from bozzetto_app.actions import Action, ActionConflict, ActionRegistry, key_text
 
@@ -84,6 +84,32 @@ def test_menus_keep_order_and_part_groups(window, registry):
     (shading,) = menus["View"].actions()
     assert shading.text() == "Shading"
     assert [one.objectName() for one in shading.menu().actions()] == ["zebra"]
+
+
+def test_submenus_stand_where_they_were_first_named(window, registry):
+    registry.attach(window.menuBar())
+    registry.register(
+        action("front", menu=("View",)),
+        action("zebra", menu=("View", "Shading")),
+        action("grid", menu=("View",), group="show"),
+        action("back", menu=("View",)),
+    )
+    dispose = registry.register(action("mine", menu=("View", "Kept")))
+
+    def titles():
+        (view,) = (one.menu() for one in window.menuBar().actions())
+        return ["-" if one.isSeparator() else one.text() for one in view.actions()]
+
+    assert titles() == ["&front", "Shading", "&back", "Kept", "-", "&grid"]
+    dispose()
+    assert titles() == ["&front", "Shading", "&back", "-", "&grid"]
+
+
+def test_menus_that_were_filled_anew_do_not_pile_up(qtbot, window, registry):
+    registry.attach(window.menuBar())
+    for number in range(5):
+        registry.register(action(f"a{number}", menu=("File", "Recent")))
+    qtbot.waitUntil(lambda: len(window.menuBar().findChildren(QMenu)) == 2)
 
 
 def test_what_cannot_be_done_is_not_done(registry):

@@ -46,6 +46,7 @@ from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
     from bozzetto_app.session import Notice, Session
 
 __all__ = ["Canvas"]
@@ -177,6 +178,10 @@ class Canvas(QWidget):
         self.motion.finish()
         self.motion.animate_to(camera)
 
+    def show_camera(self, camera: Camera) -> None:
+        """Go to a view that was kept, perhaps on a sheet of another size."""
+        self.animate_to(camera.with_viewport(*self._session.camera.viewport))
+
     def look(self, name: str) -> None:
         """Go to a standard view by its name: "front", "three-quarter" and so on."""
         self.motion.finish()
@@ -217,7 +222,8 @@ class Canvas(QWidget):
         self._session.set_camera(camera)
 
     def _settled(self, model_id: str) -> None:
-        if self._tilts and not self._tilted and self.hand.machine.mode is Mode.IDLE:
+        idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
+        if self._tilts and not self._tilted and idle:
             self._tilted = True
             self.motion.tilt()
 
@@ -258,6 +264,11 @@ class Canvas(QWidget):
 
     def _show_pending(self) -> None:
         self._overlay.set_pending(self._session.pending, self._session.camera)
+
+    def follow(self, stroke: Stroke | None) -> None:
+        """Show the ink of a stroke that no hand draws here; None when its pen is up."""
+        strokes = self._session.pending if stroke is None else (*self._session.pending, stroke)
+        self._overlay.set_pending(strokes, self._session.camera)
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:

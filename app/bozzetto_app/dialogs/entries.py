@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bozzetto_app.actions import ActionRegistry, key_text
+from bozzetto_app.changing_menus import RECENT
 from bozzetto_app.dialogs.fuzzy import Match, match
 from bozzetto_app.words import tr
 
@@ -83,6 +84,8 @@ def entries_of(
     for action in actions.actions():
         if action.id.startswith("tool.") and tools:
             continue  # the number keys: their tools stand above under their own names
+        if action.id.startswith(RECENT):
+            continue  # they stand below among the documents
         yield Entry(
             f"command {action.id}",
             action.plain_title,

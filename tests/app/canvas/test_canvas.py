@@ -12,6 +12,7 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
 from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
 
+from bozzetto.ink.stroke import Stroke
 from bozzetto.scene import DARK, LIGHT, Layer, Scene
 from bozzetto.view.navigation import fit_points
 from bozzetto.view.standard import standard_view
@@ -66,6 +67,23 @@ def test_the_view_tilts_once_and_comes_back_exactly(session, canvas, qtbot):
     assert 3 < lean < 15
     session.settled.emit("m2")
     assert not canvas.motion.is_running
+
+
+def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
+    canvas.look("right")
+    assert canvas.motion.is_running
+    session.settled.emit("m1")
+    arrived(canvas, qtbot)
+    np.testing.assert_allclose(session.camera.axes, standard_view(session.camera, "right").axes)
+
+
+def test_the_ink_of_a_replay_is_shown_with_what_waits(session, canvas):
+    stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.camera)
+    canvas.follow(stroke)
+    (ink,) = canvas._overlay._pending_ink
+    assert np.allclose((ink[0][:2], ink[-1][:2]), ((10, 10), (90, 70)))
+    canvas.follow(None)
+    assert canvas._overlay._pending_ink == []
 
 
 def test_the_tilt_is_a_setting(session, canvas):
