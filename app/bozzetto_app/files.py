@@ -337,7 +337,7 @@ def _laid_on_sheet(pixels: Any, name: str) -> Underlay:
         new_id(),
         name,
         pixels,
-        corner=(-UNDERLAY_WIDTH / 2, 0.0, tall / 2),
+        corner=(-UNDERLAY_WIDTH / 2, 0.0, tall),
         across=(UNDERLAY_WIDTH, 0.0, 0.0),
         down=(0.0, 0.0, -tall),
     )

@@ -117,6 +117,7 @@ class ViewCube(QWidget):
         self.setAccessibleName(tr("ViewCube", "View cube"))
         self.setToolTip(tr("ViewCube", "Click a side to look at it; drag to turn."))
         self.setMouseTracking(True)
+        self.setCursor(Qt.CursorShape.ArrowCursor)
         self.setFixedSize(SIZE, SIZE + GAP + BUTTON)
         self._palette: Palette = LIGHT
         self._camera = Camera()

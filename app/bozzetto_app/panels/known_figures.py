@@ -46,7 +46,7 @@ def known_figures() -> dict[str, KnownFigure]:
     """By the key without its unit."""
     return {
         "iou": KnownFigure(
-            tr("Figures", "Match with drawing"),
+            tr("Figures", "Match"),
             tr("Figures", "Area that shape and drawing share, of all they cover together (IoU)"),
             PERCENT,
             "%",
@@ -66,7 +66,7 @@ def known_figures() -> dict[str, KnownFigure]:
             2,
         ),
         "worst_place": KnownFigure(
-            tr("Figures", "Deviates most at"),
+            tr("Figures", "Worst place"),
             tr("Figures", "Where the contour is farthest from the drawn line"),
             unit="mm",
             digits=0,
@@ -97,7 +97,7 @@ def known_figures() -> dict[str, KnownFigure]:
             0,
         ),
         "asymmetry": KnownFigure(
-            tr("Figures", "Front and back differ"),
+            tr("Figures", "Asymmetry"),
             tr("Figures", "Difference of the halves before and behind the sheet"),
             PERCENT,
             "%",

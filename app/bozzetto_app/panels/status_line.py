@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
@@ -100,6 +100,26 @@ class FaultBar(QFrame):
             row.addWidget(button)
         self.hide()
 
+    def lie_over(self, sheet: QWidget) -> None:
+        """Lie over the lower edge of a sheet, which must not move under the pen."""
+        self.setParent(sheet)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoMousePropagation)
+        self.setCursor(Qt.CursorShape.ArrowCursor)
+        sheet.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Resize and watched is self.parent():
+            self._settle_down()
+        return False
+
+    def _settle_down(self) -> None:
+        sheet = self.parentWidget()
+        layout = self.layout()
+        if sheet is not None and layout is not None and sheet.layout() is None:
+            tall = layout.totalHeightForWidth(sheet.width())
+            self.setGeometry(0, sheet.height() - tall, sheet.width(), tall)
+            self.raise_()
+
     def show_fault(self, notice: Notice) -> None:
         """Show a fault in place of the last one."""
         self._notice = notice
@@ -107,6 +127,7 @@ class FaultBar(QFrame):
         self._words.setAccessibleName(notice.text)
         self._details.setVisible(bool(notice.details))
         self._switch_off.setVisible(bool(notice.plugin))
+        self._settle_down()
         self.show()
 
     def _ask_switch_off(self) -> None:
@@ -135,7 +156,7 @@ class _Progress(QWidget):
 
 
 class StatusLine(QWidget):
-    """Hint, errors, progress and units; the fault bar above them.
+    """Hint, errors, progress and units; the fault bar above them, or over a sheet.
 
     Signals
     -------

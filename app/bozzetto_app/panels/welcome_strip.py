@@ -78,6 +78,7 @@ class _Card(QAbstractButton):
             glyph.moveCenter(frame.center())
             paint_icon(painter, self._icon, glyph, colors.quiet)
         painter.setPen(QPen(qcolor(colors.hairline), 1))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPath(shape)
         room = self.rect().adjusted(PICTURE.width() + 16, 10, -36, -10)
         painter.setPen(qcolor(colors.text))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QImage
+from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QLabel, QPushButton, QWidget
 
@@ -208,6 +208,27 @@ def test_a_fault_can_be_closed_without_a_change(status, fake_session, fakes):
     assert fake_session.registry.disabled == {}
 
 
+def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session, fakes):
+    sheet = QWidget()
+    qtbot.addWidget(sheet)
+    sheet.resize(400, 300)
+    status = StatusLine(fake_session)
+    qtbot.addWidget(status)
+    status.faults.lie_over(sheet)
+    sheet.show()
+    status.show()
+    before = status.sizeHint()
+    status.show_notice(fakes.Notice("fault", "Silhouette stopped while it made the shape. " * 4))
+    bar = status.faults.geometry()
+    assert status.faults.isVisible()
+    assert status.sizeHint() == before
+    assert (bar.left(), bar.right(), bar.bottom()) == (0, 399, 299)
+    words = status.faults.findChildren(QLabel)[0]
+    assert words.height() >= words.heightForWidth(words.width())
+    sheet.resize(700, 200)
+    assert (status.faults.width(), status.faults.geometry().bottom()) == (700, 199)
+
+
 def test_buttons_without_use_are_not_shown(status, fake_session, fakes):
     fake_session.noticed.emit(fakes.Notice("fault", "Bozzetto made a mistake."))
     assert [b.text() for b in status.faults.findChildren(QPushButton) if b.isVisible()] == []
@@ -255,3 +276,12 @@ def test_it_closes_by_drawing(qtbot, strip, fake_session):
     fake_session.pending = (object(),)
     with qtbot.waitSignal(strip.closed):
         fake_session.pending_changed.emit()
+
+
+def test_a_card_under_the_pointer_keeps_its_picture(qtbot, shown, fake_session):
+    red = QImage(72, 54, QImage.Format.Format_RGB32)
+    red.fill(Qt.GlobalColor.red)
+    made = shown(WelcomeStrip(fake_session, [Path("/drawings/Lamp.bozz")], lambda path: red))
+    card = button(made, "Lamp")
+    card.setDown(True)
+    assert card.grab().toImage().pixelColor(40, 31) == QColor(Qt.GlobalColor.red)

@@ -67,15 +67,15 @@ def test_usual_figures_are_said_in_a_designers_words(qapp):
     }
     rows = [(f.key, f.value, f.mark) for f in figures_of({"parts": [report]})]
     assert rows == [
-        ("Match with drawing", "99.97\u202f%", ""),
+        ("Match", "99.97\u202f%", ""),
         ("Largest deviation", "0.06\u00a0mm", ""),
         ("Deviation by size", "0.04\u202f%", ""),
-        ("Deviates most at", "33, \u221245\u00a0mm", ""),
+        ("Worst place", "33, \u221245\u00a0mm", ""),
         ("Solid", "sound", "good"),
         ("Volume", "110.7\u00a0cm³", ""),
         ("Surface", "155.7\u00a0cm²", ""),
         ("Holes", "1", "good"),
-        ("Front and back differ", "0.0\u202f%", ""),
+        ("Asymmetry", "0.0\u202f%", ""),
     ]
 
 

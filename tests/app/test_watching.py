@@ -1,0 +1,47 @@
+"""Watching a drawing, and what comes onto an empty sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtGui import QImage
+
+from bozzetto.scene.display_list import Image
+
+
+@pytest.fixture
+def window(make_window):
+    return make_window()
+
+
+def test_a_drawing_is_watched_on_a_free_sheet_with_its_ink(window, qtbot, settle):
+    session, canvas = window.session, window.canvas
+    assert window.welcome.isVisible()
+    (info,) = (one for one in session.modelers if one.id == "bozzetto.silhouette")
+    fish = next(path for path in info.samples if path.stem == "fish")
+    inked = []
+    window.watch(info.id, fish)
+    window._replay.inked.connect(inked.append)
+    window._replay._speed = 40.0
+    assert not window.welcome.isVisible()
+    assert not canvas._hint.isVisible()
+    qtbot.waitUntil(lambda: None in inked, timeout=30_000)
+    places = np.concatenate([stroke.points for stroke in inked if stroke is not None])
+    drawn = session.camera.project(inked[0].camera.on_plane(places, (0, 0, 0), (0, 1, 0)))[0]
+    assert (drawn >= 0).all()
+    assert (drawn <= session.camera.viewport).all()
+    qtbot.waitUntil(lambda: bool(session.document.models), timeout=30_000)
+    settle(session)
+    assert canvas._overlay._pending_ink == []
+
+
+def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
+    picture = QImage(60, 40, QImage.Format.Format_RGB32)
+    picture.fill(0x446688)
+    picture.save(str(tmp_path / "side.png"))
+    window.session.import_file(tmp_path / "side.png")
+    settle(window.session)
+    (image,) = (item for _, item in window.session.scene.items() if isinstance(item, Image))
+    low, high = window.session.scene.bounds()
+    np.testing.assert_allclose((low[2], low[0] + high[0]), (0, 0), atol=1e-9)
+    assert image.down[2] < 0
