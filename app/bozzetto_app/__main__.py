@@ -39,7 +39,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from bozzetto import cli
 
     words = list(sys.argv[1:] if argv is None else argv)
-    if words and (words[0] in cli.COMMANDS or words[0] in ("-h", "--help", "--version")):
+    first = next((word for word in words if word not in cli.SWITCHES), None)
+    if first in cli.COMMANDS or (words and words[0] in ("-h", "--help", "--version")):
         return cli.main(words)
     options = _parser().parse_args(words)
     if not _has_screen():

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,14 +18,20 @@ from typing import Any, NoReturn
 from bozzetto import __version__
 from bozzetto.errors import UserError
 
-__all__ = ["COMMANDS", "main"]
+__all__ = ["COMMANDS", "SWITCHES", "main"]
 
 COMMANDS = ("build", "export", "render", "info", "samples", "plugins")
 """Words after which no window opens."""
 
+SWITCHES = ("-v", "--verbose")
+"""Words that may stand before a command."""
+
 EXIT_FAULT = 1
 EXIT_ERROR = 2
 EXIT_INTERRUPTED = 130
+
+MAX_PLACES = 3
+"""Places of a mistake that an error line names."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -71,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="bozzetto", description="Draw, and get 3D. Without a command, the window opens."
     )
     parser.add_argument("--version", action="version", version=f"bozzetto {__version__}")
-    parser.add_argument("-v", "--verbose", action="store_true", help="show tracebacks of faults")
+    parser.add_argument(*SWITCHES, action="store_true", help="show tracebacks of faults")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     build = commands.add_parser("build", help="turn drawings into shapes")
@@ -150,6 +157,7 @@ def _build(options: argparse.Namespace) -> int:
     for target in targets:
         if target.suffix.lower() != ".bozz":
             find(target, writers("mesh", "curves"))
+    _keep_apart(inputs, targets, options.report)
     reports: list[dict[str, Any]] = []
     code = 0
     for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
@@ -185,10 +193,29 @@ def _build_one(
     from bozzetto.plugin.job import Job
 
     drawing = read_drawing(source)
-    model = bench.from_drawing(modeler_id, drawing, values)
-    report: dict[str, Any] = bench.report(model, Job()) if wants_report else {}
-    _hand_over(bench, Document((model,), camera=drawing.camera), target)
+    try:
+        model = bench.from_drawing(modeler_id, drawing, values)
+        report: dict[str, Any] = bench.report(model, Job()) if wants_report else {}
+        _hand_over(bench, Document((model,), camera=drawing.camera), target)
+    except UserError as problem:
+        raise UserError(problem.message + _places(problem, drawing)) from problem
     return report
+
+
+def _places(problem: UserError, drawing: Any) -> str:
+    """Where a mistake lies, in the coordinates of the drawing's file: nothing lights up here."""
+    if not problem.places:
+        return ""
+    import numpy as np
+
+    from bozzetto.exchange.sheet import Sheet
+
+    points = problem.places[:MAX_PLACES]
+    sheet = Sheet.of_front_view(drawing.camera)
+    if sheet is not None and all(stroke.tool == "imported" for stroke in drawing.strokes):
+        points = tuple(map(tuple, sheet.to_units(np.asarray(points), drawing.camera).tolist()))
+    said = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in points)
+    return f" It is at {said}{' …' if len(problem.places) > MAX_PLACES else ''}."
 
 
 def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
@@ -208,42 +235,59 @@ def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
 
 
 def _targets(inputs: Sequence[Path], output: str, ending: str | None) -> list[Path]:
-    folder = len(inputs) > 1 or output.endswith(("/", "\\")) or Path(output).is_dir()
+    if not output:
+        raise UserError("The output has no name. Say where to write it.")
+    folder = len(inputs) > 1 or output.endswith(("/", "\\")) or os.path.isdir(output)
     if not folder:
         if ending is not None:
             raise UserError("--format goes with a folder. Name the folder with a / at its end.")
         return [Path(output)]
     if ending is None:
         raise UserError("Several inputs, or a folder as output, need --format (for example stl).")
-    if Path(output).is_file():
+    if os.path.isfile(output):
         raise UserError(f"{output} is a file. Several inputs need a folder as output.")
-    suffix = "." + ending.lstrip(".").lower()
+    suffix = f".{ending.lstrip('.').lower()}"
     targets = [Path(output) / f"{source.stem}{suffix}" for source in inputs]
     if len(set(targets)) < len(targets):
         raise UserError("Two inputs have the same name, so their outputs would too. Rename one.")
     return targets
 
 
+def _keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | None) -> None:
+    """Refuse to write one file over another of the same command."""
+    read = {os.path.realpath(path) for path in inputs}
+    written = [os.path.realpath(path) for path in (*targets, *([report] if report else []))]
+    if read.intersection(written):
+        raise UserError("An output would replace an input. Choose another name or folder for it.")
+    if len(set(written)) < len(written):
+        raise UserError("The report would replace an output. Give it a name of its own.")
+    if report is not None and report.is_dir():
+        raise UserError(f"{report} is a folder. The report needs a file name.")
+
+
 def _hand_over(bench: Any, document: Any, target: Path, names: Sequence[str] | None = None) -> None:
     """Write a document's shapes, or the document itself."""
     from bozzetto.plugin.job import Job
-
-    if target.suffix.lower() == ".bozz":
-        from bozzetto.document.file import write_document
-
-        _make_folder(target)
-        write_document(document, target)
-        return
-    from bozzetto.exchange.export import export
 
     models = [model for model in document if names is None or model.name in names]
     missing = set(names or ()) - {model.name for model in models}
     if missing:
         known = ", ".join(model.name for model in document)
         raise UserError(f"There is no object {', '.join(sorted(missing))}; there are: {known}.")
-    shapes = bench.shapes(models, Job())
+    if target.suffix.lower() == ".bozz":
+        if names is not None:
+            raise UserError("A document keeps all its objects. Leave --object out.")
+        from bozzetto.document.file import write_document
+
+        _make_folder(target)
+        write_document(document, target)
+        return
+    from bozzetto.exchange.export import encoded
+    from bozzetto.storage import write_bytes
+
+    data = encoded(bench.shapes(models, Job()), target, camera=document.camera)
     _make_folder(target)
-    export(shapes, target, camera=document.camera)
+    write_bytes(target, data)
 
 
 def _make_folder(target: Path) -> None:
@@ -275,6 +319,7 @@ def _open_document(bench: Any, path: Path) -> Any:
 
 
 def _export(options: argparse.Namespace) -> int:
+    _keep_apart([options.document], [options.output], None)
     bench = _workbench()
     _hand_over(bench, _open_document(bench, options.document), options.output, options.object)
     return 0
@@ -286,9 +331,11 @@ def _render(options: argparse.Namespace) -> int:
     from bozzetto.scene.picture import picture
     from bozzetto.scene.png import write_png
 
+    if options.output.suffix.lower() != ".png":
+        raise UserError("A picture is written as PNG. Let its name end in .png.")
+    width, height = _size(options.size)
     bench = _workbench()
     document = _document_of(bench, options.input)
-    width, height = _size(options.size)
     image = picture(
         bench.scene(document, Job()),
         view=options.view,
@@ -328,7 +375,9 @@ def _info(options: argparse.Namespace) -> int:
     else:
         for key, value in facts.items():
             shown = value
-            if isinstance(value, list):
+            if isinstance(value, list) and not any(isinstance(v, dict | str) for v in value):
+                shown = " ".join(map(str, value)) or "none"
+            elif isinstance(value, list):
                 shown = "".join(f"\n  {_line(entry)}" for entry in value) or "none"
             elif isinstance(value, dict):
                 shown = _line(value)
@@ -347,13 +396,19 @@ def _facts(path: Path) -> dict[str, Any]:
     import numpy as np
 
     from bozzetto.exchange.formats import find, readers
-    from bozzetto.exchange.importing import read_drawing, read_mesh
+    from bozzetto.exchange.importing import read_drawing, read_image, read_mesh
 
     if path.suffix.lower() == ".bozz":
         from bozzetto.document.file import document_info
 
         return document_info(path)
-    if "ink" in find(path, readers()).holds:
+    if path.is_dir():
+        raise UserError(f"“{path}” is a folder. Choose a file inside it.")
+    holds = find(path, readers()).holds
+    if "image" in holds:
+        height, width, _ = read_image(path).shape
+        return {"kind": "picture", "size_px": [width, height]}
+    if "ink" in holds:
         drawing = read_drawing(path)
         return {
             "kind": "drawing",

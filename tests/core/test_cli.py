@@ -174,6 +174,19 @@ def test_a_document_is_exported_and_rendered(bozzetto, square, tmp_path):
         (("build", "silhouette", "square.svg", "-o", "x.stl", "--set", "inflation=nan"), "finite"),
         (("build", "silhouette", "square.svg", "square.svg", "-o", "x.stl"), "--format"),
         (("build", "silhouette", "eight.svg", "-o", "x.stl"), "crosses itself"),
+        (("build", "silhouette", "eight.svg", "-o", "x.stl"), "(50, 50)"),
+        (("build", "silhouette", "square.svg", "-o", f"{'n' * 300}.stl"), "shorter"),
+        (("build", "silhouette", "square.svg", "-o", ""), "no name"),
+        (("build", "silhouette", ".", "-o", "x.stl"), "folder"),
+        (("build", "silhouette", "square.svg", "-o", "new/", "--format", "svg"), "curves"),
+        (("build", "silhouette", "square.svg", "-o", "./", "--format", "svg"), "replace an input"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--report", "x.stl"), "report"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--report", "square.svg"), "input"),
+        (("build", "silhouette", "square.svg", "-o", "x.stl", "--report", "."), "file name"),
+        (("export", "bad.bozz", "-o", "bad.bozz"), "replace an input"),
+        (("render", "bad.bozz", "-o", "x.jpg"), "PNG"),
+        (("render", "bad.bozz", "-o", "x.png", "--size", "big"), "1200x900"),
+        (("info", "."), "folder"),
         (("build", "silhouette", "empty.svg", "-o", "x.stl"), "empty"),
         (("build", "silhouette", "bad.json", "-o", "x.stl"), "bad.json"),
         (("export", "square.svg", "-o", "x.stl"), ""),
@@ -194,6 +207,27 @@ def test_bad_input_is_one_line_and_nothing_is_written(bozzetto, square, tmp_path
     before = sorted(tmp_path.iterdir())
     assert said.lower() in refused(bozzetto(*words)).lower()
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_names_may_be_anything_that_the_disk_takes(bozzetto, tmp_path):
+    (tmp_path / "ünï cödé 形.svg").write_text(SQUARE)
+    process = bozzetto("build", "silhouette", "ünï cödé 形.svg", "-o", "new folder/öut 形.glb")
+    assert process.returncode == 0, process.stderr
+    assert bozzetto("info", "new folder/öut 形.glb").returncode == 0
+
+
+def test_a_switch_may_stand_before_the_command(tmp_path, monkeypatch, capfd):
+    from bozzetto_app.__main__ import main as entry
+
+    monkeypatch.chdir(tmp_path)
+    assert entry(["-v", "info", "missing.stl"]) == 2
+    assert "missing.stl" in capfd.readouterr().err
+
+
+def test_a_picture_is_described_by_its_size(bozzetto, square):
+    bozzetto("build", "silhouette", square, "-o", "doc.bozz")
+    bozzetto("render", "doc.bozz", "-o", "p.png", "--size", "64x48")
+    assert "size_px: 64 48" in bozzetto("info", "p.png").stdout
 
 
 def test_an_older_file_survives_a_refusal(bozzetto, square, tmp_path):

@@ -12,7 +12,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.storage import write_bytes
 from bozzetto.view.camera import Camera
 
-__all__ = ["export", "write_drawing"]
+__all__ = ["encoded", "export", "write_drawing"]
 
 
 def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> None:
@@ -34,13 +34,24 @@ def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | Non
         If the ending is unknown, there is nothing that the format holds, a solid is not
         closed (`check_solid`), or the file cannot be written.
     """
+    write_bytes(path, encoded(shapes, path, camera=camera))
+
+
+def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> bytes:
+    """What `export` would write, without touching the disk.
+
+    Raises
+    ------
+    UserError
+        As `export`.
+    """
     chosen = find(path, writers("mesh", "curves"))
     _check(shapes, chosen)
     if chosen.flat:
-        data: bytes = function(chosen, "write_view")(shapes, camera)
-    else:
-        data = function(chosen, "write_shapes")(shapes)
-    write_bytes(path, data)
+        view: bytes = function(chosen, "write_view")(shapes, camera)
+        return view
+    data: bytes = function(chosen, "write_shapes")(shapes)
+    return data
 
 
 def _check(shapes: Shapes, chosen: Format) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.files import read_bytes
-from bozzetto.exchange.formats import Format, find, function, readers
+from bozzetto.exchange.formats import Format, Kind, find, function, readers
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES
 from bozzetto.exchange.polygons import welded
 from bozzetto.exchange.solid_check import bounds_volume
@@ -44,7 +44,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Shapes:
     FormatError
         If the file is damaged, too large, or uses something we do not read.
     """
-    chosen = find(path, readers("mesh"))
+    chosen = _format_of(path, "mesh")
     data = read_bytes(path, MAX_MESH_BYTES)
     shapes: Shapes = _parsed(path, chosen, "read_shapes", data)
     solids, surfaces = list(shapes.solids), []
@@ -77,7 +77,7 @@ def read_drawing(path: str | os.PathLike[str]) -> Drawing:
     UserError, FormatError
         As in `read_mesh`.
     """
-    chosen = find(path, readers("ink"))
+    chosen = _format_of(path, "ink")
     drawing: Drawing = _parsed(
         path, chosen, "read_drawing", read_bytes(path, MAX_INK_BYTES), PurePath(path).stem
     )
@@ -97,11 +97,18 @@ def read_image(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     UserError, FormatError
         As in `read_mesh`.
     """
-    chosen = find(path, readers("image"))
+    chosen = _format_of(path, "image")
     pixels: NDArray[np.uint8] = _parsed(
         path, chosen, "read_pixels", read_bytes(path, MAX_MESH_BYTES)
     )
     return pixels
+
+
+def _format_of(path: str | os.PathLike[str], kind: Kind) -> Format:
+    """The format of a file to be read; a folder has none."""
+    if os.path.isdir(path):
+        raise UserError(f"“{os.fspath(path)}” is a folder. Choose a file inside it.")
+    return find(path, readers(kind))
 
 
 def _parsed(path: str | os.PathLike[str], chosen: Format, name: str, *given: Any) -> Any:
