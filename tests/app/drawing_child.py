@@ -1,6 +1,7 @@
 """A process that opens the window and draws until it is killed: for `test_keeping.py`.
 
-Prints "began", then the number of strokes so far after the pen was lifted from each.
+Prints "began", then the number of strokes so far after the pen was lifted from each; none
+of them is one that could be refused.
 """
 
 from __future__ import annotations
@@ -31,13 +32,17 @@ def main(recovery: str) -> int:
 
     def draw() -> None:
         nonlocal count
-        share = 0.5 if count % 4 == 3 else 1.0  # every fourth one waits for its other half
-        stylus.draw(circle(520.0, 350.0, 60.0 + 5 * (count % 20), samples=40, share=share))
-        count += 1
-        if count % 3 == 0:
+        across, down = 400.0 + 90 * (count % 5), 200.0 + 90 * (count // 5 % 4)
+        share = 0.7 if count % 4 == 3 else 1.0  # every fourth one waits until the next begins
+        if session.pending:
             session.commit_pending()
+        if count % 20 == 0:
+            session.commit_pending()
+        stylus.draw(circle(across, down, 30.0, samples=40, share=share))
+        count += 1
         print(count, flush=True)
 
+    session.noticed.connect(lambda said: said.kind == "error" and print(said.text, flush=True))
     timer = QTimer(interval=PACE)
     timer.timeout.connect(draw)
 
