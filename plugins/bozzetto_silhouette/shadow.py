@@ -42,7 +42,10 @@ def _border(faces: NDArray[np.int32], count: int) -> list[list[int]]:
     start = faces.astype(np.int64)
     end = np.roll(start, -1, axis=1)
     forth, back = (start * count + end).ravel(), (end * count + start).ravel()
-    lone = forth[~np.isin(forth, back)]
+    # Not np.isin: it sorts with the interpreter locked.
+    sorted_back = np.sort(back)
+    place = np.minimum(np.searchsorted(sorted_back, forth), len(back) - 1)
+    lone = forth[sorted_back[place] != forth] if len(back) else forth
     ways: dict[int, list[int]] = {}
     for first, second in zip((lone // count).tolist(), (lone % count).tolist(), strict=True):
         ways.setdefault(first, []).append(second)
