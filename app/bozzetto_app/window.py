@@ -55,9 +55,6 @@ DOCK_HEIGHTS = (190, 360, 190)
 """Of objects, parameters and history at the first start, pixels."""
 
 THEME = "view/theme"
-WELCOME_WIDTH = 276
-"""Of the strip with samples and recent documents, pixels."""
-
 RADIAL = (
     "edit.undo",
     "edit.redo",
@@ -206,12 +203,16 @@ class Window(QMainWindow):
         strip.sample_watched.connect(self.watch)
         strip.recent_chosen.connect(self.open)
         strip.closed.connect(strip.hide)
+        strip.installEventFilter(self)
         self.canvas.installEventFilter(self)
         return strip
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if watched is self.canvas and event.type() == QEvent.Type.Resize:
-            self.welcome.setGeometry(0, 0, WELCOME_WIDTH, self.canvas.height())
+            self.welcome.lie_on(self.canvas.size())
+        elif watched is self.welcome and event.type() in (QEvent.Type.Show, QEvent.Type.Hide):
+            shown = event.type() == QEvent.Type.Show
+            self.canvas.leave_room(self.welcome.width() if shown else 0)
         return False
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:
@@ -453,6 +454,7 @@ class Window(QMainWindow):
     # -- small things --
 
     def _ink_began(self) -> None:
+        self.welcome.hide()
         self.status.gesture_began()
         self._stop_replay()
 

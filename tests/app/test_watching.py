@@ -45,3 +45,10 @@ def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
     low, high = window.session.scene.bounds()
     np.testing.assert_allclose((low[2], low[0] + high[0]), (0, 0), atol=1e-9)
     assert image.down[2] < 0
+
+
+def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
+    assert window.canvas._hint.left == window.welcome.width()
+    window.canvas.hand.ink_began.emit()
+    assert not window.welcome.isVisible()
+    assert window.canvas._hint.left == 0

@@ -163,6 +163,11 @@ class Canvas(QWidget):
         """Show a line in the middle of the sheet until ink begins; "" takes it away."""
         self._hint.say(text)
 
+    def leave_room(self, left: int) -> None:
+        """Centre that line beside what covers so many pixels of the sheet's left."""
+        self._hint.left = left
+        self._hint.update()
+
     def describe_viewport(self) -> str:
         """Who draws, for the About dialog."""
         return self.viewports.current.describe()
@@ -272,7 +277,7 @@ class Canvas(QWidget):
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:
-            self._overlay.light_up(notice.places)
+            self._overlay.light_up(notice.places, notice.text)
 
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode

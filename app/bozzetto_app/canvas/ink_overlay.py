@@ -22,6 +22,7 @@ from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Paint
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.lit_places import LitPlaces
 from bozzetto_app.canvas.ribbon import InkPoint, Smoother, ribbon_path, smoothed
 from bozzetto_app.theme import qcolor
 
@@ -38,9 +39,6 @@ PREDICTION_LIFE: Final = 40
 
 PREDICTION_OPACITY: Final = 0.35
 ERASER_OPACITY: Final = 0.30
-PULSE_TIME: Final = 1400
-"""How long a place stays lit, milliseconds."""
-PULSE_STEP: Final = 33
 RING_MARGIN: Final = 3
 
 HOT_RADIUS: Final = 13.0
@@ -104,12 +102,9 @@ class InkOverlay(QWidget):
         self._tip = PEN_TIP
         self._ring: tuple[float, float, float] | None = None
         self._hot: tuple[float, float, Color] | None = None
-        self._lit: tuple[tuple[float, float], ...] = ()
-        self._lit_age = 0
+        self._lit = LitPlaces(self)
         self._stale = QTimer(self, singleShot=True, interval=PREDICTION_LIFE)
         self._stale.timeout.connect(self._drop_prediction)
-        self._pulse = QTimer(self, interval=PULSE_STEP)
-        self._pulse.timeout.connect(self._fade_lit)
 
     # -- the stroke under the pen -------------------------------------------------------------
 
@@ -126,6 +121,7 @@ class InkOverlay(QWidget):
     def begin(self, *, erasing: bool = False) -> None:
         """Start a stroke."""
         self.clear_wet()
+        self._lit.light_up(())
         self._erasing = erasing
         self._tip = ERASER_TIP if erasing else PEN_TIP
 
@@ -214,18 +210,14 @@ class InkOverlay(QWidget):
                     self.update(_around(mark[0], mark[1], HOT_RADIUS + RING_MARGIN))
             self._hot = hot
 
-    def light_up(self, places: Sequence[tuple[float, float]]) -> None:
-        """Light rings at places, with a short pulse."""
-        self._lit = tuple(places)
-        self._lit_age = 0
-        if places:
-            self._pulse.start()
-        self.update()
+    def light_up(self, places: Sequence[tuple[float, float]], words: str = "") -> None:
+        """Light rings at places for a moment, with words beside the first."""
+        self._lit.light_up(places, words)
 
     @property
     def lit_places(self) -> tuple[tuple[float, float], ...]:
         """The places that are lit now."""
-        return self._lit
+        return self._lit.places
 
     # -- painting -----------------------------------------------------------------------------
 
@@ -271,13 +263,7 @@ class InkOverlay(QWidget):
             x, y, radius = self._ring
             painter.setPen(QPen(qcolor(self._palette.ink, 0.55), 1.2))
             painter.drawEllipse(QPointF(x, y), radius, radius)
-        if self._lit:
-            age = self._lit_age / PULSE_TIME
-            strength = max(0.0, 1.0 - age**3)
-            painter.setPen(QPen(qcolor(self._palette.accent, strength), 2.5))
-            radius = 12.0 + 5.0 * abs(math.sin(3.0 * math.pi * age))
-            for x, y in self._lit:
-                painter.drawEllipse(QPointF(x, y), radius, radius)
+        self._lit.paint(painter, self._palette)
 
     # -- how the backing pictures come about ----------------------------------------------------
 
@@ -317,14 +303,6 @@ class InkOverlay(QWidget):
     def _drop_prediction(self) -> None:
         self._prediction = None
         self.update(self._loose_area)
-
-    def _fade_lit(self) -> None:
-        self._lit_age += PULSE_STEP
-        for x, y in self._lit:
-            self.update(_around(x, y, 22))
-        if self._lit_age >= PULSE_TIME:
-            self._lit = ()
-            self._pulse.stop()
 
     def _ring_area(self) -> QRect:
         if self._ring is None:

@@ -28,6 +28,8 @@ class SheetHint(QWidget):
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.text = ""
+        self.left = 0
+        """How much of the sheet's left is covered by something else, pixels."""
         self._palette: Palette = LIGHT
         self._fading: QPropertyAnimation | None = None
         self.hide()
@@ -70,5 +72,5 @@ class SheetHint(QWidget):
         palette = self._palette
         painter.setPen(qcolor(readable(palette.ghost, palette.ink, palette.paper)))
         flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-        painter.drawText(self.rect(), flags, self.text)
+        painter.drawText(self.rect().adjusted(self.left, 0, 0, 0), flags, self.text)
         painter.end()

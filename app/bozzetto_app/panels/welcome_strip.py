@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPen
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -27,10 +28,13 @@ from bozzetto_app.words import tr
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["WelcomeStrip"]
+__all__ = ["WIDTH", "WelcomeStrip"]
 
 PICTURE = QSize(72, 54)
 """Size of a thumbnail, px."""
+
+WIDTH = 276
+"""Of the strip over a sheet, px."""
 
 Thumbnail = Callable[[Path], QImage | None]
 
@@ -38,10 +42,14 @@ Thumbnail = Callable[[Path], QImage | None]
 class _Card(QAbstractButton):
     """A picture with two lines of words."""
 
-    def __init__(self, title: str, below: str, picture: QImage | None, icon: str | Path) -> None:
+    def __init__(
+        self, title: str, below: str, picture: Callable[[], QImage | None], icon: str | Path
+    ) -> None:
         super().__init__()
         self._below = below
-        self._picture = picture
+        self._make = picture
+        self._picture = picture()
+        self._theme = tones().name
         self._icon = icon
         self.setText(title)
         self.setAccessibleName(title)
@@ -52,6 +60,13 @@ class _Card(QAbstractButton):
 
     def sizeHint(self) -> QSize:
         return QSize(200, PICTURE.height() + 8)
+
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if self._theme != tones().name:  # pictures of ink have the theme's ink
+            self._theme = tones().name
+            self._picture = self._make()
+            self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -167,6 +182,7 @@ class WelcomeStrip(QScrollArea):
         self._add_recent(recent)
         self._column.addStretch(1)
         self.setWidget(page)
+        self._page = page
         session.pending_changed.connect(self._drawn)
         session.document_changed.connect(self._drawn)
 
@@ -177,7 +193,7 @@ class WelcomeStrip(QScrollArea):
         self._column.addWidget(_heading(tr("Welcome", "Sample drawings")))
         for info in infos:
             for sample, title in zip(info.samples, info.sample_titles, strict=True):
-                card = _Card(title, info.title, self._thumbnail(sample), info.icon)
+                card = _Card(title, info.title, partial(self._thumbnail, sample), info.icon)
                 card.clicked.connect(
                     lambda _, name=info.id, path=sample: self.sample_chosen.emit(name, path)
                 )
@@ -202,9 +218,14 @@ class WelcomeStrip(QScrollArea):
             return
         self._column.addWidget(_heading(tr("Welcome", "Recent")))
         for path in recent:
-            card = _Card(path.stem, str(path.parent), self._thumbnail(path), "drawing")
+            card = _Card(path.stem, str(path.parent), partial(self._thumbnail, path), "drawing")
             card.clicked.connect(lambda _, path=path: self.recent_chosen.emit(path))
             self._column.addWidget(card)
+
+    def lie_on(self, sheet: QSize) -> None:
+        """Take a sheet's upper left corner, no more of it than there is to show."""
+        tall = self._page.layout().totalHeightForWidth(WIDTH - 1)
+        self.setGeometry(0, 0, WIDTH, min(tall + 1, sheet.height()))
 
     def _drawn(self) -> None:
         if self.isVisible() and (self._session.pending or self._session.document.models):

@@ -5,18 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QLabel, QPushButton, QWidget
 
 from bozzetto.document.model import Document
+from bozzetto.scene.palette import DARK, LIGHT
 from bozzetto_app.panels import status_line
 from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
+from bozzetto_app.theme import apply_theme
 
 
 def button(widget: QWidget, name: str) -> QAbstractButton:
@@ -285,3 +287,23 @@ def test_a_card_under_the_pointer_keeps_its_picture(qtbot, shown, fake_session):
     card = button(made, "Lamp")
     card.setDown(True)
     assert card.grab().toImage().pixelColor(40, 31) == QColor(Qt.GlobalColor.red)
+
+
+def test_the_strip_takes_no_more_of_the_sheet_than_it_needs(shown, fake_session):
+    few = shown(WelcomeStrip(fake_session))
+    many = shown(WelcomeStrip(fake_session, [Path(f"/d/{n}.bozz") for n in range(10)]))
+    for strip in (few, many):
+        strip.lie_on(QSize(900, 600))
+    assert few.height() < 600
+    assert many.height() == 600
+    assert few.verticalScrollBar().maximum() == 0
+
+
+def test_pictures_of_ink_follow_the_theme(qapp, shown, fake_session):
+    asked = []
+    apply_theme(qapp, LIGHT)
+    shown(WelcomeStrip(fake_session, [Path("/d/Lamp.bozz")], asked.append))
+    before = len(asked)
+    apply_theme(qapp, DARK)
+    assert len(asked) == 2 * before
+    apply_theme(qapp, LIGHT)
