@@ -182,7 +182,6 @@ class WelcomeStrip(QScrollArea):
         self._add_recent(recent)
         self._column.addStretch(1)
         self.setWidget(page)
-        self._page = page
         session.pending_changed.connect(self._drawn)
         session.document_changed.connect(self._drawn)
 
@@ -224,7 +223,7 @@ class WelcomeStrip(QScrollArea):
 
     def lie_on(self, sheet: QSize) -> None:
         """Take a sheet's upper left corner, no more of it than there is to show."""
-        tall = self._page.layout().totalHeightForWidth(WIDTH - 1)
+        tall = self._column.totalHeightForWidth(WIDTH - 1)
         self.setGeometry(0, 0, WIDTH, min(tall + 1, sheet.height()))
 
     def _drawn(self) -> None:
