@@ -33,7 +33,7 @@ from bozzetto.workbench import Workbench
 from bozzetto_silhouette.field import ConvolutionField
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.solid import SilhouetteSolid
-from tests.benchmarks.timing import Row, in_turn, median_ms
+from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
 
 MODELER = "bozzetto.silhouette"
 SAMPLES = Path(bozzetto_silhouette.__file__).parent / "samples"
@@ -85,8 +85,8 @@ class Line:
         result = self.bench.solve(model, Job(quality=quality))
         return model, result, self.bench.model_scene(model, result)
 
-    def whole(self) -> Stroke:
-        """The longest stroke: the one that is being drawn."""
+    def longest(self) -> Stroke:
+        """The stroke with most samples."""
         return max(self.drawing.strokes, key=len)
 
 
@@ -167,17 +167,22 @@ def rows(drawings: tuple[Path, ...] = DRAWINGS) -> Iterator[Row]:
         yield Row("silhouette", f"stroke to shown solid, 64 cells: {name}", preview)
         yield Row("silhouette", f"stroke to final solid, 128 cells: {name}", final)
     count = f"median of {len(lines)} drawings"
-    yield Row(
-        "silhouette", f"stroke to shown solid, 64 cells: {count}", statistics.median(previews),
-        budget="≤ 60 ms",
-    )  # fmt: skip
-    yield Row(
-        "silhouette", f"stroke to final solid, 128 cells: {count}", statistics.median(finals),
-        budget="≤ 200 ms",
-    )  # fmt: skip
+    for what, quality, times, budget in (
+        ("stroke to shown solid, 64 cells", "preview", previews, "≤ 60 ms"),
+        ("stroke to final solid, 128 cells", "final", finals, "≤ 200 ms"),
+    ):
+        yield Row("silhouette", f"{what}: {count}", statistics.median(times), budget=budget)
+        processor = [
+            processor_ms(lambda line=line, q=quality: line.run(q), repeats=5)
+            for line in lines.values()
+        ]
+        yield Row(
+            "silhouette", "the same, processor time", statistics.median(processor), budget=budget
+        )
     first = next(iter(lines.values()))
     yield from _against_lattices(first, drawings[0].stem)
-    yield from _live(first, drawings[0].stem)
+    yield from _live(list(lines.values()), count)
+    yield _shown(first, drawings[0].stem)
 
 
 def _against_lattices(line: Line, name: str) -> Iterator[Row]:
@@ -201,21 +206,36 @@ def _against_lattices(line: Line, name: str) -> Iterator[Row]:
         )  # fmt: skip
 
 
-def _live(line: Line, name: str) -> Iterator[Row]:
-    """One move of the pen near the end of a stroke, and one frame of the solid."""
+def _live(lines: list[Line], count: str) -> Iterator[Row]:
+    """A live preview when nearly all of a stroke is drawn."""
+    moves, processor = [], []
+    for line in lines:
+        (tool,) = line.bench.tools(MODELER)
+        context = Context(camera=line.drawing.camera)
+        empty = line.bench.create(MODELER, context)
+        gesture = Ink((line.longest(),))
+
+        def move(
+            line: Line = line, empty: Model = empty, tool: Any = tool,
+            gesture: Ink = gesture, context: Context = context,
+        ) -> Scene:  # fmt: skip
+            return line.bench.preview(empty, tool, gesture, context)
+
+        moves.append(median_ms(move, repeats=15))
+        processor.append(processor_ms(move, repeats=15))
+    what = f"live preview, one move of the pen at the end of the stroke: {count}"
+    yield Row("silhouette", what, statistics.median(moves), budget="≤ 10 ms")
+    yield Row(
+        "silhouette", "the same, processor time", statistics.median(processor), budget="≤ 10 ms"
+    )
+    yield Row("silhouette", "the slowest of them, processor time", max(processor))
+
+
+def _shown(line: Line, name: str) -> Row:
+    """One frame of the solid."""
     _, _, scene = line.run("preview")
-    (tool,) = line.bench.tools(MODELER)
-    context = Context(camera=line.drawing.camera)
-    empty = line.bench.create(MODELER, context)
-    stroke = line.whole()
-    gesture = Ink((_nudged(stroke, 0.0),))
-    yield Row(
-        "silhouette", f"live preview, one move of the pen ({len(stroke)} samples): {name}",
-        median_ms(lambda: line.bench.preview(empty, tool, gesture, context), repeats=25),
-        budget="≤ 10 ms",
-    )  # fmt: skip
     camera = fit(line.drawing.camera.with_viewport(*FRAME), scene.bounds())
-    yield Row(
+    return Row(
         "silhouette", f"one software frame of the shown solid, {FRAME[0]}×{FRAME[1]}: {name}",
         median_ms(lambda: render(scene, camera, LIGHT, size=FRAME, antialias=False)),
     )  # fmt: skip
