@@ -82,7 +82,9 @@ def save(pixels: object, name: str) -> None:
     from PIL import Image
 
     image = Image.fromarray(np.asarray(pixels)).convert("RGB")
-    image.quantize(256, dither=Image.Dither.NONE).save(PICTURES / name, optimize=True)
+    # The usual median cut makes the few pixels of the accent brown.
+    small = image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    small.save(PICTURES / name, optimize=True)
     print(f"wrote {PICTURES.name}/{name}")
 
 
@@ -90,7 +92,9 @@ def save(pixels: object, name: str) -> None:
 
 
 def window() -> None:
-    """The window while a horse is drawn in it, when it stands, and in the dark theme."""
+    """The window while a horse is drawn in it, when it stands, dark, and after a mistake."""
+    import numpy as np
+
     from bozzetto.exchange.importing import read_drawing
     from bozzetto.plugin.registry import Registry
     from bozzetto_app.session import Session
@@ -128,6 +132,18 @@ def window() -> None:
     shown.set_theme(Theme.DARK)
     wait(1.0)
     grab(shown, "window-dark.png")
+
+    shown.set_theme(Theme.LIGHT)
+    session.files.new()
+    shown.canvas.look("front")
+    wait(0.5)
+    turn = np.linspace(0.0, 2.0 * np.pi, 120)
+    middle = np.array(session.camera.viewport) / 2.0
+    eight = middle + 220.0 * np.stack((np.sin(turn), 0.6 * np.sin(2.0 * turn)), 1)
+    pen_stroke(shown.canvas, eight, np.full(len(turn), 0.5), lambda: None)
+    until(lambda: not session.busy)
+    wait(0.5)
+    grab(shown, "wrong.png")
     shown.keeper.close()
 
 
