@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ring_crossings", "rings_that_cross", "untangled"]
+from bozzetto.ink.closing import signed_area
+from bozzetto.ink.crossings import self_crossings
+
+__all__ = ["rings_that_cross", "untangled"]
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -20,36 +23,26 @@ THIN_OVERLAP = 0.012
 trembled in a thin place."""
 
 
-def ring_crossings(ring: Points) -> tuple[Indices, Indices, Points]:
-    """Pairs of edges of a closed ring that cross, and where.
+FLAT = 1e-5
+"""A ring thinner than this (standard deviation, share of the size) is a straight line."""
 
-    Returns
-    -------
-    first, second : (k,) int arrays
-        Edge numbers, ``first < second``; edge i runs from vertex i to the next.
-    places : (k, 2) float array
+TANGLE = 100
+"""A ring that crosses itself more often is a scribble and is not mended: a trembling hand
+comes to a few dozen crossings, and mending takes a look at every loop in turn."""
+
+SHOWN = 8
+"""Most crossings that are pointed out."""
+
+
+def _crossings(ring: Points) -> tuple[Indices, Indices, Points]:
+    """Pairs of edges of a closed ring that cross, first < second, and where, (k, 2).
+
+    Edge i runs from vertex i to the next.
     """
-    import shapely
-
-    n = len(ring)
-    following = np.roll(ring, -1, axis=0)
-    edges = shapely.linestrings(np.stack([ring, following], axis=1))
-    i, j = shapely.STRtree(edges).query(edges, predicate="intersects")
-    neighbours = ((j - i) % n <= 1) | ((i - j) % n <= 1)
-    keep = (i < j) & ~neighbours
-    i, j = i[keep], j[keep]
-    places = _meeting(ring[i], following[i], ring[j], following[j])
-    return i.astype(np.intp), j.astype(np.intp), places
-
-
-def _meeting(a: Points, b: Points, c: Points, d: Points) -> Points:
-    """Intersection of lines ab and cd; the middle of the overlap when they are parallel."""
-    u, v, w = b - a, d - c, c - a
-    cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    safe = np.where(cross == 0.0, 1.0, cross)
-    t = np.where(cross == 0.0, 0.5, (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / safe)
-    result: Points = a + np.clip(t, 0.0, 1.0)[:, None] * u
-    return result
+    found = self_crossings(ring, closed=True)
+    last = len(ring) - 1
+    first, second = (np.minimum(np.floor(at), last) for at in (found.first, found.second))
+    return first.astype(np.intp), second.astype(np.intp), found.places
 
 
 def rings_that_cross(rings: list[Points]) -> Points:
@@ -70,8 +63,7 @@ def _length(line: Points) -> float:
 
 
 def _area(ring: Points) -> float:
-    x, y = (ring - ring[0]).T
-    return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
+    return abs(signed_area(ring))
 
 
 def untangled(ring: Points) -> tuple[Points | None, Points]:
@@ -89,10 +81,14 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
     places : (k, 2) float array
         Crossings that cannot be mended; empty when the ring is simple.
     """
+    if np.linalg.svd(ring - ring.mean(axis=0), compute_uv=False)[1] < FLAT * np.sqrt(len(ring)):
+        return None, np.zeros((0, 2))
     for _ in range(40):
-        first, second, places = ring_crossings(ring)
+        first, second, places = _crossings(ring)
         if not len(first):
             break
+        if len(first) > TANGLE:
+            return ring, _some(places)
         loops = [
             np.vstack([p, ring[i + 1 : j + 1]])
             for i, j, p in zip(first, second, places, strict=True)
@@ -120,14 +116,18 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
             continue
         apart = _pushed_apart(ring, first, second)
         if apart is None:
-            return ring, places
+            return ring, _some(places)
         ring = apart
     else:
-        return ring, ring_crossings(ring)[2]
+        return ring, _some(_crossings(ring)[2])
     # A line drawn to and fro encloses nothing worth the name.
     if len(ring) < 3 or _area(ring) < 1e-5:
         return None, np.zeros((0, 2))
     return _repaired(ring)
+
+
+def _some(places: Points) -> Points:
+    return places[:: -(-len(places) // SHOWN) or 1]
 
 
 def _repaired(ring: Points) -> tuple[Points | None, Points]:
@@ -142,7 +142,7 @@ def _repaired(ring: Points) -> tuple[Points | None, Points]:
     pieces.sort(key=lambda p: -float(p.area))
     if not pieces or sum(p.area for p in pieces[1:]) > SMALL_LOOP * pieces[0].area:
         where = shapely.get_coordinates(shapely.node(shapely.LinearRing(ring)).boundary)
-        return ring, where[:8] if len(where) else ring[:1]
+        return ring, _some(where) if len(where) else ring[:1]
     # A hair inward and out again separates what only touches.
     hair = 1e-4
     body = max(shapely.get_parts(pieces[0].buffer(-hair).buffer(hair)), key=lambda p: p.area)

@@ -14,25 +14,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.ink.closing import signed_area
+
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
 Points = NDArray[np.float64]
 
-__all__ = ["Outline", "Points", "outline_from_rings", "outline_from_strokes", "signed_area"]
-
-
-def signed_area(ring: Points) -> float:
-    """Area enclosed by a closed ring, positive when it runs counter-clockwise.
-
-    Parameters
-    ----------
-    ring : (n, 2) float array
-        Vertices, the last one joined to the first.
-    """
-    # Shoelace about the first vertex: far from the origin the plain sum loses digits.
-    x, y = (ring - ring[0]).T
-    return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+__all__ = ["Outline", "Points", "outline_from_rings", "outline_from_strokes"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.ink.closing import signed_area
+from bozzetto.ink.crossings import self_crossings
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.elements import Elements, factorised
-from bozzetto_silhouette.outline import signed_area
 from bozzetto_silhouette.plan import Plan, plan_of
 from bozzetto_silhouette.sampling import sample_rim
 from bozzetto_silhouette.shell import mirrored_shell, vertex_normals
@@ -26,6 +27,10 @@ Points = NDArray[np.float64]
 
 SPECK = 1e-3
 """Enclosed area, as a share of the square of the size, below which nothing is shown."""
+
+TANGLE = 100
+"""A line that crosses itself more often is a scribble: what it encloses would take seconds
+to sort out, and is no shape."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +69,8 @@ def _pieces(points: Points) -> list[tuple[Points, ...]]:
     import shapely
 
     polygon = shapely.Polygon(points)
+    if not polygon.is_valid and len(self_crossings(points, closed=True)) > TANGLE:
+        return []
     valid = polygon if polygon.is_valid else shapely.make_valid(polygon)
     result = []
     for part in shapely.get_parts(valid):
