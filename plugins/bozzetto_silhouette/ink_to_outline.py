@@ -18,8 +18,9 @@ __all__ = ["outline_of", "points_on_sheet", "surrounds"]
 
 Array = NDArray[np.float64]
 
-_outlines: Memory[Outline] = Memory(limit=64)
-"""The tool looks at an outline before the solver does."""
+_outlines: Memory[Outline] = Memory(limit=512)
+"""The tool looks at an outline before the solver does, and at those of all parts at every
+stroke."""
 
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:

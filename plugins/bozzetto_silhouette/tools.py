@@ -86,21 +86,25 @@ def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
 def _nested(parts: tuple[Part, ...], new: Part) -> tuple[Part, ...]:
     """The parts with a new one among them.
 
-    Inside another one on its sheet it is a hole; around one it takes that in as its hole;
-    anywhere else it stands for itself.
+    Inside another one on its sheet it is a hole; it takes in those that it is drawn around
+    as its holes; anywhere else it stands for itself.
     """
-    for index, old in enumerate(parts):
-        if not new.sheet.faces_as(old.sheet):
-            continue
+    alike = [index for index, old in enumerate(parts) if new.sheet.faces_as(old.sheet)]
+    for index in alike:
+        old = parts[index]
         if _lies_within(new, old):
             whole = replace(old, strokes=old.strokes.extended(new.strokes))
-        elif _lies_within(old, new):
-            whole = replace(new, strokes=new.strokes.extended(old.strokes))
-        else:
-            continue
+            outline_of(whole)
+            return (*parts[:index], whole, *parts[index + 1 :])
+    taken = [index for index in alike if _lies_within(parts[index], new)]
+    whole = new
+    for index in taken:
+        whole = replace(whole, strokes=whole.strokes.extended(parts[index].strokes))
+    if taken:
         outline_of(whole)
-        return (*parts[:index], whole, *parts[index + 1 :])
-    return (*parts, new)
+    place = taken[0] if taken else len(parts)
+    kept = [old for index, old in enumerate(parts) if index not in taken]
+    return (*kept[:place], whole, *kept[place:])
 
 
 def _lies_within(inner: Part, outer: Part) -> bool:

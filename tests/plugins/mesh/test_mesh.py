@@ -1,0 +1,62 @@
+"""The modeler of imported meshes: the contract, and that nothing is lost on the way."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bozzetto.document.codec import decode_state, encode_state
+from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.plugin import Job
+from bozzetto.plugin.testing import ModelerContract, Pen, Shell, same
+from bozzetto.scene import Shaded
+from bozzetto_mesh.modeler import ImportedMesh, MeshState
+
+
+def _block(size: float) -> Mesh:
+    """A tetrahedron."""
+    corners = size * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
+    return Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], np.int32))
+
+
+def _sheet() -> Mesh:
+    corners = np.array([[0, 0, 0], [5, 0, 0], [5, 5, 0], [0, 5, 0]], np.float32)
+    return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+
+
+GIVEN = Shapes(solids=(Solid(_block(1.0)), Solid(_block(3.0))), surfaces=(Surface(_sheet()),))
+
+
+class TestMesh(ModelerContract):
+    modeler = "bozzetto.mesh"
+
+    def sketch(self, shell: Shell, pen: Pen) -> None:
+        """There is nothing to draw: a file is read instead; pens of two seeds read two files."""
+        shapes = Shapes(solids=(Solid(_block(1.0 + pen.seed)),), surfaces=GIVEN.surfaces)
+        shell.put(ImportedMesh().read_shapes(shapes))
+
+
+def test_what_was_closed_stays_closed() -> None:
+    state = ImportedMesh().read_shapes(GIVEN)
+    assert state.closed == (True, True, False)
+    handed = ImportedMesh().shapes(state, ImportedMesh().solve(state, Job()))
+    assert [s.mesh for s in handed.solids] == [s.mesh for s in GIVEN.solids]
+    assert [s.mesh for s in handed.surfaces] == [s.mesh for s in GIVEN.surfaces]
+
+
+def test_a_stored_state_comes_back_as_it_was() -> None:
+    state = ImportedMesh().read_shapes(GIVEN)
+    back = decode_state(MeshState, encode_state(state))
+    assert same(back, state)
+    assert back.closed == state.closed
+
+
+def test_every_mesh_is_shown() -> None:
+    state = ImportedMesh().read_shapes(GIVEN)
+    shown = [item for _, item in ImportedMesh().scene(state, None).items()]
+    assert all(isinstance(item, Shaded) for item in shown)
+    assert [item.mesh for item in shown] == list(state.meshes)
+
+
+def test_nothing_from_nothing() -> None:
+    assert ImportedMesh().read_shapes(Shapes()) == MeshState()
+    assert not ImportedMesh().shapes(MeshState(), MeshState())

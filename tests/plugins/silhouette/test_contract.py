@@ -1,0 +1,9 @@
+"""The contract suite on the silhouette modeler."""
+
+from __future__ import annotations
+
+from bozzetto.plugin.testing import ModelerContract
+
+
+class TestSilhouette(ModelerContract):
+    modeler = "bozzetto.silhouette"

@@ -1,0 +1,189 @@
+"""The modeler: what it solves, remembers and hands over."""
+
+from __future__ import annotations
+
+import manifold3d
+import numpy as np
+import pytest
+
+from bozzetto.errors import Cancelled, UserError
+from bozzetto.geometry import Mesh
+from bozzetto.ink import Drawing, Strokes
+from bozzetto.plugin import Context, Ink, Job
+from bozzetto.plugin.testing import Pen
+from bozzetto_silhouette import modeler as modeler_module
+from bozzetto_silhouette.memory import Memory
+from bozzetto_silhouette.modeler import PREVIEW_RESOLUTION, Silhouette
+from bozzetto_silhouette.solid import solidify
+from bozzetto_silhouette.state import SilhouetteState
+from bozzetto_silhouette.union import united
+
+PEN, MODELER = Pen(), Silhouette()
+
+
+def drawn(*circles: tuple[float, float, float], **parameters: object) -> SilhouetteState:
+    state = SilhouetteState(**parameters)
+    (tool,) = MODELER.tools()
+    for circle in circles:
+        state = tool.apply(state, Ink((PEN.circle(*circle),), True), Context())
+    return state
+
+
+def body(mesh: Mesh) -> manifold3d.Manifold:
+    given = manifold3d.Mesh(
+        np.array(mesh.vertices, np.float32), np.array(mesh.faces, dtype=np.uint32)
+    )
+    return manifold3d.Manifold(given)
+
+
+def test_the_preview_is_coarser_and_the_final_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def counting(*given, resolution: int, **more):
+        asked.append(resolution)
+        return solidify(*given, resolution=32, **more)
+
+    monkeypatch.setattr(modeler_module, "solidify", counting)
+    monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+    for resolution in (32, 160):
+        for quality in ("preview", "final"):
+            MODELER.solve(drawn((500, 400, 120), resolution=resolution), Job(quality))
+    assert asked == [32, PREVIEW_RESOLUTION, 160]  # 32 cells serve as preview and as final
+    assert PREVIEW_RESOLUTION <= 64
+
+
+def test_only_parts_that_changed_are_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    solved: list[object] = []
+
+    def counting(outline, **more):
+        solved.append(outline)
+        return solidify(outline, **more)
+
+    monkeypatch.setattr(modeler_module, "solidify", counting)
+    monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+    one = drawn((300, 400, 90), resolution=32)
+    first = MODELER.solve(one, Job())
+    (tool,) = MODELER.tools()
+    two = tool.apply(one, Ink((PEN.circle(800, 400, 90),), True), Context())
+    assert MODELER.solve(two, Job()).solids[0] is first.solids[0]
+    assert len(solved) == 2
+
+
+def test_cancelling_at_any_step_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = drawn((300, 400, 90), (700, 400, 110), resolution=32)
+    monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+    steps: list[tuple[float, str]] = []
+    whole = MODELER.solve(state, Job(progress=lambda *step: steps.append(step)))
+    fractions = [fraction for fraction, _ in steps]
+    assert fractions == sorted(fractions)
+    assert 0.0 <= fractions[0] <= fractions[-1] <= 1.0
+    for number in range(len(steps)):
+        monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+        passed = 0
+
+        def cancelled(number: int = number) -> bool:
+            nonlocal passed
+            passed += 1
+            return passed > number
+
+        with pytest.raises(Cancelled):
+            MODELER.solve(state, Job(cancelled=cancelled))
+        again = MODELER.solve(state, Job())
+        for mesh, expected in zip(again.meshes, whole.meshes, strict=True):
+            assert np.array_equal(mesh.vertices, expected.vertices)
+            assert np.array_equal(mesh.faces, expected.faces)
+
+
+def test_memory_forgets_the_oldest_and_keeps_no_failure() -> None:
+    memory: Memory[int] = Memory(limit=2)
+    calls: list[str] = []
+
+    def ask(name: str) -> int:
+        return memory.recall(name, lambda: calls.append(name) or len(calls))
+
+    assert [ask(n) for n in ("a", "b", "a", "c", "a", "b")] == [1, 2, 1, 3, 1, 4]
+
+    def failing() -> int:
+        raise Cancelled("step")
+
+    with pytest.raises(Cancelled):
+        memory.recall("d", failing)
+    assert memory.recall("d", lambda: 7) == 7
+
+
+def test_shapes_of_overlapping_parts_are_one_solid() -> None:
+    state = drawn((500, 400, 150), (680, 400, 150), resolution=48)
+    result = MODELER.solve(state, Job())
+    (solid,) = MODELER.shapes(state, result).solids
+    one, other = (body(mesh) for mesh in result.meshes)
+    whole = body(solid.mesh)
+    assert whole.status().name == "NoError"
+    assert len(whole.decompose()) == 1
+    expected = one.volume() + other.volume() - (one ^ other).volume()
+    assert (one ^ other).volume() > 0.05 * one.volume()
+    assert whole.volume() == pytest.approx(expected, rel=1e-4)
+
+
+def test_shapes_of_separate_parts_keep_both() -> None:
+    state = drawn((300, 400, 90), (800, 400, 120), resolution=48)
+    result = MODELER.solve(state, Job())
+    shapes = MODELER.shapes(state, result)
+    whole = body(shapes.solids[0].mesh)
+    assert len(whole.decompose()) == 2
+    total = sum(body(mesh).volume() for mesh in result.meshes)
+    assert whole.volume() == pytest.approx(total, rel=1e-5)
+    assert len(shapes.skeletons) == 2
+    assert united(result.meshes[:1]) is result.meshes[0]
+
+
+def test_a_circle_is_a_ball_in_the_world_where_it_was_drawn() -> None:
+    state = drawn((600, 450, 200), resolution=64)
+    (mesh,) = MODELER.solve(state, Job()).meshes
+    radius = 200.0 / PEN.camera.pixels_per_mm
+    away = np.linalg.norm(mesh.vertices.astype(float), axis=1)
+    assert away == pytest.approx(np.full(len(away), radius), rel=0.02)
+    assert body(mesh).volume() == pytest.approx(4 / 3 * np.pi * radius**3, rel=0.03)
+    outward = (mesh.normals * mesh.vertices).sum(axis=1) / radius
+    assert outward == pytest.approx(np.ones(len(outward)), abs=0.03)
+
+
+def test_scene_shows_ink_before_and_shape_after() -> None:
+    state = drawn((600, 450, 200), (600, 450, 60), resolution=32)
+    assert [layer.name for layer in MODELER.scene(state, None).layers] == ["ink"]
+    shown = MODELER.scene(state, MODELER.solve(state, Job()))
+    assert [layer.name for layer in shown.layers] == ["shape", "ink"]
+    assert not MODELER.scene(SilhouetteState(), None).layers
+
+
+def test_report_tells_the_truth_about_every_part() -> None:
+    state = drawn((300, 400, 90), (800, 400, 120), (800, 400, 40), resolution=64)
+    parts = MODELER.report(state, MODELER.solve(state, Job()))["parts"]
+    assert [part["genus"] for part in parts] == [0, 1]
+    assert all(part["watertight"] and part["iou"] > 0.99 for part in parts)
+
+
+def test_read_drawing_takes_all_strokes_as_one_part() -> None:
+    strokes = Strokes((PEN.circle(600, 450, 200), PEN.circle(600, 450, 60)))
+    state = MODELER.read_drawing(Drawing(strokes, PEN.camera), Context())
+    assert len(state.parts) == 1
+    assert len(state.parts[0].strokes) == 2
+    with pytest.raises(UserError, match="no strokes"):
+        MODELER.read_drawing(Drawing(Strokes(()), PEN.camera), Context())
+    with pytest.raises(UserError, match="This is a dot"):
+        MODELER.read_drawing(Drawing(Strokes((PEN.dot(),)), PEN.camera), Context())
+
+
+def test_fifty_parts_remember_their_outlines(monkeypatch: pytest.MonkeyPatch) -> None:
+    from bozzetto_silhouette import ink_to_outline
+
+    read: list[int] = []
+    real = ink_to_outline.outline_from_strokes
+
+    def counting(strokes, **more):
+        read.append(len(strokes))
+        return real(strokes, **more)
+
+    monkeypatch.setattr(ink_to_outline, "outline_from_strokes", counting)
+    places = [(60.0 + 110.0 * (k % 10), 77.0 + 100.0 * (k // 10), 31.0) for k in range(50)]
+    assert len(drawn(*places).parts) == 50
+    assert len(read) == 50
