@@ -55,6 +55,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         0, or 1 for a plugin's fault, 2 for a mistake in the input, 130 for Ctrl+C.
     """
+    try:
+        return _run(argv)
+    except KeyboardInterrupt:
+        _complain("stopped. Nothing was left half-written.")
+        return EXIT_INTERRUPTED
+
+
+def _run(argv: Sequence[str] | None) -> int:
     options = _parser().parse_args(argv)
     from bozzetto.plugin.guard import PluginFault
 
@@ -68,9 +76,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except PluginFault as fault:
         _complain(_words_of_fault(fault))
         return EXIT_FAULT
-    except KeyboardInterrupt:
-        _complain("stopped. Nothing was left half-written.")
-        return EXIT_INTERRUPTED
 
 
 def _parser() -> argparse.ArgumentParser:

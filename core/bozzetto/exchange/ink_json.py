@@ -7,6 +7,7 @@ through another camera than the sheet's carries its own ``camera`` and ``canvas`
 
 from __future__ import annotations
 
+import codecs
 import re
 from typing import Annotated, Any, Final, Literal
 
@@ -73,7 +74,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     FormatError
         Names the place.
     """
-    top = _decoded(data, dict[str, msgspec.Raw], "the file")
+    top = _decoded(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
     if KNOWN[0] not in top or _decoded(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
     for key in KNOWN[1:]:

@@ -56,7 +56,9 @@ MILLIMETRES: Final = {
 SECONDS: Final = {"s": 1.0, "ms": 1e-3}
 DEGREES: Final = {"deg": 1.0, "rad": 180.0 / np.pi}
 
-VALUE: Final = re.compile(r"([!'\"]?)\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[*?TF])|(\S)")
+VALUE: Final = re.compile(
+    r"([!'\"]?)\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?#[0-9A-Fa-f]{1,15}|[*?TF])|(\S)"
+)
 
 Annotation = dict[str, str]
 
@@ -187,6 +189,8 @@ def _walk(element: Element, context: str, ink: _Ink) -> None:
     """Traces in the order of the file."""
     for child in element.children:
         own = child.attributes.get("contextRef", f"#{context}").lstrip("#")
+        if child.tag == "trace" and child.attributes.get("type") == "penUp":
+            continue  # how the pen moved through the air
         if child.tag == "trace":
             at_most(len(ink.traces) + 1, MAX_STROKES, "strokes")
             channels = ink.formats.get(own) or ink.formats.get("") or PLAIN
@@ -245,7 +249,7 @@ class _Running:
             return float(word == "T")
         if sign:
             self.order = "!'\"".index(sign)
-        given = float(word)
+        given = float(int(word.replace("#", ""), 16)) if "#" in word else float(word)
         if self.order == 0:
             self.step, self.value = given - self.value, given
         else:

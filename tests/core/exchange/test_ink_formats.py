@@ -104,6 +104,10 @@ def test_the_smallest_file_by_hand():
     assert drawing.name == "name"
 
 
+def test_a_byte_order_mark_is_no_damage():
+    assert ink_json.read_drawing(b"\xef\xbb\xbf" + document(), "name").strokes[1].group == "roof"
+
+
 PLAIN_CAMERA = {"eye": [0, 0, 0], "target": [0, 1, 0]}
 
 
@@ -195,6 +199,15 @@ def test_absolute_after_differences_and_repeats():
     np.testing.assert_allclose(
         front(drawing.strokes[0]), [[5, 5], [6, 7], [20, 30], [20, 31]], atol=1e-4
     )
+
+
+def test_hexadecimal_values_and_the_pen_in_the_air():
+    # Section 3.2.1: a value may be a hexadecimal number; section 3.2.1, "type": penUp.
+    drawing = ink("<trace>#A -#1F, #0 3</trace><trace type='penUp'>1 2, 3 4</trace>")
+    assert len(drawing.strokes) == 1
+    np.testing.assert_allclose(front(drawing.strokes[0]), [[10, -31], [0, 3]], atol=1e-4)
+    with pytest.raises(FormatError, match="trace 1"):
+        ink(f"<trace>#{'F' * 400} 1</trace>")
 
 
 FORMAT = (
