@@ -265,7 +265,6 @@ class Workbench:
             model.modeler, "report", modeler.report, model.state, result
         )
         said = self.registry.guard.check_report(model.modeler, said)
-        said = self.registry.guard.check_report(model.modeler, said)
         return {str(key): _plain(value) for key, value in said.items()}
 
     def _modeler_of(self, model: Model) -> Modeler[Any, Any]:

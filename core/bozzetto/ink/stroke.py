@@ -188,6 +188,12 @@ class Stroke:
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a stroke is read-only: {name}")
 
+    def __copy__(self) -> Stroke:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Stroke:
+        return self
+
     def __len__(self) -> int:
         return int(self.x.size)
 
