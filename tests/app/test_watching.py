@@ -52,3 +52,13 @@ def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
     window.canvas.hand.ink_began.emit()
     assert not window.welcome.isVisible()
     assert window.canvas._hint.left == 0
+
+
+def test_a_mesh_that_was_brought_in_says_that_it_has_no_parameters(window, tmp_path, settle):
+    assert "Draw or choose" in window.parameters._empty.text()
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 50 0 0\nv 0 0 50\nf 1 2 3\n")
+    window.session.import_file(tmp_path / "one.obj")
+    settle(window.session)
+    assert window.session.selected is not None
+    assert window.parameters._empty.isVisible()
+    assert window.parameters._empty.text() == "This object has no parameters."

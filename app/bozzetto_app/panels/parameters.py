@@ -34,7 +34,7 @@ class ParametersPanel(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setMinimumWidth(240)
 
-        self._empty = QLabel(tr("Parameters", "Draw or choose an object to see its parameters."))
+        self._empty = QLabel()
         self._locked = QLabel(tr("Parameters", "This object is locked."))
         for words in (self._empty, self._locked):
             words.setWordWrap(True)
@@ -86,6 +86,11 @@ class ParametersPanel(QScrollArea):
         )
         self._locked.setVisible(locked)
         self._form.setEnabled(not locked)
+        self._empty.setText(
+            tr("Parameters", "Draw or choose an object to see its parameters.")
+            if self._session.selected is None
+            else tr("Parameters", "This object has no parameters.")
+        )
         self._empty.setVisible(not found)
         self._form.setVisible(bool(found))
 
