@@ -82,9 +82,10 @@ def _gradients(plan: Plan, values: Points) -> Points:
     """
     count = len(plan.points)
     t = plan.triangles
-    ends = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
-    ends = np.concatenate([ends, ends[:, ::-1]])  # inner edges twice as often: no harm
-    a, b = ends.T
+    # Two triangles run along an inner edge both ways; along the rim one way is missing.
+    rim = np.arange(len(plan.after))
+    a = np.concatenate([t.ravel(), plan.after])
+    b = np.concatenate([np.roll(t, -1, axis=1).ravel(), rim])
     edge = plan.points[b] - plan.points[a]
     weight = edge / np.maximum((edge**2).sum(axis=1), 1e-300)[:, None]
     rise = values[b] - values[a]

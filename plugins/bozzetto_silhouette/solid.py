@@ -55,7 +55,7 @@ class SilhouetteSolid:
     outline : Outline
         As drawn.
     field : ConvolutionField
-        The field whose zero surface this is.
+        The field whose zero surface this is, but for the fairing.
     soundness : Soundness
         What the check of the mesh found; never hidden.
     """

@@ -3,6 +3,11 @@
 The mesh of a single part comes from its plan (`bozzetto_silhouette.solid`), which cannot
 lose thin walls. This module is for fields that are no height fields any more, such as
 blends of several parts.
+
+Its limits: what is thinner than two cells is lost. `ConvolutionField` is not faired, so that
+the surface lies where the field does, some hundredths of the local radius from the mesh of
+the same part, with the field's ripples. And its `gradient` takes six evaluations, because the
+correction follows foot points on a sampled outline, which have no gradient worth the name.
 """
 
 from __future__ import annotations
