@@ -1,8 +1,8 @@
 """Our files in the hands of independent readers.
 
 Every one is optional: trimesh and lib3mf from the extra "interop"; the Khronos validator from
-the npm package ``gltf-validator`` in the folder that BOZZETTO_GLTF_VALIDATOR names; assimp
-and prusa-slicer where they are on the PATH.
+the npm package ``gltf-validator`` in the folder that BOZZETTO_GLTF_VALIDATOR names; pymeshlab
+where it is installed; assimp, admesh and prusa-slicer where they are on the PATH.
 """
 
 from __future__ import annotations
@@ -198,3 +198,31 @@ def test_assimp_reads_all_faces(tmp_path, ending):
     done = subprocess.run(["assimp", "info", str(path)], capture_output=True, text=True, check=True)
     found = int(re.search(r"Faces:\s+(\d+)", done.stdout)[1])
     assert found == sum(len(p.mesh.faces) for p in SHAPES.meshes())
+
+
+@pytest.mark.skipif(not shutil.which("admesh"), reason="admesh is not here")
+def test_admesh_finds_nothing_to_repair(tmp_path):
+    path = tmp_path / "a.stl"
+    export(SHAPES, path)
+    done = subprocess.run(["admesh", str(path)], capture_output=True, text=True, check=True)
+    said = dict(re.findall(r"^([A-Z][a-z ]+?) *: +(\d+)", done.stdout, re.MULTILINE))
+    repairs = ("Degenerate facets", "Edges fixed", "Facets removed", "Facets added",
+               "Facets reversed", "Backwards edges", "Normals fixed")  # fmt: skip
+    assert {said[name] for name in repairs} == {"0"}
+    assert said["Number of parts"] == "2"
+
+
+@pytest.mark.parametrize("ending", ["stl", "obj", "ply", "3mf"])
+def test_meshlab_sees_closed_skins(tmp_path, ending):
+    pymeshlab = pytest.importorskip("pymeshlab")
+    path = tmp_path / f"a.{ending}"
+    export(Shapes(solids=(SHAPES.solids[0],)), path)
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(str(path))
+    if ending == "stl":  # which repeats every corner
+        meshes.meshing_merge_close_vertices(threshold=pymeshlab.PercentageValue(0))
+    topology = meshes.get_topological_measures()
+    assert topology["is_mesh_two_manifold"]
+    assert topology["boundary_edges"] == 0
+    found = meshes.get_geometric_measures()["mesh_volume"]
+    assert found == pytest.approx(volume(RING), rel=1e-4)
