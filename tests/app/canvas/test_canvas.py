@@ -19,6 +19,7 @@ from bozzetto.view.standard import standard_view
 from bozzetto_app.canvas.backends import choose_backend
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.software import SoftwareViewport
+from bozzetto_app.saying import Notice
 from bozzetto_app.settings import settings
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom", "three-quarter")
@@ -288,15 +289,11 @@ def test_the_hint_fades_with_the_first_ink(canvas, pen, qtbot):
     qtbot.waitUntil(lambda: not canvas._hint.isVisible(), timeout=2000)
 
 
-@dataclass(frozen=True)
-class Notice:
-    places: tuple = ()
-
-
 def test_places_of_a_notice_are_lit_and_a_plain_hint_does_not_put_them_out(session, canvas):
-    session.noticed.emit(Notice(((100.0, 120.0),)))
-    session.noticed.emit(Notice())
+    session.noticed.emit(Notice("error", "It crosses itself here.", ((100.0, 120.0),)))
+    session.noticed.emit(Notice("hint", "Draw a closed outline."))
     assert canvas._overlay.lit_places == ((100.0, 120.0),)
+    assert canvas._overlay._lit.words == "It crosses itself here."
 
 
 def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
