@@ -11,6 +11,7 @@ from bozzetto.document.edit import Edit
 from bozzetto.document.model import Document
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
+from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.parameters import Field, parameter_fields
 from bozzetto_app.words import tr
 
@@ -75,7 +76,7 @@ class ObjectEdits:
             if model.locked:
                 raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
             changed = self.workbench.set_parameters(model, {name: value})
-        except UserError as problem:
+        except (UserError, PluginFault) as problem:
             self.complain(problem)
             return
         label = next(

@@ -4,8 +4,8 @@ One document with its history, the selected model, the view, and the work that i
 way. Widgets read it, call its methods and listen to its signals; they never change a
 document themselves. Everything that enters a plugin runs in a worker
 (`bozzetto_app.jobs`), so that no plugin can hold up the window. Its parts have modules of
-their own: `looking` the view, `toolbox` the modelers and tools, `inking` the gestures,
-`editing` the objects, `showing` the pictures, `files` the disk.
+their own: `looking` the view, `toolbox` the modelers and tools, `pen_calls` and
+`inking` the gestures, `editing` the objects, `showing` the pictures, `files` the disk.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto.plugin.registry import ModelerInfo, Registry
 from bozzetto.scene.display_list import Scene
 from bozzetto.workbench import Workbench
@@ -30,6 +29,7 @@ from bozzetto_app.editing import ObjectEdits
 from bozzetto_app.files import Files
 from bozzetto_app.inking import Inking
 from bozzetto_app.looking import Looking, Shading
+from bozzetto_app.pen_calls import PenCalls
 from bozzetto_app.saying import Notice, notice_of
 from bozzetto_app.showing import Showing
 from bozzetto_app.toolbox import Toolbox, ToolInfo
@@ -45,7 +45,7 @@ def _at_once(then: Callable[[], None]) -> None:
     then()
 
 
-class Session(ObjectEdits, Looking):
+class Session(ObjectEdits, PenCalls, Looking):
     """The one object that every widget talks to.
 
     Attributes
@@ -157,16 +157,6 @@ class Session(ObjectEdits, Looking):
         return self.toolbox.tools
 
     @property
-    def pending(self) -> tuple[Stroke, ...]:
-        """Strokes that wait to be understood or committed."""
-        return self.inking.pending
-
-    @property
-    def live_scene(self) -> Scene:
-        """What is shown only for a moment, such as the preview under the pen."""
-        return self.inking.live
-
-    @property
     def selected(self) -> str | None:
         """Id of the selected model."""
         return self._selected
@@ -210,53 +200,6 @@ class Session(ObjectEdits, Looking):
     def activate_tool(self, tool_id: str) -> None:
         """Take another tool of the active modeler."""
         self.toolbox.take_tool(tool_id)
-
-    # -- the pen --
-
-    def pen_moved(self, stroke: Stroke) -> None:
-        """Show what the stroke so far would make."""
-        self.inking.moved(stroke)
-
-    def pen_lifted(self, stroke: Stroke) -> None:
-        """Take a complete stroke and let the tool try the ink."""
-        self.inking.lifted(stroke)
-
-    def pen_cancelled(self) -> None:
-        """Forget the stroke that was being drawn."""
-        self.inking.cancelled()
-
-    def commit_pending(self) -> None:
-        """Say that the pending strokes are all; with none, start a new object next time."""
-        if self.pending:
-            self.inking.commit()
-        else:
-            self.select(None)
-            self.say_hint(tr("Session", "The next stroke starts a new object."))
-
-    def drop_last_pending(self) -> None:
-        """Take back the newest pending stroke."""
-        if self.pending:
-            self.inking.drop_last()
-
-    def clear_pending(self) -> None:
-        """Take back all pending strokes."""
-        self.inking.restart()
-
-    def tapped(self, x: float, y: float, *, shift: bool = False, ctrl: bool = False) -> None:
-        """A short touch with a tool that takes taps."""
-        self.inking.tapped(Tap(x, y, self.camera, shift, ctrl))
-
-    def handle_moved(
-        self, handle: str, path: Stroke, *, shift: bool = False, ctrl: bool = False
-    ) -> None:
-        """Show what a handle dragged so far would make."""
-        self.inking.handle_moved(Drag(handle, path, shift, ctrl))
-
-    def handle_released(
-        self, handle: str, path: Stroke, *, shift: bool = False, ctrl: bool = False
-    ) -> None:
-        """A handle was let go."""
-        self.inking.handle_released(Drag(handle, path, shift, ctrl))
 
     # -- the document --
 

@@ -120,9 +120,14 @@ class Workbench:
         ------
         UserError
             If a name is unknown or a value out of range.
+        PluginFault
+            If the state's own check of itself fails.
         """
         self._refuse_closed(model)
-        return replace(model, state=set_parameters(model.state, dict(values)))
+        changed = self.registry.guard.call(
+            model.modeler, "its state", set_parameters, model.state, dict(values)
+        )
+        return replace(model, state=changed)
 
     def from_drawing(
         self,

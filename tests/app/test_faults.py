@@ -18,9 +18,9 @@ from bozzetto.ink import Strokes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from tests.app.tablet import circle, stroke_of
-from tests.app.troublemaker import MODELER, PLUGIN, BoxesState, box
+from tests.app.troublemaker import MODELER, PLUGIN, UNLUCKY, BoxesState, box
 
-LIMIT = 0.5
+LIMIT = 0.3
 """Seconds after which the tests' channels call a plugin hung."""
 
 
@@ -240,13 +240,20 @@ def test_three_faults_switch_a_plugin_off_and_its_model_stays(session, boxes, se
         assert len(faults(session)) == min(number, 3)
     assert session.registry.guard.is_off(PLUGIN)
     assert boxes.calls["solve"] == 2 + 3
-    assert session.document.models[0].state.size == 50.0
+    assert session.document.models[0].state.size == 40.0  # the fourth was refused
     off = [notice for notice in session.heard if notice.kind == "error"]
     assert "switched off" in off[-1].text
     assert session.registry.plugins()
     session.undo()
     settle(session)
-    assert session.document.models[0].state.size == 40.0
+    assert session.document.models[0].state.size == 30.0
+
+
+def test_a_state_that_fails_over_its_own_values_is_a_fault(session):
+    before = session.document
+    session.set_parameter("size", UNLUCKY)
+    assert session.document is before
+    assert [notice.plugin for notice in faults(session)] == [PLUGIN]
 
 
 def test_a_preview_that_fails_is_not_asked_again_in_this_session(session, boxes, settle):

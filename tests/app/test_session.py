@@ -52,7 +52,8 @@ def test_a_closed_outline_is_a_watertight_solid_and_a_second_one_inside_a_hole(
 ):
     session = make_session()
     draw(session, circle(radius=150))
-    assert all(map(bounds_volume, shown(session))) and len(shown(session)) == 1
+    assert all(map(bounds_volume, shown(session)))
+    assert len(shown(session)) == 1
     assert session.report["parts"][0]["genus"] == 0
     draw(session, circle(radius=50))
     assert bounds_volume(shown(session)[0])
@@ -60,7 +61,8 @@ def test_a_closed_outline_is_a_watertight_solid_and_a_second_one_inside_a_hole(
     session.undo()
     settle(session)
     assert session.report["parts"][0]["genus"] == 0
-    assert "fault" not in kinds(session) and "error" not in kinds(session)
+    assert "fault" not in kinds(session)
+    assert "error" not in kinds(session)
 
 
 def test_an_outline_that_crosses_itself_is_refused_with_its_place(make_session, draw):
@@ -109,7 +111,8 @@ def test_closed_strokes_in_quick_succession_are_taken_one_by_one(session, settle
     strokes = session.document.models[0].state.strokes
     assert len(strokes) == 5
     widths = [np.ptp(stroke.x) for stroke in strokes]
-    assert widths == sorted(widths) and len(set(widths)) == 5
+    assert widths == sorted(widths)
+    assert len(set(widths)) == 5
     assert len(session.history.entries) == 6
 
 
@@ -486,7 +489,8 @@ def test_a_tap_reaches_the_tool_that_is_in_the_hand(session, boxes, settle):
     boxes.misdeeds["apply"] = apply
     session.tapped(10.0, 20.0, shift=True)
     settle(session)
-    assert isinstance(seen[0], Tap) and (seen[0].x, seen[0].y, seen[0].shift) == (10.0, 20.0, True)
+    assert isinstance(seen[0], Tap)
+    assert (seen[0].x, seen[0].y, seen[0].shift) == (10.0, 20.0, True)
     assert session.document.models[0].state.size == 5.0
 
 

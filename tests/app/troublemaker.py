@@ -21,6 +21,9 @@ from bozzetto.scene import Layer, Lines, Scene, Shaded
 MODELER = "trouble.boxes"
 PLUGIN = "trouble.plugin"
 
+UNLUCKY = 13.0
+"""A size within the range of its parameter that the state itself does not take."""
+
 OPEN_GAP = 60.0
 """Distance between a stroke's ends from which it counts as open, pixels."""
 
@@ -70,6 +73,10 @@ class BoxesState:
     strokes: Strokes = Strokes()
     size: Annotated[float, Parameter("Size", 1.0, 100.0)] = 10.0
     table: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.size == UNLUCKY:
+            raise ZeroDivisionError("a size that the author did not think of")
 
 
 def box(size: float, at: float) -> Mesh:

@@ -42,6 +42,9 @@ class Holder(msgspec.Struct, frozen=True):
         Seconds since 1970.
     token : str
         Tells one lock from another of the same process.
+    born : str
+        Tells its process from another one that got the same number later, after a restart
+        of the machine for instance; "" where the system does not say.
     """
 
     user: str
@@ -49,11 +52,14 @@ class Holder(msgspec.Struct, frozen=True):
     pid: int
     since: float
     token: str
+    born: str = ""
 
     @property
     def is_gone(self) -> bool:
         """Whether its process ran on this host and does no longer."""
-        return self.host == socket.gethostname() and not _is_running(self.pid)
+        if self.host != socket.gethostname():
+            return False
+        return not _is_running(self.pid) or (self.born != "" and _born(self.pid) != self.born)
 
 
 class Locked(UserError):
@@ -101,7 +107,14 @@ class FileLock:
             If the folder cannot be written to.
         """
         place = Path(path)
-        mine = Holder(_user(), socket.gethostname(), os.getpid(), time.time(), secrets.token_hex(8))
+        mine = Holder(
+            _user(),
+            socket.gethostname(),
+            os.getpid(),
+            time.time(),
+            secrets.token_hex(8),
+            _born(os.getpid()),
+        )
         draft = place.with_name(f".bozzetto-{mine.token}.lock")
         try:
             draft.write_bytes(msgspec.json.encode(mine))
@@ -210,6 +223,17 @@ def _user() -> str:
         return getpass.getuser()
     except (OSError, KeyError):  # no such name on this system
         return "someone"
+
+
+def _born(pid: int) -> str:
+    """Which start of the machine, and when since then, a process was born; "" if unknown."""
+    try:
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        # The name before the last bracket may hold blanks; the start is the 22nd field.
+        ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
+    except (OSError, IndexError, ValueError):
+        return ""
+    return f"{boot}/{ticks}"
 
 
 def _is_running(pid: int) -> bool:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 
+import msgspec
 import pytest
 
 from bozzetto.document.lock import FileLock, Locked, document_lock_path, holder
@@ -114,3 +115,18 @@ def test_only_one_of_many_gets_a_stale_lock(tmp_path):
 def test_a_folder_that_is_not_there_is_explained(tmp_path):
     with pytest.raises(UserError, match="folder"):
         FileLock.acquire(tmp_path / "none" / "lock", "a")
+
+
+def test_a_number_that_another_process_has_now_is_gone(tmp_path):
+    if not os.path.exists(f"/proc/{os.getpid()}/stat"):
+        pytest.skip("the system does not say when a process was born")
+    place = tmp_path / "lock"
+    FileLock.acquire(place, "it")
+    mine = holder(place)
+    assert not mine.is_gone
+    earlier = msgspec.structs.replace(mine, born="another-start-of-the-machine/7")
+    assert earlier.is_gone
+    assert not msgspec.structs.replace(mine, born="").is_gone
+    place.write_bytes(msgspec.json.encode(earlier))
+    with FileLock.acquire(place, "it"):
+        assert holder(place).born == mine.born

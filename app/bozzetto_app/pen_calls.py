@@ -1,0 +1,86 @@
+"""What the canvas calls when a hand is on it, and what it shows of that."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bozzetto.ink.stroke import Stroke
+from bozzetto.plugin.gesture import Drag, Tap
+from bozzetto.scene.display_list import Scene
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
+    from bozzetto_app.inking import Inking
+
+__all__ = ["PenCalls"]
+
+
+class PenCalls:
+    """The gestures that the canvas hands to the session.
+
+    The session is one of these; what they need of it is named here.
+    """
+
+    if TYPE_CHECKING:
+        inking: Inking
+        camera: Camera
+
+        def select(self, model_id: str | None) -> None: ...
+
+        def say_hint(self, text: str) -> None: ...
+
+    @property
+    def pending(self) -> tuple[Stroke, ...]:
+        """Strokes that wait to be understood or committed."""
+        return self.inking.pending
+
+    @property
+    def live_scene(self) -> Scene:
+        """What is shown only for a moment, such as the preview under the pen."""
+        return self.inking.live
+
+    def pen_moved(self, stroke: Stroke) -> None:
+        """Show what the stroke so far would make."""
+        self.inking.moved(stroke)
+
+    def pen_lifted(self, stroke: Stroke) -> None:
+        """Take a complete stroke and let the tool try the ink."""
+        self.inking.lifted(stroke)
+
+    def pen_cancelled(self) -> None:
+        """Forget the stroke that was being drawn."""
+        self.inking.cancelled()
+
+    def commit_pending(self) -> None:
+        """Say that the pending strokes are all; with none, start a new object next time."""
+        if self.pending:
+            self.inking.commit()
+        else:
+            self.select(None)
+            self.say_hint(tr("Session", "The next stroke starts a new object."))
+
+    def drop_last_pending(self) -> None:
+        """Take back the newest pending stroke."""
+        if self.pending:
+            self.inking.drop_last()
+
+    def clear_pending(self) -> None:
+        """Take back all pending strokes."""
+        self.inking.restart()
+
+    def tapped(self, x: float, y: float, *, shift: bool = False, ctrl: bool = False) -> None:
+        """A short touch with a tool that takes taps."""
+        self.inking.tapped(Tap(x, y, self.camera, shift, ctrl))
+
+    def handle_moved(
+        self, handle: str, path: Stroke, *, shift: bool = False, ctrl: bool = False
+    ) -> None:
+        """Show what a handle dragged so far would make."""
+        self.inking.handle_moved(Drag(handle, path, shift, ctrl))
+
+    def handle_released(
+        self, handle: str, path: Stroke, *, shift: bool = False, ctrl: bool = False
+    ) -> None:
+        """A handle was let go."""
+        self.inking.handle_released(Drag(handle, path, shift, ctrl))
