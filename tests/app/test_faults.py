@@ -322,6 +322,23 @@ def test_a_mesh_that_its_reader_refuses_is_a_fault_of_that_plugin(
     assert [notice.plugin for notice in faults(session)] == ["bozzetto.mesh"]
 
 
+@pytest.mark.parametrize("misdeed", ["raises", "hangs", "leaves", "recurses", "garbage"])
+def test_a_panel_that_misbehaves_does_not_take_the_window_along(
+    misdeed, make_window, boxes, settle, monkeypatch
+):
+    monkeypatch.setattr("bozzetto_app.patience.PATIENCE", LIMIT)
+    boxes.misdeeds["panel"] = MISDEEDS.get(misdeed, lambda *_: 42)
+    window = make_window(MODELER, extra=[boxes.package])
+    session = window.session
+    draw(session, settle)
+    assert [notice.plugin for notice in faults(session)] == [PLUGIN]
+    assert boxes.calls["panel"] == 1
+    assert not window._plugin_panel.is_filled
+    draw(session, settle)
+    assert len(session.document.models[0].state.strokes) == 2
+    assert len(faults(session)) == 1
+
+
 def test_the_fault_bar_names_the_plugin_and_can_switch_it_off(make_window, boxes, settle, qtbot):
     window = make_window(MODELER, extra=[boxes.package])
     boxes.misdeeds["apply"] = raises

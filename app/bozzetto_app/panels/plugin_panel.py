@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Signal
@@ -11,6 +12,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard import PluginFault
+from bozzetto_app.patience import in_time
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
@@ -57,9 +59,15 @@ class _Host:
         if state is self._shown:
             return
         self._shown = state
+        guard = self._session.registry.guard
         for callback in tuple(self._callbacks):
             try:
-                self._session.registry.guard.call(self._modeler, "its panel", callback)
+                in_time(
+                    guard,
+                    self._modeler,
+                    "its panel",
+                    partial(guard.call, self._modeler, "its panel", callback),
+                )
             except (UserError, PluginFault) as problem:
                 self._callbacks.remove(callback)
                 self._session.complain(problem)
@@ -123,7 +131,12 @@ class PluginPanel(QWidget):
     def _make(self, modeler: str) -> None:
         registry, host = self._session.registry, _Host(self._session, modeler)
         try:
-            made = registry.panel(modeler, self, host)
+            made = in_time(
+                registry.guard,
+                modeler,
+                "bozzetto_panel",
+                lambda: registry.panel(modeler, self, host),
+            )
             if made is not None and not isinstance(made, QWidget):
                 wrong = type(made).__name__
                 raise registry.guard.blame(
