@@ -172,22 +172,23 @@ def _chains(lines: list[Points]) -> list[list[Points]]:
     pair like any other unless they are far apart.
     """
     count = len(lines)
-    ends = np.array([p for s in lines for p in (s[0], s[-1])]).reshape(-1, 2)
-    lengths = [float(_arc(s)[-1]) for s in lines]
-    costs = []
-    for a in range(2 * count):
-        for b in range(a + 1, 2 * count):
-            gap = float(np.hypot(*(ends[a] - ends[b])))
-            if a // 2 == b // 2:
-                line = lines[a // 2]
-                share = gap / max(lengths[a // 2], 1e-12)
-                if len(line) > 2 and gap <= 1.5 * float(np.diff(_arc(line)).max()):
-                    share = gap = 0.0  # only the side back to the first vertex is missing
-                cost = 0.5 * gap if share < 0.1 else gap * (1.0 if share < OWN_GAP else 3.0)
-            else:
-                cost = gap
-            costs.append((cost, a, b))
+    own = [_cost_of_closing(line) for line in lines]
     partner = [-1] * (2 * count)
+    for i in range(count):
+        if own[i] == 0.0:
+            partner[2 * i], partner[2 * i + 1] = 2 * i + 1, 2 * i
+    # Only strokes with loose ends look for a partner: a drawing may have thousands that close.
+    loose = [i for i in range(count) if own[i] > 0.0]
+    number = np.repeat(loose, 2) * 2 + np.tile([0, 1], len(loose)) if loose else np.zeros(0, int)
+    ends = np.array([p for i in loose for p in (lines[i][0], lines[i][-1])]).reshape(-1, 2)
+    first, second = np.triu_indices(len(number), 1)
+    gaps = np.hypot(*(ends[first] - ends[second]).T)
+    costs = [
+        (own[a // 2] if a // 2 == b // 2 else gap, a, b)
+        for gap, a, b in zip(
+            gaps.tolist(), number[first].tolist(), number[second].tolist(), strict=True
+        )
+    ]
     for _, a, b in sorted(costs):
         if partner[a] < 0 and partner[b] < 0:
             partner[a], partner[b] = b, a
@@ -203,6 +204,18 @@ def _chains(lines: list[Points]) -> list[list[Points]]:
             end = partner[end ^ 1]
         chains.append(chain)
     return chains
+
+
+def _cost_of_closing(line: Points) -> float:
+    """What it costs to join the two ends of one stroke; compare gaps between strokes."""
+    arcs = _arc(line)
+    gap = float(np.hypot(*(line[0] - line[-1])))
+    share = gap / max(float(arcs[-1]), 1e-12)
+    if len(line) > 2 and gap <= 1.5 * float(np.diff(arcs).max()):
+        return 0.0  # only the side back to the first vertex is missing
+    if share < 0.1:
+        return 0.5 * gap
+    return gap * (1.0 if share < OWN_GAP else 3.0)
 
 
 def _closed(chain: list[Points]) -> Points:

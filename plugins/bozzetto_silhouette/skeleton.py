@@ -139,17 +139,14 @@ def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indic
 
 def _hidden(nodes: Points) -> NDArray[np.bool_]:
     """Balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
-    gap = np.hypot(
-        nodes[:, 0][:, None] - nodes[:, 0][None], nodes[:, 1][:, None] - nodes[:, 1][None]
-    )
-    radius = nodes[:, 2]
-    # Element (k, i): ball i lies within ball k, grown by the stub.
-    within = gap + radius[None] <= (1.0 + STUB) * radius[:, None]
+    x, y, radius = nodes.T
     hidden = np.zeros(len(nodes), dtype=bool)
+    # One ball at a time: a table of all pairs would not fit for a hundred thousand samples.
     for k in np.argsort(-radius, kind="stable").tolist():
         if not hidden[k]:
-            within[k, k] = False
-            hidden |= within[k]
+            within = np.hypot(x - x[k], y - y[k]) + radius <= (1.0 + STUB) * radius[k]
+            within[k] = False
+            hidden |= within
     return hidden
 
 
