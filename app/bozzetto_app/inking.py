@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Inking"]
 
-APPLY_LIMIT = 5.0
+APPLY_LIMIT = 15.0
 """Seconds a tool may take over one gesture before it counts as hung."""
 
-PREVIEW_LIMIT = 2.0
+PREVIEW_LIMIT = 10.0
 """Seconds a live preview may take before it counts as hung."""
 
 

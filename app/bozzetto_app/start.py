@@ -30,7 +30,7 @@ from bozzetto_app.window import Window
 __all__ = ["application", "start"]
 
 VIEWPORT = "view/backend"
-HEAVY = ("scipy.optimize", "scipy.spatial", "shapely", "manifold3d")
+HEAVY = ("scipy.optimize", "scipy.spatial", "scipy.sparse.linalg", "shapely", "manifold3d")
 """Imported in a thread after the first paint, so that the first stroke need not wait."""
 
 

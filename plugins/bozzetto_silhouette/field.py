@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.errors import UserError
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.kernel import (
     Pairs,
@@ -38,6 +39,10 @@ Singles = NDArray[np.float32]
 
 SKELETON_STEPS = 230
 """Samples of the outline that the skeleton is drawn from, at least."""
+
+MOST_SAMPLES = 20_000
+"""Samples of the outline beyond which the fit's tables would not fit into memory; a horse
+has three hundred."""
 
 SKELETON_TOLERANCE = 5e-3
 """Simplification of the skeleton, as a share of the longest side."""
@@ -288,6 +293,11 @@ def _fitted(outline: Outline, softness: float, inflation: float) -> tuple[Convol
     rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8)
     if not rim.simple:
         rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8, every_vertex=True)
+    if len(rim.points) > MOST_SAMPLES:
+        raise UserError(
+            "This drawing is too intricate to swell in one piece. Simplify it, or build its "
+            "parts one by one."
+        )
     axis = chordal_axis(Outline(rim.rings, inner.parents))
     skeleton = simplified(axis, SKELETON_TOLERANCE)
     segments = Segments.of(skeleton, softness, THINNEST)

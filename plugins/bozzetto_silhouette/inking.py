@@ -19,6 +19,9 @@ __all__ = ["rings_from_strokes"]
 
 Points = NDArray[np.float64]
 
+MOST_STROKES = 2_000
+"""Strokes of one part; the nesting of their outlines is looked for pair by pair."""
+
 CLUMP = 2e-4
 """Samples closer than this to the one before are one sample."""
 
@@ -73,6 +76,11 @@ def rings_from_strokes(
     given = [s[:, :2] for s in given if s.ndim == 2 and s.shape[0] > 0 and s.shape[1] >= 2]
     if not given:
         raise UserError("There is no ink yet. Draw a closed outline.")
+    if len(given) > MOST_STROKES:
+        raise UserError(
+            f"This drawing has {len(given)} strokes; at most {MOST_STROKES} can be one part. "
+            "Leave out the small ones, or build its parts one by one."
+        )
     if not all(np.isfinite(s).all() for s in given):
         raise UserError("Some samples of this stroke are not numbers. Draw the outline again.")
     everything = np.concatenate(given)

@@ -110,7 +110,7 @@ def _frames(points: Points, after: Indices, before: Indices) -> tuple[Points, Po
     tangent = edge + back
     length = np.hypot(tangent[:, 0], tangent[:, 1])
     tangent = np.where(length[:, None] > 1e-9, tangent, edge)
-    tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
+    tangent /= np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-300)[:, None]
     turn = np.arctan2(back[:, 0] * edge[:, 1] - back[:, 1] * edge[:, 0], (back * edge).sum(axis=1))
     return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1), turn
 
