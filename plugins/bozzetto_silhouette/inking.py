@@ -19,7 +19,7 @@ __all__ = ["rings_from_strokes"]
 
 Points = NDArray[np.float64]
 
-MOST_STROKES = 2_000
+MOST_STROKES = 1_000
 """Strokes of one part; the nesting of their outlines is looked for pair by pair."""
 
 CLUMP = 2e-4
@@ -189,12 +189,12 @@ def _chains(lines: list[Points]) -> list[list[Points]]:
     loose = [i for i in range(count) if own[i] > 0.0]
     number = np.repeat(loose, 2) * 2 + np.tile([0, 1], len(loose)) if loose else np.zeros(0, int)
     ends = np.array([p for i in loose for p in (lines[i][0], lines[i][-1])]).reshape(-1, 2)
-    first, second = np.triu_indices(len(number), 1)
-    gaps = np.hypot(*(ends[first] - ends[second]).T)
+    one, other = np.triu_indices(len(number), 1)
+    gaps = np.hypot(*(ends[one] - ends[other]).T)
     costs = [
         (own[a // 2] if a // 2 == b // 2 else gap, a, b)
         for gap, a, b in zip(
-            gaps.tolist(), number[first].tolist(), number[second].tolist(), strict=True
+            gaps.tolist(), number[one].tolist(), number[other].tolist(), strict=True
         )
     ]
     for _, a, b in sorted(costs):
