@@ -8,6 +8,7 @@ marked slow and compares with the same window at rest.
 from __future__ import annotations
 
 import gc
+import os
 import time
 from dataclasses import replace
 
@@ -139,6 +140,7 @@ def test_drawing_while_a_solve_is_under_way_gets_every_sample(drawn, settle):
 
 
 @pytest.mark.slow
+@pytest.mark.skipif("CI" in os.environ, reason="a shared machine's pauses are not the program's")
 def test_no_pause_is_longer_than_a_person_notices(drawn, qapp):
     """Median over several solves of the longest pause in each, with garbage tidied as at work."""
     tidier = Tidier()
