@@ -13,6 +13,7 @@ slope of 0.003); Gauss-Legendre on the clipped interval is exact to 3e-7 with 8 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,6 +164,13 @@ def pairs_within_reach(xy: Points, segments: Segments, *, tiles: int = 24) -> Pa
     )
 
 
+@cache
+def _gauss_legendre(nodes: int) -> tuple[Singles, Singles]:
+    """Abscissae on [-1, 1] and weights; computing them takes longer than using them."""
+    abscissae, weights = np.polynomial.legendre.leggauss(nodes)
+    return abscissae.astype(np.float32), weights.astype(np.float32)
+
+
 def segment_integrals(
     segments: Segments, pairs: Pairs, height2: Points | float = 0.0, *, slope: bool = False,
     nodes: int = GAUSS_NODES,
@@ -185,8 +193,7 @@ def segment_integrals(
     value : (p,) float32 array
     derivative : (p,) float32 array or None
     """
-    abscissae, weights = np.polynomial.legendre.leggauss(nodes)
-    abscissae, weights = abscissae.astype(np.float32), weights.astype(np.float32)
+    abscissae, weights = _gauss_legendre(nodes)
     t0s, ks, lengths = (
         column.astype(np.float32) for column in (segments.radius, segments.slope, segments.length)
     )
