@@ -17,6 +17,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
 SAMPLES = HERE.parent / "plugins" / "bozzetto_silhouette" / "samples"
+OUTLINES = HERE.parent / "tests" / "data" / "silhouettes"
 PATIENCE = 30.0
 """Seconds that a solve may take."""
 
@@ -47,6 +48,9 @@ def shapes() -> None:
     from bozzetto.workbench import Workbench
 
     bench = Workbench(Registry())
+    heart = bench.from_drawing("bozzetto.silhouette", read_drawing(OUTLINES / "heart.svg"), {})
+    seen = bench.model_scene(heart, bench.solve(heart, Job()))
+    save(picture(seen, size=(800, 600), shading="zebra"), "heart.png")
     for name in ("horse", "fish", "key"):
         model = bench.from_drawing(
             "bozzetto.silhouette", read_drawing(SAMPLES / f"{name}.json"), {}
