@@ -374,7 +374,9 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _info(options: argparse.Namespace) -> int:
-    facts = _facts(options.input)
+    from bozzetto.exchange.facts import facts_of
+
+    facts = facts_of(options.input)
     if options.json:
         print(json.dumps(facts, indent=2, ensure_ascii=False))
     else:
@@ -394,44 +396,6 @@ def _line(entry: Any) -> str:
     if isinstance(entry, dict):
         return ", ".join(f"{key} {value}" for key, value in entry.items())
     return str(entry)
-
-
-def _facts(path: Path) -> dict[str, Any]:
-    """What a file holds, in plain JSON values."""
-    import numpy as np
-
-    from bozzetto.exchange.formats import find, readers
-    from bozzetto.exchange.importing import read_drawing, read_image, read_mesh
-
-    if path.suffix.lower() == ".bozz":
-        from bozzetto.document.file import document_info
-
-        return document_info(path)
-    if path.is_dir():
-        raise UserError(f"“{path}” is a folder. Choose a file inside it.")
-    holds = find(path, readers()).holds
-    if "image" in holds:
-        height, width, _ = read_image(path).shape
-        return {"kind": "picture", "size_px": [width, height]}
-    if "ink" in holds:
-        drawing = read_drawing(path)
-        return {
-            "kind": "drawing",
-            "camera": drawing.camera.kind,
-            "canvas_px": list(drawing.camera.viewport),
-            "strokes": len(drawing.strokes),
-            "samples": sum(len(stroke) for stroke in drawing.strokes),
-            "pressure": any(stroke.has_pressure for stroke in drawing.strokes),
-        }
-    parts = list(read_mesh(path).meshes())
-    bounds = np.array([part.mesh.bounds for part in parts])
-    return {
-        "kind": "mesh",
-        "parts": len(parts),
-        "vertices": sum(len(part.mesh.vertices) for part in parts),
-        "triangles": sum(len(part.mesh.faces) for part in parts),
-        "size_mm": [round(float(v), 6) for v in bounds[:, 1].max(0) - bounds[:, 0].min(0)],
-    }
 
 
 # -- samples and plugins --

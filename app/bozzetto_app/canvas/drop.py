@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QMimeData
+
+from bozzetto_app.files import DOCUMENT_ENDING
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["DOCUMENT_ENDING", "dropped_files", "take_file"]
-
-DOCUMENT_ENDING: Final = ".bozz"
+__all__ = ["dropped_files", "take_file"]
 
 
 def dropped_files(data: QMimeData) -> list[Path]:
