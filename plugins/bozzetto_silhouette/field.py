@@ -12,13 +12,13 @@ steps, U being nearly linear in z^2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from bozzetto.errors import UserError
 from bozzetto_silhouette.distance import RimDistance
+from bozzetto_silhouette.frame import Frame
 from bozzetto_silhouette.kernel import (
     Pairs,
     Segments,
@@ -27,25 +27,14 @@ from bozzetto_silhouette.kernel import (
     segment_integrals,
 )
 from bozzetto_silhouette.memory import Memory
-from bozzetto_silhouette.outline import Outline
-from bozzetto_silhouette.sampling import Rim, sample_rim
-from bozzetto_silhouette.skeleton import Skeleton, chordal_axis, simplified
+from bozzetto_silhouette.sampling import Rim
+from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.weights import fit_weights
 
 __all__ = ["ConvolutionField", "Correction", "convolution_field", "with_correction"]
 
 Points = NDArray[np.float64]
 Singles = NDArray[np.float32]
-
-SKELETON_STEPS = 230
-"""Samples of the outline that the skeleton is drawn from, at least."""
-
-MOST_SAMPLES = 20_000
-"""Samples of the outline beyond which the fit's tables would not fit into memory; a horse
-has three hundred."""
-
-SKELETON_TOLERANCE = 5e-3
-"""Simplification of the skeleton, as a share of the longest side."""
 
 THINNEST = 2e-3
 """Smallest radius of the kernel, as a share of the longest side."""
@@ -63,10 +52,6 @@ RIPPLE_DEPTH = 0.3
 SUMMIT_ERROR = 0.06
 """Above a node of the skeleton the height may differ by this share from its ball; where it
 differs more (many limbs in one place) it is brought there."""
-
-GRADIENT_STEP = 2e-3
-"""Half step of the central differences, as a share of the longest side: well above the
-jitter of foot points on a sampled outline, well below a cell."""
 
 _FAINT = 1e-5
 """Field, in iso-values, below which the level is held constant."""
@@ -101,72 +86,31 @@ class Correction:
 class ConvolutionField:
     """Field of one silhouette, symmetric in depth.
 
-    Points are rows (x, y, z) in the object frame: the outline lies in z = 0. The field
-    falls monotonically with the depth, so the solid is a height field over the outline.
+    All in the frame of the sums (`Frame`). The field falls monotonically with the depth, so
+    the solid is a height field over the outline, which lies in z = 0.
 
     Attributes
     ----------
     skeleton : Skeleton
-        In the object frame.
     weights : (s,) float array
         One per edge of the skeleton.
     softness : float
         Support of the kernel in radii (sigma).
-    inflation : float
-        Factor on the depth.
     rim, excess, calm_excess : Rim, (m,) and (m,) float arrays
         Samples of the outline, what the level lacks there, and its running average.
     summits : (k, 4) float array
         Where the height is corrected: x, y, radius and what the level lacks.
-    scale, origin : float, (2,) float array
-        The frame in which the sums are done: ``(xy - origin) / scale``.
     """
 
     skeleton: Skeleton
     weights: Points
     softness: float
-    inflation: float
-    scale: float
-    origin: Points
     segments: Segments = field(repr=False)
     rim: Rim = field(repr=False)
     excess: Points = field(repr=False)
     calm_excess: Points = field(repr=False)
     summits: Points = field(repr=False)
     _distance: RimDistance = field(repr=False)
-
-    # -- in the object frame ------------------------------------------------------------
-
-    def value(self, points: ArrayLike) -> Points:
-        """Level at points (n, 3): positive inside, zero on the surface, dimensionless.
-
-        Near the surface it is about twice the distance over the local radius.
-        """
-        xy, z = self._inner(points)
-        return self._level(xy, z * z)
-
-    def gradient(self, points: ArrayLike) -> Points:
-        """Gradient of `value` at points (n, 3), per unit of length; it points inwards."""
-        xy, z = self._inner(points)
-        step = GRADIENT_STEP
-        columns = []
-        for axis in np.eye(2):
-            ahead, back = (self._level(xy + s * step * axis, z * z) for s in (1.0, -1.0))
-            columns.append((ahead - back) / (2.0 * step * self.scale))
-        ahead, back = (self._level(xy, np.square(z + s * step)) for s in (1.0, -1.0))
-        columns.append((ahead - back) / (2.0 * step * self.scale * self.inflation))
-        return np.stack(columns, axis=1)
-
-    def heights(self, xy: ArrayLike) -> Points:
-        """Half thickness of the solid at points (n, 2) of the plane; 0 outside."""
-        inner = (np.asarray(xy, dtype=np.float64) - self.origin) / self.scale
-        return self.heights_inner(inner) * self.scale * self.inflation
-
-    # -- in the frame of the sums -------------------------------------------------------
-
-    def _inner(self, points: ArrayLike) -> tuple[Points, Points]:
-        p = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        return (p[:, :2] - self.origin) / self.scale, p[:, 2] / (self.scale * self.inflation)
 
     def correction(self, xy: Points) -> Correction:
         """Correction at points (n, 2) of the frame of the sums."""
@@ -212,8 +156,8 @@ class ConvolutionField:
         descent = np.bincount(pairs.point, change * weight, count).astype(np.float64)
         return level, room * (2.0 / 7.0) * total ** (-5.0 / 7.0) * descent
 
-    def heights_inner(self, xy: Points) -> Points:
-        """`heights` in the frame of the sums, without inflation."""
+    def heights(self, xy: Points) -> Points:
+        """Half thickness of the solid at points (n, 2) of the plane; 0 outside."""
         pairs = pairs_within_reach(xy, self.segments)
         corrected = self.correction(xy)
         square = np.maximum(corrected.floor, 0.0) * corrected.radius**2
@@ -256,59 +200,29 @@ def _guarded(
     return result, np.minimum(slope, -1e-2)
 
 
-_fields: Memory[tuple[ConvolutionField, Points]] = Memory(limit=16)
+_fields: Memory[ConvolutionField] = Memory(limit=16)
 """The preview's field is the final solid's, too: it does not depend on the resolution."""
 
 
-def convolution_field(
-    outline: Outline, *, softness: float = 1.4, inflation: float = 1.0
-) -> tuple[ConvolutionField, Points]:
-    """Skeleton, weights and correction for an outline.
+def convolution_field(frame: Frame, *, softness: float = 1.4) -> ConvolutionField:
+    """Weights for a skeleton, from the outline; not yet corrected.
 
     Parameters
     ----------
-    outline : Outline
-        In the object frame.
+    frame : Frame
     softness : float
         Support of the kernel in radii, 1.25 to 2: how far limbs blend into each other.
-    inflation : float
-        Factor on the depth.
-
-    Returns
-    -------
-    field : ConvolutionField
-    axis : (k, 3) float array
-        The unsimplified chordal axis, in the frame of the sums.
     """
-    question = (outline, softness, inflation)
-    return _fields.recall(question, lambda: _fitted(outline, softness, inflation))
+    return _fields.recall((frame, softness), lambda: _fitted(frame, softness))
 
 
-def _fitted(outline: Outline, softness: float, inflation: float) -> tuple[ConvolutionField, Points]:
-    low, high = outline.bounds
-    scale, origin = outline.size, 0.5 * (low + high)
-    inner = outline.transformed(1.0 / scale, -origin / scale)
-    perimeter = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in inner.rings)
-    step = min(perimeter / SKELETON_STEPS, 0.03)
-    rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8)
-    if not rim.simple:
-        rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8, every_vertex=True)
-    if len(rim.points) > MOST_SAMPLES:
-        raise UserError(
-            "This drawing is too intricate to swell in one piece. Simplify it, or build its "
-            "parts one by one."
-        )
-    axis = chordal_axis(Outline(rim.rings, inner.parents))
-    skeleton = simplified(axis, SKELETON_TOLERANCE)
-    segments = Segments.of(skeleton, softness, THINNEST)
-    fitted = fit_weights(skeleton, segments, rim.points)
-    raw = ConvolutionField(
-        skeleton.transformed(scale, origin),
-        fitted,
+def _fitted(frame: Frame, softness: float) -> ConvolutionField:
+    segments = Segments.of(frame.skeleton, softness, THINNEST)
+    rim = frame.rim
+    return ConvolutionField(
+        frame.skeleton,
+        fit_weights(frame.skeleton, segments, rim.points),
         softness,
-        inflation,
-        scale,
-        origin,
         segments,
         rim,
         np.zeros(len(rim.points)),
@@ -316,13 +230,10 @@ def _fitted(outline: Outline, softness: float, inflation: float) -> tuple[Convol
         np.zeros((0, 4)),
         RimDistance(rim.points, rim.after),
     )
-    return raw, axis.nodes
 
 
 def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     """The same field, corrected so that its zero line in z = 0 is the sampled outline."""
-    from dataclasses import replace
-
     pairs = pairs_within_reach(rim.points, raw.segments)
     level, _ = raw._convolved(pairs, len(rim.points), np.zeros(len(rim.points)), slope=False)
     # Never so much that the body would reach beyond the support of the kernel.
@@ -335,9 +246,9 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
         calm_excess=rim.averaged(excess),
         _distance=RimDistance(rim.points, rim.after),
     )
-    nodes = raw.skeleton.transformed(1.0 / raw.scale, -raw.origin / raw.scale)
+    nodes = raw.skeleton
     wanted = nodes.heights(nodes.nodes[:, :2])
-    height = field_.heights_inner(nodes.nodes[:, :2])
+    height = field_.heights(nodes.nodes[:, :2])
     error = np.abs(height - wanted) / np.maximum(wanted, THINNEST)
     # The correction sets in gradually: how a shape is drawn must not switch it on or off.
     share = np.clip(2.0 * error / SUMMIT_ERROR - 1.0, 0.0, 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,14 +13,15 @@ from bozzetto.geometry import Mesh, Shapes, Skeleton, Solid
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Context, Job
 from bozzetto.scene import Layer, Lines, Scene, Shaded
+from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.fidelity import measure
 from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.memory import Memory
+from bozzetto_silhouette.leaf import solid_of
 from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.solid import SilhouetteSolid, solidify
-from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto_silhouette.solid import SilhouetteSolid
+from bozzetto_silhouette.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.tools import DrawOutline
-from bozzetto_silhouette.union import united
+from bozzetto_silhouette.tree import tree_body
 
 __all__ = ["Silhouette", "SilhouetteResult"]
 
@@ -30,15 +31,24 @@ PREVIEW_RESOLUTION = 64
 INK_WIDTH = (1.0, 3.0)
 """Width of ghost ink at no and at full pressure, pixels."""
 
-_solids: Memory[SilhouetteSolid] = Memory(limit=64)
-
 
 @dataclass(frozen=True, eq=False)
 class SilhouetteResult:
-    """One solid for every part: in its object frame, and as a mesh in the world."""
+    """The shape of the whole tree, and the solid of every part in its own object frame.
 
-    solids: tuple[SilhouetteSolid, ...]
-    meshes: tuple[Mesh, ...]
+    Attributes
+    ----------
+    body : Body or None
+        None where nothing is left.
+    mesh : Mesh or None
+        The same for the screen and for files.
+    solids : dict of str to SilhouetteSolid
+        By the id of the part; without those that go straight through.
+    """
+
+    body: Body | None
+    mesh: Mesh | None
+    solids: Mapping[str, SilhouetteSolid]
 
 
 class Silhouette:
@@ -47,7 +57,7 @@ class Silhouette:
     id = "bozzetto.silhouette"
     title = "Silhouette"
     state_type = SilhouetteState
-    state_version = 1
+    state_version = 2
 
     def create(self, context: Context) -> SilhouetteState:
         """No part yet."""
@@ -67,74 +77,103 @@ class Silhouette:
         """
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes. Draw a closed outline first.")
-        part = Part(drawing.strokes, sheet_under(drawing.strokes[0], context))
+        part = Part(
+            id="n1",
+            name="Part 1",
+            strokes=drawing.strokes,
+            sheet=sheet_under(drawing.strokes[0], context),
+        )
         outline_of(part)
-        return SilhouetteState(parts=(part,))
+        return SilhouetteState().with_node(part)
 
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
-        """One watertight solid for every part; parts that did not change are remembered."""
+        """One watertight solid; what did not change is remembered."""
         resolution = state.resolution
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
-        solids = []
-        for number, part in enumerate(state.parts):
-
-            def checkpoint(fraction: float, step: str, number: int = number) -> None:
-                job.checkpoint((number + fraction) / len(state.parts), step)
-
-            def work(part: Part = part) -> SilhouetteSolid:
-                return solidify(
-                    outline_of(part),
-                    resolution=resolution,
-                    softness=state.softness,
-                    inflation=state.inflation,
-                    checkpoint=checkpoint,
-                )
-
-            question = (part, resolution, state.softness, state.inflation)
-            solids.append(_solids.recall(question, work))
-        meshes = [
-            Mesh(
-                part.sheet.to_world(solid.vertices).astype(np.float32),
-                solid.faces,
-                part.sheet.turn(solid.normals).astype(np.float32),
+        body = tree_body(state, resolution, job.checkpoint)
+        mesh = None
+        if body is not None:
+            mesh = Mesh(
+                body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32)
             )
-            for part, solid in zip(state.parts, solids, strict=True)
-        ]
-        return SilhouetteResult(tuple(solids), tuple(meshes))
+        solids = {
+            part.id: solid_of(part, resolution)
+            for part in state.parts
+            if part.visible and part.surface != "straight"
+        }
+        return SilhouetteResult(body, mesh, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
         """The solids in clay and the ink that made them, as a ghost."""
         layers = []
-        if result is not None:
-            layers.append(Layer("shape", tuple(Shaded(mesh) for mesh in result.meshes)))
-        if state.parts:
+        if result is not None and result.mesh is not None:
+            layers.append(Layer("shape", (Shaded(result.mesh),)))
+        if state.nodes:
             layers.append(Layer("ink", tuple(_ghost(part) for part in state.parts)))
         return Scene(tuple(layers))
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
-        """One solid, the union of all parts, and the skeleton of each."""
-        if not result.meshes:
+        """One solid and the skeleton of each part."""
+        if result.mesh is None:
             return Shapes()
         skeletons = []
-        for part, solid in zip(state.parts, result.solids, strict=True):
-            nodes, bones = solid.skeleton.nodes, solid.skeleton.edges.astype(np.int32)
-            joints = part.sheet.to_world(nodes[:, :2])
-            skeletons.append(Skeleton(joints, nodes[:, 2], bones))
-        return Shapes(solids=(Solid(united(result.meshes)),), skeletons=tuple(skeletons))
+        for part in state.parts:
+            if part.id in result.solids:
+                skeleton = result.solids[part.id].skeleton
+                nodes, bones = skeleton.nodes, skeleton.edges.astype(np.int32)
+                flat = np.column_stack([nodes[:, :2], np.zeros(len(nodes))])
+                radii = nodes[:, 2] * part.placement.scale
+                skeletons.append(Skeleton(part.placement.points(flat), radii, bones))
+        return Shapes(solids=(Solid(result.mesh),), skeletons=tuple(skeletons))
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
         """How truly every part keeps its outline."""
         return {
             "parts": [
-                asdict(measure(solid, outline_of(part)))
-                for part, solid in zip(state.parts, result.solids, strict=True)
+                asdict(measure(result.solids[part.id], outline_of(part)))
+                for part in state.parts
+                if part.id in result.solids
             ]
         }
 
+    # -- parts --
+
+    def parts(self, state: SilhouetteState) -> tuple[Part | Group, ...]:
+        """The nodes of the tree."""
+        return state.nodes
+
+    def selected_part(self, state: SilhouetteState) -> str:
+        """The node that is chosen."""
+        return state.selected
+
+    def is_group(self, part: Part | Group) -> bool:
+        """Whether a node holds others."""
+        return isinstance(part, Group)
+
+    def with_parts(
+        self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
+    ) -> SilhouetteState:
+        """The same state with other nodes."""
+        return replace(state, nodes=parts, selected=selected)
+
+    def new_group(self, state: SilhouetteState) -> Group:
+        """An empty group."""
+        return Group(id=state.unused_id(), name=state.unused_name("Group"))
+
+    # -- documents --
+
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """There is no older form yet."""
-        return state
+        """Version 1 had a flat list of parts that shared their parameters and never met."""
+        if version >= 2:
+            return state
+        shared = {key: state[key] for key in ("inflation", "softness") if key in state}
+        nodes = [
+            {"$type": "Part", "id": f"n{k}", "name": f"Part {k}", "blend": 0.0, **shared, **part}
+            for k, part in enumerate(state.get("parts", ()), 1)
+        ]
+        kept = {key: state[key] for key in ("resolution",) if key in state}
+        return {"nodes": nodes, "selected": "n1" if nodes else "", **kept}
 
 
 def _ghost(part: Part) -> Lines:
@@ -143,7 +182,7 @@ def _ghost(part: Part) -> Lines:
     thin, thick = INK_WIDTH
     for stroke in part.strokes:
         on_sheet = part.sheet.from_pixels(stroke.points, stroke.camera)
-        points.append(part.sheet.to_world(on_sheet))
+        points.append(part.pose.points(part.sheet.to_world(on_sheet)))
         widths.append(thin + (thick - thin) * np.clip(stroke.pressure, 0.0, 1.0))
         starts.append(count)
         count += len(on_sheet)

@@ -19,7 +19,7 @@ from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.elements import Elements, factorised
 from bozzetto_silhouette.plan import Plan, plan_of
 from bozzetto_silhouette.sampling import sample_rim
-from bozzetto_silhouette.shell import mirrored_shell, vertex_normals
+from bozzetto_silhouette.shell import sewn_shell, vertex_normals
 
 __all__ = ["Inflation", "inflate", "membrane"]
 
@@ -147,4 +147,4 @@ def _inflated(
     radius = float(RimDistance(plan.points[: len(plan.after)], plan.after)(inner).distance.max())
     height = np.sqrt(u)
     height *= inflation * radius / max(float(height.max()), 1e-12)
-    return mirrored_shell(plan, height)
+    return sewn_shell(plan, height, height)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
@@ -44,6 +45,12 @@ class Sheet:
     def normal(self) -> Array:
         """Unit vector towards the person who drew."""
         return np.cross(self.right, self.up)
+
+    @property
+    def placement(self) -> Placement:
+        """From the object frame to the world."""
+        columns = np.column_stack((self.right, self.up, self.normal))
+        return Placement(tuple(float(v) for v in columns.ravel()), 1.0, self.origin)
 
     def from_pixels(self, pixels: ArrayLike, camera: Camera) -> Array:
         """Canvas positions as seen through a camera, on the sheet; shape (n, 2), mm.

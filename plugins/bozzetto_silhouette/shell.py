@@ -1,4 +1,4 @@
-"""From a plan with heights to a closed surface: lifted, mirrored, oriented, with normals."""
+"""From a plan with heights to a closed surface: lifted, sewn, oriented, with normals."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.plan import Plan
 
-__all__ = ["mirrored_shell", "shell_normals", "vertex_normals"]
+__all__ = ["sewn_shell", "shell_normals", "vertex_normals"]
 
 Points = NDArray[np.float64]
 Faces = NDArray[np.int32]
@@ -17,15 +17,15 @@ _ROUNDS = 3
 """Rounds in which gradients are made exact for quadratic functions."""
 
 
-def mirrored_shell(plan: Plan, heights: Points) -> tuple[Points, Faces]:
-    """Front and back of a height field over a plan, sewn along the rim.
+def sewn_shell(plan: Plan, front: Points, back: Points) -> tuple[Points, Faces]:
+    """Front and back of a relief over a plan, sewn along the rim.
 
     Parameters
     ----------
     plan : Plan
         Counter-clockwise triangles; the rim's samples come first.
-    heights : (n,) float array
-        Half thickness at the plan's points; that of the rim is not used.
+    front, back : (n,) float array
+        Heights and depths at the plan's points, not negative; those of the rim are not used.
 
     Returns
     -------
@@ -36,19 +36,18 @@ def mirrored_shell(plan: Plan, heights: Points) -> tuple[Points, Faces]:
     """
     rim, count = len(plan.after), len(plan.points)
     inner = plan.points[rim:]
-    z = heights[rim:, None]
     vertices = np.vstack([
         np.column_stack([plan.points[:rim], np.zeros(rim)]),
-        np.hstack([inner, z]),
-        np.hstack([inner, -z]),
+        np.column_stack([inner, front[rim:]]),
+        np.column_stack([inner, -back[rim:]]),
     ])  # fmt: skip
-    front = plan.triangles
-    back = np.where(front >= rim, front + (count - rim), front)[:, ::-1]
-    return vertices, np.concatenate([front, back]).astype(np.int32)
+    upper = plan.triangles
+    lower = np.where(upper >= rim, upper + (count - rim), upper)[:, ::-1]
+    return vertices, np.concatenate([upper, lower]).astype(np.int32)
 
 
-def shell_normals(plan: Plan, square: Points, inflation: float = 1.0) -> Points:
-    """Unit normals of the surface z^2 = u over a plan, for the vertices of its mirrored shell.
+def shell_normals(plan: Plan, front: Points, back: Points) -> Points:
+    """Unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
 
     They come from the slope of u, which is nearly quadratic where z itself, upright at the
     rim, is hard to differentiate: the facets of the mesh do not show in them.
@@ -56,21 +55,24 @@ def shell_normals(plan: Plan, square: Points, inflation: float = 1.0) -> Points:
     Parameters
     ----------
     plan : Plan
-    square : (n,) float array
-        u, 0 on the rim.
-    inflation : float
-        Factor by which the shell is stretched in depth.
+    front, back : (n,) float array
+        u of either side, 0 on the rim.
 
     Returns
     -------
     (v, 3) float array
-        In the order of `mirrored_shell`.
+        In the order of `sewn_shell`.
     """
     rim = len(plan.after)
-    slope = _gradients(plan, square)
-    front = np.column_stack([-slope, 2.0 / inflation * np.sqrt(square)])
-    front /= np.maximum(np.sqrt((front**2).sum(axis=1)), 1e-300)[:, None]
-    return np.concatenate([front, front[rim:] * (1.0, 1.0, -1.0)])
+    upper = _normals(plan, front)
+    lower = upper if back is front else _normals(plan, back)
+    return np.concatenate([upper, lower[rim:] * (1.0, 1.0, -1.0)])
+
+
+def _normals(plan: Plan, square: Points) -> Points:
+    normal = np.column_stack([-_gradients(plan, square), 2.0 * np.sqrt(square)])
+    normal /= np.maximum(np.sqrt((normal**2).sum(axis=1)), 1e-300)[:, None]
+    return normal
 
 
 def _gradients(plan: Plan, values: Points) -> Points:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.fairing import faired
-from bozzetto_silhouette.field import ConvolutionField, convolution_field, with_correction
+from bozzetto_silhouette.frame import SkeletonRule, frame_of
 from bozzetto_silhouette.outline import Outline
-from bozzetto_silhouette.plan import plan_of
+from bozzetto_silhouette.plan import Plan, plan_of
 from bozzetto_silhouette.sampling import sample_rim
-from bozzetto_silhouette.shell import mirrored_shell, shell_normals
+from bozzetto_silhouette.shell import sewn_shell, shell_normals
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.soundness import Soundness, soundness_of
+from bozzetto_silhouette.swelling import ConvolutionSwelling, Swelling
+from bozzetto_silhouette.thickness import Thickness, Uniform
 
 __all__ = ["Checkpoint", "SilhouetteSolid", "ignore", "solidify"]
 
@@ -34,6 +35,10 @@ _ATTEMPTS = ((1.0, False), (0.6, False), (0.6, True))
 whether every drawn vertex is kept."""
 
 
+CONVOLUTION = ConvolutionSwelling()
+UNIFORM = Uniform()
+
+
 def ignore(fraction: float, step: str) -> None:
     """Checkpoint that does nothing."""
 
@@ -50,12 +55,16 @@ class SilhouetteSolid:
         Oriented outwards, watertight.
     normals : (v, 3) float64 array
         Unit, outwards.
-    skeleton : Skeleton
-        In the object frame.
     outline : Outline
         As drawn.
-    field : ConvolutionField
-        The field whose zero surface this is, but for the fairing.
+    skeleton : Skeleton
+        In the object frame.
+    plan : Plan
+        In the object frame.
+    front, back : (n,) float64 array
+        Squared heights and depths at the plan's points, 0 on the rim.
+    step : float
+        Spacing of the plan in the thick places.
     soundness : Soundness
         What the check of the mesh found; never hidden.
     """
@@ -63,9 +72,12 @@ class SilhouetteSolid:
     vertices: Points
     faces: NDArray[np.int32]
     normals: Points
-    skeleton: Skeleton
     outline: Outline
-    field: ConvolutionField
+    skeleton: Skeleton
+    plan: Plan
+    front: Points
+    back: Points
+    step: float
     soundness: Soundness
 
 
@@ -73,8 +85,9 @@ def solidify(
     outline: Outline,
     *,
     resolution: int = 128,
-    softness: float = 1.4,
-    inflation: float = 1.0,
+    swelling: Swelling = CONVOLUTION,
+    thickness: Thickness = UNIFORM,
+    rule: SkeletonRule = "exact",
     checkpoint: Checkpoint = ignore,
 ) -> SilhouetteSolid:
     """Inflate an outline.
@@ -85,10 +98,12 @@ def solidify(
         What was drawn.
     resolution : int
         Cells along the longest side; where walls or gaps are thin the mesh is finer.
-    softness : float
-        Support of the kernel in radii, 1.25 to 2: how far limbs blend into each other.
-    inflation : float
-        Factor on the depth; the silhouette stays.
+    swelling : Swelling
+        The kind of surface.
+    thickness : Thickness
+        Factors on the height and on the depth; the silhouette stays.
+    rule : {"exact", "paper"}
+        How the skeleton is taken from the outline's triangles.
     checkpoint : callable
         Called with (fraction, step) between steps; may raise `Cancelled`.
 
@@ -97,29 +112,38 @@ def solidify(
     SilhouetteSolid
     """
     checkpoint(0.0, "skeleton")
-    raw, axis = convolution_field(outline, softness=softness, inflation=inflation)
-    inner = outline.transformed(1.0 / raw.scale, -raw.origin / raw.scale)
+    frame = frame_of(outline, rule)
     for share, every_vertex in _ATTEMPTS:
         step = share * PITCH / resolution
         checkpoint(0.15, "plan")
-        rim = sample_rim(inner.rings, step, FINEST * step, every_vertex=every_vertex)
+        rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
         if not rim.simple and not every_vertex:
             continue
-        plan = plan_of(rim, axis, step)
-        checkpoint(0.4, "field")
-        field = with_correction(raw, rim)
-        square = np.zeros(len(plan.points))
-        first = len(plan.after)
-        square[first:] = field.heights_inner(plan.points[first:]) ** 2
-        checkpoint(0.6, "fairing")
-        square = faired(plan, square)
-        checkpoint(0.8, "surface")
-        vertices, faces = mirrored_shell(plan, np.sqrt(square))
-        vertices[:, :2] = vertices[:, :2] * raw.scale + raw.origin
-        vertices[:, 2] *= raw.scale * inflation
+        plan = plan_of(rim, frame.axis, step)
+        checkpoint(0.4, "surface")
+        square = swelling.squares(frame, rim, plan)
+        checkpoint(0.8, "mesh")
+        up, down = thickness.factors(frame, plan)
+        front = square * up**2
+        back = front if up is down else square * down**2
+        vertices, faces = sewn_shell(plan, np.sqrt(front), np.sqrt(back))
+        vertices *= frame.scale
+        vertices[:, :2] += frame.origin
         soundness = soundness_of(vertices, faces, outline)
         if soundness.ok:
             break
-    normals = shell_normals(plan, square, inflation)
+    normals = shell_normals(plan, front, back)
     checkpoint(1.0, "done")
-    return SilhouetteSolid(vertices, faces, normals, field.skeleton, outline, field, soundness)
+    square_scale = frame.scale**2
+    return SilhouetteSolid(
+        vertices,
+        faces,
+        normals,
+        outline,
+        frame.skeleton.transformed(frame.scale, frame.origin),
+        replace(plan, points=plan.points * frame.scale + frame.origin),
+        front * square_scale,
+        back * square_scale,
+        step * frame.scale,
+        soundness,
+    )

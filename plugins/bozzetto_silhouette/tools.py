@@ -14,7 +14,7 @@ from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet, surrounds
 from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto_silhouette.state import Group, Part, SilhouetteState
 
 __all__ = ["DrawOutline"]
 
@@ -43,7 +43,7 @@ class DrawOutline:
         points = np.concatenate(on_sheet)
         if not np.isfinite(points).all():
             return Scene()
-        swollen = inflate(points, inflation=state.inflation)
+        swollen = inflate(points)
         if swollen is None:
             return Scene()
         mesh = Mesh(
@@ -69,9 +69,14 @@ class DrawOutline:
             return _erased(state, gesture.strokes[-1])
         if not gesture.committed and not _meets_itself(gesture.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
-        part = Part(Strokes(gesture.strokes), sheet_under(gesture.strokes[0], context))
+        part = Part(
+            id=state.unused_id(),
+            name=state.unused_name(),
+            strokes=Strokes(gesture.strokes),
+            sheet=sheet_under(gesture.strokes[0], context),
+        )
         outline_of(part)
-        return replace(state, parts=_nested(state.parts, part))
+        return _nested(state, part)
 
 
 def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
@@ -83,28 +88,35 @@ def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
     return len(points) > 2 and gap <= OPEN_GAP * diagonal
 
 
-def _nested(parts: tuple[Part, ...], new: Part) -> tuple[Part, ...]:
-    """The parts with a new one among them.
+def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
+    """The state with a new part.
 
     Inside another one on its sheet it is a hole; it takes in those that it is drawn around
     as its holes; anywhere else it stands for itself.
     """
-    alike = [index for index, old in enumerate(parts) if new.sheet.faces_as(old.sheet)]
-    for index in alike:
-        old = parts[index]
+    if state.inner == "apart":
+        return state.with_node(new)
+    alike = [part for part in state.parts if new.sheet.faces_as(part.sheet)]
+    for old in alike:
         if _lies_within(new, old):
             whole = replace(old, strokes=old.strokes.extended(new.strokes))
             outline_of(whole)
-            return (*parts[:index], whole, *parts[index + 1 :])
-    taken = [index for index in alike if _lies_within(parts[index], new)]
-    whole = new
-    for index in taken:
-        whole = replace(whole, strokes=whole.strokes.extended(parts[index].strokes))
-    if taken:
-        outline_of(whole)
-    place = taken[0] if taken else len(parts)
-    kept = [old for index, old in enumerate(parts) if index not in taken]
-    return (*kept[:place], whole, *kept[place:])
+            return state.with_node(whole)
+    taken = [part for part in alike if _lies_within(part, new)]
+    if not taken:
+        return state.with_node(new)
+    strokes = new.strokes
+    for old in taken:
+        strokes = strokes.extended(old.strokes)
+    whole = replace(taken[0], strokes=strokes, sheet=new.sheet)
+    outline_of(whole)
+    rest = taken[1:]
+    return replace(state, nodes=_without(state.nodes, rest)).with_node(whole)
+
+
+def _without(nodes: tuple[Part | Group, ...], gone: list[Part]) -> tuple[Part | Group, ...]:
+    ids = {node.id for node in gone}
+    return tuple(node for node in nodes if node.id not in ids)
 
 
 def _lies_within(inner: Part, outer: Part) -> bool:
@@ -121,12 +133,11 @@ def _erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
     UserError
         If nothing lies under the eraser.
     """
-    for index in reversed(range(len(state.parts))):
-        part = state.parts[index]
+    for part in reversed(state.parts):
         path = part.sheet.from_pixels(eraser.points, eraser.camera)
         if not np.isfinite(path).all():
             continue
         inside = [surrounds(outline_of(part), point[None]) for point in path[:: len(path) // 8 + 1]]
         if np.mean(inside) >= 0.5:
-            return replace(state, parts=state.parts[:index] + state.parts[index + 1 :])
+            return replace(state, nodes=_without(state.nodes, [part]))
     raise UserError("There is no part under the eraser. Rub across the part to take it away.")

@@ -65,6 +65,13 @@ class Placement:
         rows = np.reshape(self.rotation, (3, 3))
         return np.asarray(np.reshape(np.asarray(vectors, float), (-1, 3)) @ rows.T, np.float64)
 
+    def after(self, first: Placement) -> Placement:
+        """The placement that does `first`, then this one."""
+        rows = np.reshape(self.rotation, (3, 3)) @ np.reshape(first.rotation, (3, 3))
+        x, y, z = (float(v) for v in self.points(first.offset)[0])
+        turn = tuple(float(v) for v in rows.ravel())
+        return Placement(turn, self.scale * first.scale, (x, y, z))
+
     def inverse(self) -> Placement:
         """The placement that undoes this one."""
         rows = np.reshape(self.rotation, (3, 3))

@@ -14,6 +14,7 @@ from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.panel import PanelHost
 from bozzetto.plugin.parameters import Parameter
+from bozzetto.plugin.parts import HasParts
 
 __all__ = [
     "API_VERSION",
@@ -21,6 +22,7 @@ __all__ = [
     "Context",
     "Drag",
     "Gesture",
+    "HasParts",
     "Ink",
     "Job",
     "Modeler",
@@ -37,5 +39,5 @@ __all__ = [
     "hookimpl",
 ]
 
-API_VERSION = (1, 0)
+API_VERSION = (1, 1)
 """Version of this contract: a plugin's manifest names the range it was written for."""

@@ -16,7 +16,8 @@ from bozzetto.errors import UserError
 __all__ = ["Field", "Parameter", "parameter_fields", "parse_parameter", "set_parameters"]
 
 State = TypeVar("State")
-Kind = Literal["number", "integer", "switch", "choice", "text"]
+Kind = Literal["number", "integer", "switch", "choice", "text", "color"]
+Color = tuple[int, int, int]
 
 LONGEST_TEXT = 1000
 """Longest text parameter accepted, characters."""
@@ -73,7 +74,7 @@ class Field:
     ----------
     name : str
         Of the field.
-    kind : {"number", "integer", "switch", "choice", "text"}
+    kind : {"number", "integer", "switch", "choice", "text", "color"}
     default : object
     values : tuple of str
         Of a choice.
@@ -102,6 +103,8 @@ class Field:
             if value not in self.values:
                 raise UserError(f"{label} is one of {', '.join(self.values)}; not {value!r}.")
             return value
+        if self.kind == "color":
+            return _color(label, value)
         if self.kind == "text":
             if not isinstance(value, str) or len(value) > LONGEST_TEXT:
                 raise UserError(f"{label} is a text of at most {LONGEST_TEXT} characters.")
@@ -145,6 +148,8 @@ def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
             kind = "number"
         elif plain is str:
             kind = "text"
+        elif plain == Color | None:
+            kind = "color"
         else:
             raise TypeError(f"{state_type.__name__}.{entry.name}: {plain} cannot be a parameter")
         if entry.default is not dataclasses.MISSING:
@@ -192,8 +197,30 @@ def parse_parameter(field: Field, text: str) -> object:
         return words[text.strip().lower()]
     if field.kind in ("choice", "text"):
         return field.check(text)
+    if field.kind == "color":
+        return field.check(None if text.strip().lower() == "none" else _written_color(text))
     try:
         number = float(text)
     except ValueError:
         raise UserError(f"{field.parameter.label} is a number, not {text!r}.") from None
     return field.check(number)
+
+
+def _written_color(text: str) -> object:
+    """The parts of a colour written as ``#rrggbb``, or the text itself."""
+    digits = text.strip().removeprefix("#")
+    try:
+        return tuple(bytes.fromhex(digits)) if len(digits) == 6 else text
+    except ValueError:
+        return text
+
+
+def _color(label: str, value: object) -> Color | None:
+    if value is None:
+        return None
+    parts = tuple(value) if isinstance(value, tuple | list) else ()
+    whole = all(isinstance(part, int) and not isinstance(part, bool) for part in parts)
+    if len(parts) != 3 or not whole or not all(0 <= part <= 255 for part in parts):
+        raise UserError(f"{label} is a colour such as #c86432, or none; not {value!r}.")
+    red, green, blue = parts
+    return red, green, blue

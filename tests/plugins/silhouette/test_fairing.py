@@ -94,7 +94,7 @@ def test_normals_are_exact_on_any_quadric_height(bar: Plan) -> None:
         [0.4 * 2 * x - 0.2 - 0.3 * y, 0.1 - 0.3 * x + 0.2 * 2 * y, 2 * np.sqrt(square)], axis=1
     )
     exact /= np.linalg.norm(exact, axis=1)[:, None]
-    found = shell_normals(bar, square)
+    found = shell_normals(bar, square, square)
     inner = np.flatnonzero(np.arange(len(x)) >= len(bar.after))
     assert found[inner] == pytest.approx(exact[inner], abs=2e-3)
     assert np.median(np.abs(found[inner] - exact[inner])) < 1e-4
@@ -109,7 +109,7 @@ def test_normals_follow_the_inflation(disc: Plan) -> None:
     for k in (0.4, 2.5):
         exact = np.column_stack([disc.points, np.sqrt(square) / k])
         exact /= np.linalg.norm(exact, axis=1)[:, None]
-        found = shell_normals(disc, square, k)[: len(square)]
+        found = shell_normals(disc, square * k**2, square * k**2)[: len(square)]
         assert found[inner] == pytest.approx(exact[inner], abs=0.02)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import manifold3d
 import numpy as np
 import pytest
@@ -11,12 +13,11 @@ from bozzetto.geometry import Mesh
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Context, Ink, Job
 from bozzetto.plugin.testing import Pen
-from bozzetto_silhouette import modeler as modeler_module
+from bozzetto_silhouette import leaf, tree
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.modeler import PREVIEW_RESOLUTION, Silhouette
 from bozzetto_silhouette.solid import solidify
 from bozzetto_silhouette.state import SilhouetteState
-from bozzetto_silhouette.union import united
 
 PEN, MODELER = Pen(), Silhouette()
 
@@ -29,6 +30,18 @@ def drawn(*circles: tuple[float, float, float], **parameters: object) -> Silhoue
     return state
 
 
+@pytest.fixture
+def forgetful(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Memories of this test's own."""
+    forget(monkeypatch)
+
+
+def forget(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(leaf, "_solids", Memory(limit=8))
+    monkeypatch.setattr(leaf, "_bodies", Memory(limit=8))
+    monkeypatch.setattr(tree, "_prefixes", Memory(limit=8))
+
+
 def body(mesh: Mesh) -> manifold3d.Manifold:
     given = manifold3d.Mesh(
         np.array(mesh.vertices, np.float32), np.array(mesh.faces, dtype=np.uint32)
@@ -36,15 +49,16 @@ def body(mesh: Mesh) -> manifold3d.Manifold:
     return manifold3d.Manifold(given)
 
 
-def test_the_preview_is_coarser_and_the_final_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_preview_is_coarser_and_the_final_as_asked(
+    monkeypatch: pytest.MonkeyPatch, forgetful: None
+) -> None:
     asked: list[int] = []
 
     def counting(*given, resolution: int, **more):
         asked.append(resolution)
         return solidify(*given, resolution=32, **more)
 
-    monkeypatch.setattr(modeler_module, "solidify", counting)
-    monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+    monkeypatch.setattr(leaf, "solidify", counting)
     for resolution in (32, 160):
         for quality in ("preview", "final"):
             MODELER.solve(drawn((500, 400, 120), resolution=resolution), Job(quality))
@@ -52,33 +66,34 @@ def test_the_preview_is_coarser_and_the_final_as_asked(monkeypatch: pytest.Monke
     assert PREVIEW_RESOLUTION <= 64
 
 
-def test_only_parts_that_changed_are_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_parts_that_changed_are_solved_again(
+    monkeypatch: pytest.MonkeyPatch, forgetful: None
+) -> None:
     solved: list[object] = []
 
     def counting(outline, **more):
         solved.append(outline)
         return solidify(outline, **more)
 
-    monkeypatch.setattr(modeler_module, "solidify", counting)
-    monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+    monkeypatch.setattr(leaf, "solidify", counting)
     one = drawn((300, 400, 90), resolution=32)
     first = MODELER.solve(one, Job())
     (tool,) = MODELER.tools()
     two = tool.apply(one, Ink((PEN.circle(800, 400, 90),), True), Context())
-    assert MODELER.solve(two, Job()).solids[0] is first.solids[0]
+    assert MODELER.solve(two, Job()).solids["n1"] is first.solids["n1"]
     assert len(solved) == 2
 
 
 def test_cancelling_at_any_step_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     state = drawn((300, 400, 90), (700, 400, 110), resolution=32)
-    monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+    forget(monkeypatch)
     steps: list[tuple[float, str]] = []
     whole = MODELER.solve(state, Job(progress=lambda *step: steps.append(step)))
     fractions = [fraction for fraction, _ in steps]
     assert fractions == sorted(fractions)
     assert 0.0 <= fractions[0] <= fractions[-1] <= 1.0
     for number in range(len(steps)):
-        monkeypatch.setattr(modeler_module, "_solids", Memory(limit=8))
+        forget(monkeypatch)
         passed = 0
 
         def cancelled(number: int = number) -> bool:
@@ -89,9 +104,8 @@ def test_cancelling_at_any_step_leaves_nothing_behind(monkeypatch: pytest.Monkey
         with pytest.raises(Cancelled):
             MODELER.solve(state, Job(cancelled=cancelled))
         again = MODELER.solve(state, Job())
-        for mesh, expected in zip(again.meshes, whole.meshes, strict=True):
-            assert np.array_equal(mesh.vertices, expected.vertices)
-            assert np.array_equal(mesh.faces, expected.faces)
+        assert np.array_equal(again.mesh.vertices, whole.mesh.vertices)
+        assert np.array_equal(again.mesh.faces, whole.mesh.faces)
 
 
 def test_memory_forgets_the_oldest_and_keeps_no_failure() -> None:
@@ -111,11 +125,16 @@ def test_memory_forgets_the_oldest_and_keeps_no_failure() -> None:
     assert memory.recall("d", lambda: 7) == 7
 
 
+def alone(state: SilhouetteState, number: int) -> manifold3d.Manifold:
+    """One part of a state by itself."""
+    return body(MODELER.solve(replace(state, nodes=state.nodes[number : number + 1]), Job()).mesh)
+
+
 def test_shapes_of_overlapping_parts_are_one_solid() -> None:
     state = drawn((500, 400, 150), (680, 400, 150), resolution=48)
-    result = MODELER.solve(state, Job())
-    (solid,) = MODELER.shapes(state, result).solids
-    one, other = (body(mesh) for mesh in result.meshes)
+    state = state.with_node(replace(state.nodes[1], blend=0.0))
+    (solid,) = MODELER.shapes(state, MODELER.solve(state, Job())).solids
+    one, other = alone(state, 0), alone(state, 1)
     whole = body(solid.mesh)
     assert whole.status().name == "NoError"
     assert len(whole.decompose()) == 1
@@ -126,19 +145,17 @@ def test_shapes_of_overlapping_parts_are_one_solid() -> None:
 
 def test_shapes_of_separate_parts_keep_both() -> None:
     state = drawn((300, 400, 90), (800, 400, 120), resolution=48)
-    result = MODELER.solve(state, Job())
-    shapes = MODELER.shapes(state, result)
+    shapes = MODELER.shapes(state, MODELER.solve(state, Job()))
     whole = body(shapes.solids[0].mesh)
     assert len(whole.decompose()) == 2
-    total = sum(body(mesh).volume() for mesh in result.meshes)
+    total = alone(state, 0).volume() + alone(state, 1).volume()
     assert whole.volume() == pytest.approx(total, rel=1e-5)
     assert len(shapes.skeletons) == 2
-    assert united(result.meshes[:1]) is result.meshes[0]
 
 
 def test_a_circle_is_a_ball_in_the_world_where_it_was_drawn() -> None:
     state = drawn((600, 450, 200), resolution=64)
-    (mesh,) = MODELER.solve(state, Job()).meshes
+    mesh = MODELER.solve(state, Job()).mesh
     radius = 200.0 / PEN.camera.pixels_per_mm
     away = np.linalg.norm(mesh.vertices.astype(float), axis=1)
     assert away == pytest.approx(np.full(len(away), radius), rel=0.02)

@@ -50,7 +50,7 @@ def test_what_is_drawn_lies_under_the_pen(camera: Camera) -> None:
     pixels, depth = camera.project(sheet.to_world(points))
     assert pixels == pytest.approx(stroke.points, abs=1e-6 * max(width, height))
     assert (depth > 0).all()
-    outline = outline_of(Part(_strokes(stroke), sheet))
+    outline = outline_of(Part(strokes=_strokes(stroke), sheet=sheet))
     seen, _ = camera.project(sheet.to_world(outline.rings[0]))
     assert np.hypot(*(seen - middle).T) == pytest.approx(np.full(len(seen), radius), rel=0.01)
 

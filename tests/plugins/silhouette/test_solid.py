@@ -10,7 +10,8 @@ from bozzetto_silhouette.fidelity import measure
 from bozzetto_silhouette.outline import outline_from_rings, outline_from_strokes
 from bozzetto_silhouette.preview import inflate
 from bozzetto_silhouette.solid import SilhouetteSolid, solidify
-from bozzetto_silhouette.surface import extract, narrow_band
+from bozzetto_silhouette.swelling import ConvolutionSwelling
+from bozzetto_silhouette.thickness import Uniform
 from tests.plugins.silhouette import outlines as o
 
 NAMES = sorted(p.stem for p in o.COMMITTED.glob("*.svg"))
@@ -154,56 +155,17 @@ def test_sparse_and_dense_sampling_agree() -> None:
 
 
 def test_parameters(key: SilhouetteSolid) -> None:
-    flat = solidify(o.outline("key"), resolution=64, inflation=0.4)
+    flat = solidify(o.outline("key"), resolution=64, thickness=Uniform(0.4))
     assert flat.soundness.volume == pytest.approx(0.4 * key.soundness.volume, rel=1e-6)
     assert np.array_equal(flat.vertices[:, :2], key.vertices[:, :2])
     for softness in (1.25, 2.0):
-        found = measure(solidify(o.outline("key"), resolution=64, softness=softness))
+        found = measure(
+            solidify(o.outline("key"), resolution=64, swelling=ConvolutionSwelling(softness))
+        )
         assert found.topology_ok
         assert 0.8 < found.thickness_ratio < 1.15
     fine = solidify(o.outline("key"), resolution=96)
     assert len(fine.vertices) > 1.5 * len(key.vertices)
-
-
-def test_the_field_vanishes_on_the_surface(key: SilhouetteSolid) -> None:
-    field = key.field
-    # The level reads like twice the distance over the local radius; fairing moves the surface.
-    level = np.abs(field.value(key.vertices))
-    assert np.median(level) < 0.02
-    assert np.quantile(level, 0.99) < 0.1
-    assert (field.value(key.vertices * [1, 1, 1.2] + [0, 0, 0])[key.vertices[:, 2] > 1] < 0).all()
-    # On the outline's plane the sign is that of the drawing, exactly.
-    import shapely
-
-    random = np.random.default_rng(0)
-    low, high = key.outline.bounds
-    xy = random.uniform(low - 5, high + 5, (3000, 2))
-    polygon = key.outline.polygon()
-    gap = shapely.distance(polygon.boundary, shapely.points(xy))
-    clear = gap > 0.002 * key.outline.size
-    inside = shapely.contains_xy(polygon, xy[:, 0], xy[:, 1])
-    value = field.value(np.column_stack([xy, np.zeros(len(xy))]))
-    assert np.array_equal((value > 0)[clear], inside[clear])
-
-
-def test_the_gradient_points_inwards(key: SilhouetteSolid) -> None:
-    inner = np.abs(key.vertices[:, 2]) > 2.0
-    gradient = key.field.gradient(key.vertices[inner])
-    gradient /= np.linalg.norm(gradient, axis=1)[:, None]
-    agreement = -(gradient * key.normals[inner]).sum(axis=1)
-    assert np.quantile(agreement, 0.05) > 0.97
-
-
-def test_lattice_surface_is_a_solid(key: SilhouetteSolid) -> None:
-    from bozzetto_silhouette.soundness import soundness_of
-
-    lattice = narrow_band(key.field, key.outline.size / 96)
-    assert np.array_equal(lattice.values, lattice.values[:, :, ::-1])
-    vertices, faces, normals = extract(lattice)
-    sound = soundness_of(vertices, faces, key.outline)
-    assert sound.ok, sound
-    assert sound.volume == pytest.approx(key.soundness.volume, rel=0.01)
-    assert (normals * (vertices - vertices.mean(axis=0))).sum() > 0
 
 
 def test_cancelling() -> None:
@@ -216,7 +178,7 @@ def test_cancelling() -> None:
 
     with pytest.raises(Cancelled):
         solidify(o.outline("heart"), resolution=48, checkpoint=stop)
-    assert [s for _, s in steps] == ["skeleton", "plan", "field"]
+    assert [s for _, s in steps] == ["skeleton", "plan", "surface"]
 
 
 def test_preview_shows_something_early_and_never_raises() -> None:

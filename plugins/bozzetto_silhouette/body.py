@@ -1,0 +1,67 @@
+"""A body: a closed mesh, the function of space that it is the zero set of, and its origins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Placement
+from bozzetto_silhouette.implicit import Implicit, Placed
+
+__all__ = ["Body"]
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """What parts and groups are put together from.
+
+    Attributes
+    ----------
+    vertices : (v, 3) float64 array
+    faces : (f, 3) int32 array
+        Oriented outwards, watertight.
+    normals : (v, 3) float64 array
+        Unit, outwards.
+    origins : (v,) int32 array
+        For every vertex the index in `sources` of the part that it came from.
+    sources : tuple of str
+        Ids of the parts.
+    implicit : Implicit
+        Its zero set is the mesh, but for the mesh's own coarseness.
+    radius : float
+        The largest inscribed radius: what blend radii are a share of.
+    step : float
+        Spacing of the mesh in the thick places.
+    """
+
+    vertices: Points
+    faces: NDArray[np.int32]
+    normals: Points
+    origins: NDArray[np.int32]
+    sources: tuple[str, ...]
+    implicit: Implicit
+    radius: float
+    step: float
+
+    @property
+    def bounds(self) -> Points:
+        """Corners of the box around the mesh, (2, 3)."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def placed(self, placement: Placement) -> Body:
+        """The body moved, turned, scaled or mirrored."""
+        if placement.is_identity:
+            return self
+        return replace(
+            self,
+            vertices=placement.points(self.vertices),
+            faces=self.faces[:, ::-1] if placement.mirrors else self.faces,
+            normals=placement.directions(self.normals),
+            implicit=Placed(self.implicit, placement),
+            radius=self.radius * placement.scale,
+            step=self.step * placement.scale,
+        )

@@ -1,0 +1,88 @@
+"""Solids as functions of space: what all kinds of surface have in common.
+
+Whatever a shape was made by, blends, normals and tests see it only through this: a number
+that is about the signed distance to its surface, positive inside, and its gradient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Placement
+
+__all__ = ["Implicit", "Placed", "Sample"]
+
+Points = NDArray[np.float64]
+
+
+class Sample(NamedTuple):
+    """An implicit solid at n points.
+
+    Attributes
+    ----------
+    value : (n,) float array
+        About the distance to the surface, positive inside, in units of length.
+    gradient : (n, 3) float array
+        Of the value: it points inwards and is about a unit vector near the surface.
+    """
+
+    value: Points
+    gradient: Points
+
+
+class Implicit(Protocol):
+    """A solid as a function of space.
+
+    The zero set of `value` is the surface; near it the value is the signed distance, to a few
+    per cent within a tenth of the local radius. Inside it grows up to about the local radius;
+    outside it falls monotonically with the distance and never falls short of it by more than
+    a factor of two. It is finite everywhere.
+
+    Attributes
+    ----------
+    bounds : (2, 3) float array
+        A box around the solid.
+    """
+
+    @property
+    def bounds(self) -> Points:
+        """The box."""
+        ...
+
+    def value(self, points: Points) -> Points:
+        """Values at points (n, 3)."""
+        ...
+
+    def sample(self, points: Points) -> Sample:
+        """Values and gradients at points (n, 3)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An implicit solid that was moved, turned, scaled or mirrored."""
+
+    inner: Implicit
+    placement: Placement
+
+    @property
+    def bounds(self) -> Points:
+        """The box around the moved box."""
+        low, high = self.inner.bounds
+        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1])
+                            for z in (low[2], high[2])])  # fmt: skip
+        moved = self.placement.points(corners)
+        return np.stack([moved.min(axis=0), moved.max(axis=0)])
+
+    def value(self, points: Points) -> Points:
+        """Values at points (n, 3)."""
+        return self.inner.value(self.placement.inverse().points(points)) * self.placement.scale
+
+    def sample(self, points: Points) -> Sample:
+        """Values and gradients at points (n, 3)."""
+        value, gradient = self.inner.sample(self.placement.inverse().points(points))
+        return Sample(value * self.placement.scale, self.placement.directions(gradient))

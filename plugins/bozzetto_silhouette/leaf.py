@@ -1,0 +1,69 @@
+"""From a part's recipe to its solid, remembered; and to a body that can be combined."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bozzetto_silhouette.body import Body
+from bozzetto_silhouette.ink_to_outline import outline_of
+from bozzetto_silhouette.memory import Memory
+from bozzetto_silhouette.relief import Relief
+from bozzetto_silhouette.solid import Checkpoint, SilhouetteSolid, ignore, solidify
+from bozzetto_silhouette.state import Part
+from bozzetto_silhouette.swelling import ConvolutionSwelling, Swelling
+from bozzetto_silhouette.thickness import Thickness, Uniform
+
+__all__ = ["body_of", "solid_of"]
+
+_solids: Memory[SilhouetteSolid] = Memory(limit=256)
+_bodies: Memory[Body] = Memory(limit=256)
+
+
+def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> SilhouetteSolid:
+    """The solid of a part in its object frame, at a resolution.
+
+    Raises
+    ------
+    UserError
+        If the part's ink is no outline.
+    """
+
+    def work() -> SilhouetteSolid:
+        return solidify(
+            outline_of(part),
+            resolution=resolution,
+            swelling=_swelling(part),
+            thickness=_thickness(part),
+            rule=part.skeleton,
+            checkpoint=checkpoint,
+        )
+
+    return _solids.recall((part.recipe, resolution), work)
+
+
+def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Body:
+    """The same as a body, in the frame of the part's group."""
+
+    def work() -> Body:
+        solid = solid_of(part, resolution, checkpoint)
+        body = Body(
+            solid.vertices,
+            solid.faces,
+            solid.normals,
+            np.zeros(len(solid.vertices), np.int32),
+            (part.id,),
+            Relief(solid),
+            float(solid.skeleton.nodes[:, 2].max()),
+            solid.step,
+        )
+        return body.placed(part.placement)
+
+    return _bodies.recall((part.recipe, part.id, part.pose, resolution), work)
+
+
+def _swelling(part: Part) -> Swelling:
+    return ConvolutionSwelling(part.softness)
+
+
+def _thickness(part: Part) -> Thickness:
+    return Uniform(part.inflation)
