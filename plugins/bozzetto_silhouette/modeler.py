@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Solid
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Context, Job
+from bozzetto.plugin import Context, Job, Tool
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.fidelity import measure
@@ -20,7 +20,7 @@ from bozzetto_silhouette.leaf import solid_of
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
-from bozzetto_silhouette.tools import DrawOutline
+from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.tree import tree_body
 
 __all__ = ["Silhouette", "SilhouetteResult"]
@@ -63,9 +63,9 @@ class Silhouette:
         """No part yet."""
         return SilhouetteState()
 
-    def tools(self) -> Sequence[DrawOutline]:
-        """Drawing outlines is all that it takes."""
-        return (DrawOutline(),)
+    def tools(self) -> Sequence[Tool[SilhouetteState]]:
+        """What the pen can do, most used first."""
+        return all_tools()
 
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:
         """All strokes of a drawing as one part; nested outlines are holes.

@@ -1,0 +1,15 @@
+"""What the pen can do, one tool in a module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bozzetto.plugin import Tool
+from bozzetto_silhouette.tools.draw import DrawOutline
+
+__all__ = ["DrawOutline", "all_tools"]
+
+
+def all_tools() -> tuple[Tool[Any], ...]:
+    """The tools in the order of the rail, most used first."""
+    return (DrawOutline(),)
