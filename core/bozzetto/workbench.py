@@ -19,6 +19,7 @@ import numpy as np
 from bozzetto.document.codec import OpaqueState
 from bozzetto.document.model import Document, Model, new_id
 from bozzetto.errors import UserError
+from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.plugin.context import Context
@@ -54,6 +55,7 @@ class Workbench:
         self.registry = registry
         self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
         self._lock = threading.Lock()
+        self._moved: tuple[Scene, Placement, Scene] | None = None
 
     # -- making and changing models --
 
@@ -92,6 +94,8 @@ class Workbench:
     def apply(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Model:
         """The model after a gesture with one of its tools.
 
+        Gesture and context are in the world; the tool gets them in the model's own frame.
+
         Raises
         ------
         UserError, Unfinished
@@ -100,6 +104,7 @@ class Workbench:
             If the tool fails otherwise.
         """
         self._refuse_closed(model)
+        gesture, context = self._in_frame_of(model, gesture, context)
         state = self.registry.guard.call(
             model.modeler, f"{tool.id}.apply", tool.apply, model.state, gesture, context
         )
@@ -109,10 +114,27 @@ class Workbench:
 
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
         """What to show while the pen is down, in the world."""
+        gesture, context = self._in_frame_of(model, gesture, context)
         scene = self.registry.guard.call(
             model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
         )
         return self.registry.guard.check_scene(model.modeler, scene).placed(model.placement)
+
+    def _in_frame_of(
+        self, model: Model, gesture: Gesture, context: Context
+    ) -> tuple[Gesture, Context]:
+        """A gesture and its world as they are in a model's own frame.
+
+        The newest moved scene is kept: moving one takes longer than a preview may.
+        """
+        if model.placement.is_identity:
+            return gesture, context
+        inverse = model.placement.inverse()
+        known = self._moved
+        if known is None or known[0] is not context.scene or known[1] != inverse:
+            known = self._moved = (context.scene, inverse, context.scene.placed(inverse))
+        rest = replace(context, scene=Scene()).moved(inverse)
+        return gesture.moved(inverse), replace(rest, scene=known[2])
 
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
         """The model with parameters changed.

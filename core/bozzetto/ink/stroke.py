@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
+from bozzetto.geometry.placement import Placement
 from bozzetto.view.camera import Camera
 
 __all__ = ["COLUMNS", "Stroke", "StrokeTool", "Strokes", "frozen_column"]
@@ -184,6 +185,31 @@ class Stroke:
         keep(made, "has_pressure", has_pressure)
         keep(made, "has_time", has_time)
         return made
+
+    def moved(self, placement: Placement) -> Stroke:
+        """The stroke as drawn through its camera carried along by a placement.
+
+        The rays of the ink move with the world. A mirrored world is seen as in a mirror:
+        the ink's x is flipped within the canvas, and so are tilt and twist.
+
+        Raises
+        ------
+        UserError
+            If the camera would stand beyond all bounds.
+        """
+        columns = {name: getattr(self, name) for name in COLUMNS}
+        if placement.mirrors:
+            columns["x"] = frozen_column(np.float32(self.camera.viewport[0]) - self.x)
+            columns |= {name: frozen_column(-columns[name]) for name in ("tilt_x", "twist")}
+        return Stroke.from_columns(
+            columns.values(),
+            self.camera.moved(placement),
+            self.tool,
+            self.color,
+            self.group,
+            self.has_pressure,
+            self.has_time,
+        )
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a stroke is read-only: {name}")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from bozzetto.scene.display_list import Image, Scene
+from bozzetto.geometry.placement import Placement
+from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
+from bozzetto.view.frames import triple
 
 __all__ = ["Context", "PenSettings"]
 
@@ -51,3 +53,18 @@ class Context:
     def surface_hit(self, rays: Rays) -> Hits:
         """Where rays first meet a visible surface, whoever made it."""
         return cast_rays(self.scene, rays)
+
+    def moved(self, placement: Placement) -> Context:
+        """The world as it is seen from a frame in which everything is moved."""
+        underlay = self.underlay
+        if underlay is not None:
+            (layer,) = Scene((Layer("underlay", (underlay,)),)).placed(placement).layers
+            (underlay,) = (item for item in layer.items if isinstance(item, Image))
+        return replace(
+            self,
+            camera=self.camera.moved(placement),
+            scene=self.scene.placed(placement),
+            symmetry_point=triple(placement.points(self.symmetry_point)),
+            symmetry_normal=triple(placement.directions(self.symmetry_normal)),
+            underlay=underlay,
+        )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
 
@@ -31,6 +32,10 @@ class Ink:
         """The camera of the first stroke."""
         return self.strokes[0].camera
 
+    def moved(self, placement: Placement) -> Ink:
+        """The same ink in a world that was moved; see `Stroke.moved`."""
+        return replace(self, strokes=tuple(stroke.moved(placement) for stroke in self.strokes))
+
 
 @dataclass(frozen=True)
 class Tap:
@@ -41,6 +46,11 @@ class Tap:
     camera: Camera
     shift: bool = False
     ctrl: bool = False
+
+    def moved(self, placement: Placement) -> Tap:
+        """The same touch in a world that was moved; see `Camera.moved`."""
+        x = self.camera.viewport[0] - self.x if placement.mirrors else self.x
+        return replace(self, x=x, camera=self.camera.moved(placement))
 
 
 @dataclass(frozen=True)
@@ -64,6 +74,10 @@ class Drag:
     def camera(self) -> Camera:
         """The camera through which the handle was dragged."""
         return self.path.camera
+
+    def moved(self, placement: Placement) -> Drag:
+        """The same drag in a world that was moved; see `Stroke.moved`."""
+        return replace(self, path=self.path.moved(placement))
 
 
 Gesture = Ink | Tap | Drag

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.geometry.placement import Placement
 
 __all__ = ["Camera", "Rays"]
 
@@ -216,3 +217,20 @@ class Camera:
     def with_viewport(self, width: float, height: float) -> Camera:
         """The same view on a canvas of another size."""
         return replace(self, viewport=(width, height))
+
+    def moved(self, placement: Placement) -> Camera:
+        """The camera carried along with the world that it looks at.
+
+        What it sees of a moved thing is what it saw of the thing before. A placement that
+        mirrors exchanges left and right: (x, y) becomes (width − x, y), see `Stroke.moved`.
+
+        Raises
+        ------
+        UserError
+            If it would stand beyond all bounds.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            places = placement.points((self.eye, self.target)).tolist()
+        eye, target, up = map(tuple, (*places, *placement.directions(self.axes[1]).tolist()))
+        height = self.height * placement.scale
+        return replace(self, eye=eye, target=target, up=up, height=height)

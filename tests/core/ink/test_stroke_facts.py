@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.ink.stroke import Stroke
+from bozzetto.geometry import Placement
+from bozzetto.ink.stroke import COLUMNS, Stroke
 from bozzetto.view.camera import Camera
 
 
@@ -24,3 +26,28 @@ def test_facts_that_cannot_be_kept_are_refused(facts):
     with pytest.raises(UserError):
         Stroke([1.0], [2.0], Camera(), **facts)
     assert Stroke([1.0], [2.0], Camera(), tool="mouse", color=(0, 255, 9), group="rim ✎\x01")
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_rays_of_ink_move_with_the_world(side):
+    camera = Camera(eye=(30.0, -400.0, 120.0), target=(5.0, 10.0, -20.0))
+    stroke = Stroke(
+        [100.0, 700.25, 1100.5], [50.0, 400.0, 800.0], camera,
+        pressure=[0.1, 0.5, 0.9], tilt_x=[10.0, 20.0, 30.0], twist=[1.0, 2.0, 3.0], group="rim",
+    )  # fmt: skip
+    placement = Placement((0, side, 0, -1, 0, 0, 0, 0, 1), 2.5, (7.0, -8.0, 9.0))
+    moved = stroke.moved(placement)
+    before, after = camera.rays(stroke.points), moved.camera.rays(moved.points)
+    np.testing.assert_allclose(after.origins, placement.points(before.origins), atol=1e-9)
+    np.testing.assert_allclose(after.directions, placement.directions(before.directions), atol=1e-9)
+    assert np.array_equal(moved.pressure, stroke.pressure)
+    assert np.array_equal(moved.tilt_x, side * stroke.tilt_x)
+    assert moved.group == "rim"
+    assert moved.has_pressure
+    assert not moved.has_time
+    assert without_camera(moved.moved(placement.inverse())) == without_camera(stroke)
+
+
+def without_camera(stroke):
+    """A stroke without its camera, which comes back up to rounding only."""
+    return [getattr(stroke, name).tolist() for name in COLUMNS]

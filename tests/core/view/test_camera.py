@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Placement
 from bozzetto.view.camera import Camera
-from tests.core.view.cameras import cameras
+from tests.core.view.cameras import cameras, point
 
 pixel = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
@@ -97,3 +98,40 @@ def test_a_camera_that_cannot_be_is_refused(broken):
 def test_a_bad_up_still_gives_a_frame(up):
     axes = Camera(up=up).axes
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+
+
+@st.composite
+def placements(draw):
+    """Any turn, mirrored or not, any scale, any offset."""
+    near = np.reshape(draw(st.lists(st.floats(-1, 1), min_size=9, max_size=9)), (3, 3))
+    turn, _ = np.linalg.qr(near + 3.0 * np.diag((1, -1, draw(st.sampled_from((1, -1))))))
+    scale = 10.0 ** draw(st.floats(-2, 2))
+    return Placement(tuple(turn.ravel().tolist()), scale, draw(point))
+
+
+@given(cameras(), placements(), st.lists(pixel, min_size=1, max_size=5))
+def test_a_camera_carried_along_sees_the_moved_world_as_it_saw_the_world(camera, placement, shares):
+    places = np.array(shares) * camera.viewport
+    rays = camera.rays(places)
+    seen = rays.origins + camera.distance * rays.directions
+    moved = camera.moved(placement)
+    flipped = places.copy()
+    if placement.mirrors:
+        flipped[:, 0] = camera.viewport[0] - places[:, 0]
+    pixels, depth = moved.project(placement.points(seen))
+    np.testing.assert_allclose(pixels, flipped, atol=1e-5 * max(camera.viewport))
+    np.testing.assert_allclose(depth, placement.scale * camera.project(seen)[1], rtol=1e-6)
+
+
+@given(cameras(), placements())
+def test_a_camera_carried_there_and_back_is_where_it_was(camera, placement):
+    back = camera.moved(placement).moved(placement.inverse())
+    np.testing.assert_allclose(back.axes, camera.axes, atol=1e-6)
+    atol = 1e-6 * (camera.distance + np.abs(camera.target).max() + 1e3)
+    np.testing.assert_allclose(back.eye, camera.eye, atol=atol)
+    assert back.height == pytest.approx(camera.height)
+
+
+def test_a_camera_beyond_all_bounds_is_refused():
+    with pytest.raises(UserError):
+        Camera().moved(Placement(scale=1e308))
