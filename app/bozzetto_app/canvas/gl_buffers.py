@@ -65,7 +65,7 @@ def surface(items: Sequence[Shaded], palette: Palette, shading: str = "clay") ->
     for item in items:
         mesh = item.mesh
         vertex, normal, corners = _split(mesh)
-        colors = _vertex_colors(mesh, palette, shading)
+        colors = _vertex_colors(item, palette, shading)
         block = np.empty((len(vertex), 11), np.float32)
         block[:, :3] = mesh.vertices[vertex]
         block[:, 3:6] = normal
@@ -93,10 +93,10 @@ def _split(mesh: Mesh) -> tuple[NDArray[np.intp], Floats, Indices]:
     return vertex, normals.vectors[normal], inverse.astype(np.uint32).ravel()
 
 
-def _vertex_colors(mesh: Mesh, palette: Palette, shading: str) -> NDArray[np.generic] | None:
+def _vertex_colors(item: Shaded, palette: Palette, shading: str) -> NDArray[np.generic] | None:
     if shading == "curvature":
-        return curvature_colors(mean_curvature(mesh), palette)
-    return mesh.colors
+        return curvature_colors(mean_curvature(item.mesh), palette)
+    return item.mesh.colors_over(palette.color(item.color))
 
 
 def strips(items: Sequence[Lines], palette: Palette) -> Batch:

@@ -9,7 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.shapes import Solid, Surface
 
-__all__ = ["linear_to_srgb", "srgb_to_linear", "vertex_colors"]
+__all__ = ["WHITE", "linear_to_srgb", "srgb_to_linear", "vertex_colors"]
+
+WHITE: Final = (255, 255, 255)
+"""The colour of what has none, in files that must have one."""
 
 KNEE: Final = 0.04045
 """Where the sRGB curve leaves its straight foot (IEC 61966-2-1)."""
@@ -29,9 +32,12 @@ def linear_to_srgb(values: ArrayLike) -> NDArray[np.uint8]:
 
 
 def vertex_colors(part: Solid | Surface) -> NDArray[np.uint8] | None:
-    """RGBA of every vertex, shape (v, 4): the mesh's own, else the part's colour, else None."""
+    """RGBA of every vertex, shape (v, 4): the mesh's own, else the part's colour, else None.
+
+    Where the mesh's own do not cover a part without a colour, it is white.
+    """
     if part.mesh.colors is not None:
-        return part.mesh.colors
+        return part.mesh.colors_over(part.color or WHITE)
     if part.color is None:
         return None
     return np.tile(np.array((*part.color, 255), np.uint8), (len(part.mesh.vertices), 1))

@@ -6,5 +6,16 @@ from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.geometry.texture import Texture
 
-__all__ = ["Curve", "Mesh", "Placement", "Shapes", "Skeleton", "Solid", "Surface", "frozen"]
+__all__ = [
+    "Curve",
+    "Mesh",
+    "Placement",
+    "Shapes",
+    "Skeleton",
+    "Solid",
+    "Surface",
+    "Texture",
+    "frozen",
+]

@@ -27,6 +27,9 @@ class Mesh:
         Unit vertex normals.
     colors : (v, 4) uint8, optional
         RGBA per vertex, sRGB.
+    cover : (v,) uint8, optional
+        How much of each vertex's colour is its own, 255 for all of it; the rest is the colour
+        of what the mesh belongs to (`colors_over`). Only beside `colors`; default all.
 
     Raises
     ------
@@ -38,6 +41,7 @@ class Mesh:
     faces: NDArray[np.int32]
     normals: NDArray[np.float32] | None = None
     colors: NDArray[np.uint8] | None = None
+    cover: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices, np.float32, 3))
@@ -53,6 +57,10 @@ class Mesh:
             object.__setattr__(self, "colors", frozen(self.colors, np.uint8, 4))
             if len(self.colors) != count:
                 raise ValueError("a mesh needs as many colours as vertices")
+        if self.cover is not None:
+            object.__setattr__(self, "cover", frozen(self.cover, np.uint8))
+            if self.colors is None or self.cover.shape != (count,):
+                raise ValueError("a mesh needs one cover for the colour of every vertex")
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -64,7 +72,7 @@ class Mesh:
     @property
     def nbytes(self) -> int:
         """Size of the arrays in bytes."""
-        arrays = (self.vertices, self.faces, self.normals, self.colors)
+        arrays = (self.vertices, self.faces, self.normals, self.colors, self.cover)
         return sum(array.nbytes for array in arrays if array is not None)
 
     def placed(self, placement: Placement) -> Mesh:
@@ -78,7 +86,16 @@ class Mesh:
             faces,
             None if normals is None else normals.astype(np.float32),
             self.colors,
+            self.cover,
         )
+
+    def colors_over(self, base: tuple[int, int, int]) -> NDArray[np.uint8] | None:
+        """RGBA per vertex where the colour of the whole shows through; None without colours."""
+        if self.colors is None or self.cover is None:
+            return self.colors
+        share = self.cover[:, None].astype(np.float64) / 255.0
+        under = np.array((*base, 255.0))
+        return np.asarray(np.rint(under + share * (self.colors - under)), np.uint8)
 
     def vertex_normals(self) -> NDArray[np.float32]:
         """Unit normals: the given ones, or the area-weighted mean of the faces around."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
+from bozzetto.geometry.texture import Texture
 
 __all__ = ["Curve", "Shapes", "Skeleton", "Solid", "Surface"]
 
@@ -19,11 +20,33 @@ Color = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Solid:
-    """A closed triangle mesh that bounds a volume; exporters refuse it where it does not."""
+    """A closed triangle mesh that bounds a volume; exporters refuse it where it does not.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    name : str
+    color : (r, g, b), optional
+        sRGB.
+    texture : Texture, optional
+        In formats that hold pictures it takes the place of the mesh's colours.
+    """
 
     mesh: Mesh
     name: str = "solid"
     color: Color | None = None
+    texture: Texture | None = None
+
+    def __post_init__(self) -> None:
+        if self.texture is not None and len(self.texture.corners) != len(self.mesh.faces):
+            raise ValueError("a texture needs a place for every corner of every face")
+
+    def placed(self, placement: Placement) -> Solid:
+        """The solid moved by a placement."""
+        texture = self.texture
+        if texture is not None and placement.mirrors:
+            texture = texture.turned_over()
+        return replace(self, mesh=self.mesh.placed(placement), texture=texture)
 
 
 @dataclass(frozen=True)
@@ -128,7 +151,7 @@ class Shapes:
         if placement.is_identity:
             return self
         return Shapes(
-            tuple(replace(s, mesh=s.mesh.placed(placement)) for s in self.solids),
+            tuple(s.placed(placement) for s in self.solids),
             tuple(replace(s, mesh=s.mesh.placed(placement)) for s in self.surfaces),
             tuple(
                 replace(c, control_points=placement.points(c.control_points)) for c in self.curves

@@ -1,4 +1,4 @@
-"""What lets a shape move and what is painted on it: skins and textures."""
+"""What lets a shape move: rigs and skins."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Rig", "Skin", "Texture"]
+__all__ = ["Rig", "Skin"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,27 +79,3 @@ class Skin:
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", frozen(self.joints, np.uint16, 4))
         object.__setattr__(self, "weights", frozen(self.weights, np.float32, 4))
-
-
-@dataclass(frozen=True, eq=False)
-class Texture:
-    """A picture wrapped around a mesh.
-
-    Parameters
-    ----------
-    pixels : (h, w, 4) uint8
-        RGBA, sRGB, straight alpha; first row on top.
-    corners : (f, 3, 2) float32
-        Place in the picture of every corner of every face: u to the right, v down, 0 to 1.
-    """
-
-    pixels: NDArray[np.uint8]
-    corners: NDArray[np.float32]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "pixels", frozen(self.pixels, np.uint8))
-        object.__setattr__(self, "corners", frozen(self.corners, np.float32))
-        if self.pixels.ndim != 3 or self.pixels.shape[2] != 4:
-            raise ValueError("a texture needs pixels of the shape (height, width, 4)")
-        if self.corners.ndim != 3 or self.corners.shape[1:] != (3, 2):
-            raise ValueError("a texture needs a place for every corner of every face")

@@ -58,7 +58,7 @@ class Shaded:
     Parameters
     ----------
     mesh : Mesh
-        Its vertex colours, where present, take the place of `color`.
+        Its vertex colours, where present, take the place of `color`, as far as they cover it.
     opacity : float
         0 … 1; below 1 the inside shows through (see-through boxes).
     pickable : bool

@@ -128,7 +128,7 @@ def see_through(item: Shaded, shading: Shading) -> bool:
 def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
     if shading == "curvature":
         return curvature_colors(mean_curvature(item.mesh), palette)
-    return item.mesh.colors
+    return item.mesh.colors_over(palette.color(item.color))
 
 
 def _gathered(
