@@ -337,10 +337,10 @@ def _with_known(part: Any, values: dict[str, object], names: set[str]) -> Any:
 
 
 def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
-    """Shaded parts in the model's colour, unless they carry colours of their own."""
+    """Shaded parts in the model's colour, where they carry no colours of their own."""
 
     def tint(item: Any) -> Any:
-        plain = isinstance(item, Shaded) and item.mesh.colors is None and item.color == "clay"
+        plain = isinstance(item, Shaded) and item.color == "clay"
         return replace(item, color=color) if plain else item
 
     return Scene(
