@@ -6,14 +6,17 @@ from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.geometry.skin import Rig, Skin
 from bozzetto.geometry.texture import Texture
 
 __all__ = [
     "Curve",
     "Mesh",
     "Placement",
+    "Rig",
     "Shapes",
     "Skeleton",
+    "Skin",
     "Solid",
     "Surface",
     "Texture",

@@ -17,7 +17,7 @@ def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> N
     ----------
     values : array_like
     dtype : dtype
-        float32, float64, int32, uint32 or uint8.
+        float32, float64, int32, uint32, uint16 or uint8.
     columns : int, optional
         The shape is (n, columns) then.
 

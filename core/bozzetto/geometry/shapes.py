@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
+from bozzetto.geometry.skin import Skin
 from bozzetto.geometry.texture import Texture
 
 __all__ = ["Curve", "Shapes", "Skeleton", "Solid", "Surface"]
@@ -30,23 +31,29 @@ class Solid:
         sRGB.
     texture : Texture, optional
         In formats that hold pictures it takes the place of the mesh's colours.
+    skin : Skin, optional
+        What the mesh hangs on. The mesh is as the rig's turns have it.
     """
 
     mesh: Mesh
     name: str = "solid"
     color: Color | None = None
     texture: Texture | None = None
+    skin: Skin | None = None
 
     def __post_init__(self) -> None:
         if self.texture is not None and len(self.texture.corners) != len(self.mesh.faces):
             raise ValueError("a texture needs a place for every corner of every face")
+        if self.skin is not None and len(self.skin.joints) != len(self.mesh.vertices):
+            raise ValueError("a skin belongs to a mesh of as many vertices")
 
     def placed(self, placement: Placement) -> Solid:
         """The solid moved by a placement."""
         texture = self.texture
         if texture is not None and placement.mirrors:
             texture = texture.turned_over()
-        return replace(self, mesh=self.mesh.placed(placement), texture=texture)
+        skin = None if self.skin is None else self.skin.placed(placement)
+        return replace(self, mesh=self.mesh.placed(placement), texture=texture, skin=skin)
 
 
 @dataclass(frozen=True)
