@@ -19,6 +19,7 @@ from bozzetto.plugin import Parameter
 from bozzetto_silhouette.sheet import Point, Sheet
 
 __all__ = [
+    "Cut",
     "Edit",
     "Group",
     "Kernel",
@@ -221,6 +222,20 @@ class Part(Node):
         )
 
 
+@dataclass(frozen=True)
+class Cut(Part):
+    """One open line across what comes before it: what lies on one side of it falls away."""
+
+    side: Annotated[
+        Literal["left", "right"],
+        Parameter(
+            "Falls away",
+            help="Which side of the line, seen along it as it was drawn.",
+            choices=(("left", "Left of the line"), ("right", "Right of the line")),
+        ),
+    ] = "left"
+
+
 @dataclass(frozen=True, eq=False)
 class Picture:
     """A picture projected on the whole shape along its own normal.
@@ -259,7 +274,7 @@ class Turn:
 class SilhouetteState:
     """The tree, what is chosen in it, and what holds for all of it."""
 
-    nodes: tuple[Part | Group, ...] = ()
+    nodes: tuple[Part | Cut | Group, ...] = ()
     selected: str = ""
     turns: tuple[Turn, ...] = ()
     picture: Picture | None = None
