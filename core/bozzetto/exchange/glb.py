@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.exchange.color import linear_to_srgb, srgb_to_linear
+from bozzetto.exchange.color import WHITE, linear_to_srgb, srgb_to_linear
 from bozzetto.exchange.gltf_scene import (
     TRIANGLES,
     Accessor,
@@ -24,6 +24,7 @@ from bozzetto.exchange.gltf_scene import (
     item,
     placed_meshes,
 )
+from bozzetto.exchange.gltf_texture import SAMPLER, corners_of, picture_file
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.geometry.mesh import Mesh
@@ -59,36 +60,53 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """GLB with one node, mesh and material per part."""
+    """GLB with one node, mesh and material per part.
+
+    A texture takes the place of vertex colours, which glTF would multiply with it.
+    """
     parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
     blob = bytearray()
     views: list[dict[str, Any]] = []
     accessors: list[dict[str, Any]] = []
 
+    def view(content: bytes, **more: int) -> None:
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(content), **more})
+        blob.extend(content + b"\0" * (-len(content) % 4))  # what follows stays aligned
+
     def put(values: NDArray[Any], kind: str, component: int, target: int, **more: Any) -> int:
-        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": values.nbytes})
-        views[-1]["target"] = target
-        blob.extend(values.tobytes())  # all components fill four bytes, so all stay aligned
+        view(values.tobytes(), target=target)
         accessor = {"bufferView": len(views) - 1, "componentType": component, "type": kind}
         accessors.append({**accessor, "count": values.size // WIDTHS[kind], **more})
         return len(accessors) - 1
 
     meshes, materials, nodes = [], [], []
+    images: list[dict[str, Any]] = []
     for number, part in enumerate(parts):
         mesh = part.mesh
-        places = (mesh.vertices @ AXES.T / MM_PER_METRE).astype("<f4")
+        texture = part.texture if isinstance(part, Solid) else None
+        vertex, faces, texels = corners_of(mesh, texture)
+        places = (mesh.vertices[vertex] @ AXES.T / MM_PER_METRE).astype("<f4")
         reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
         attributes = {"POSITION": put(places, "VEC3", FLOAT, ARRAY_BUFFER, **reach)}
-        attributes["NORMAL"] = put(_unit_normals(mesh), "VEC3", FLOAT, ARRAY_BUFFER)
-        if mesh.colors is not None:
+        attributes["NORMAL"] = put(_unit_normals(mesh)[vertex], "VEC3", FLOAT, ARRAY_BUFFER)
+        base = part.color or WHITE
+        colors = mesh.colors_over(base)
+        if texels is not None:
+            attributes["TEXCOORD_0"] = put(texels.astype("<f4"), "VEC2", FLOAT, ARRAY_BUFFER)
+        elif colors is not None:
+            linear = _linear_colors(colors[vertex])
             attributes["COLOR_0"] = put(
-                _linear_colors(mesh.colors), "VEC4", UNSIGNED_SHORT, ARRAY_BUFFER, normalized=True
+                linear, "VEC4", UNSIGNED_SHORT, ARRAY_BUFFER, normalized=True
             )
-        faces = without_degenerate(mesh.faces).astype("<u4")
-        indices = put(faces, "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
+        indices = put(faces.astype("<u4"), "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
         primitive = {"attributes": attributes, "indices": indices, "material": number}
         meshes.append({"name": part.name, "primitives": [primitive]})
-        materials.append(_material(part))
+        material = _material(part)
+        if texture is not None:
+            view(picture_file(texture, base))
+            material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": len(images)}
+            images.append({"bufferView": len(views) - 1, "mimeType": "image/png"})
+        materials.append(material)
         nodes.append({"name": part.name, "mesh": number})
     scene = {
         "asset": {"version": "2.0", "generator": "Bozzetto"},
@@ -101,6 +119,10 @@ def write_shapes(shapes: Shapes) -> bytes:
         "bufferViews": views,
         "buffers": [{"byteLength": len(blob)}],
     }
+    if images:
+        scene["images"] = images
+        scene["textures"] = [{"source": k, "sampler": 0} for k in range(len(images))]
+        scene["samplers"] = [SAMPLER]
     return _packed(msgspec.json.encode(scene), bytes(blob))
 
 
@@ -129,7 +151,8 @@ def _linear_colors(colors: NDArray[np.uint8]) -> NDArray[np.uint16]:
 
 def _material(part: Solid | Surface) -> dict[str, Any]:
     base = [1.0, 1.0, 1.0, 1.0]
-    if part.color is not None and part.mesh.colors is None:
+    painted = isinstance(part, Solid) and part.texture is not None
+    if part.color is not None and part.mesh.colors is None and not painted:
         base[:3] = srgb_to_linear(part.color).tolist()
     looks = {"baseColorFactor": base, "metallicFactor": 0.0, "roughnessFactor": 0.8}
     material: dict[str, Any] = {"name": part.name, "pbrMetallicRoughness": looks}

@@ -9,7 +9,14 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most
 from bozzetto.geometry.mesh import Mesh
 
-__all__ = ["check_places", "checked_mesh", "triangulated", "welded", "without_degenerate"]
+__all__ = [
+    "check_places",
+    "checked_mesh",
+    "is_degenerate",
+    "triangulated",
+    "welded",
+    "without_degenerate",
+]
 
 Faces = NDArray[np.int32]
 
@@ -39,10 +46,15 @@ def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.
     return first[order], joined
 
 
+def is_degenerate(faces: Faces) -> NDArray[np.bool_]:
+    """Which triangles name a vertex twice."""
+    a, b, c = faces.T
+    return np.asarray((a == b) | (b == c) | (c == a))
+
+
 def without_degenerate(faces: Faces) -> Faces:
     """Leave out triangles that name a vertex twice."""
-    a, b, c = faces.T
-    return np.asarray(faces[(a != b) & (b != c) & (c != a)])
+    return np.asarray(faces[~is_degenerate(faces)])
 
 
 def triangulated(
