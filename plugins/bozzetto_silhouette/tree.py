@@ -11,6 +11,7 @@ from bozzetto_silhouette.leaf import body_of
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.solid import Checkpoint, ignore
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.straight import straight_body
 
 __all__ = ["tree_body"]
 
@@ -57,7 +58,13 @@ def tree_body(
                     body = body.placed(node.pose)
                 asked: Hashable = (inside, node.pose)
             else:
-                body = body_of(node, resolution, step)
+                if node.surface == "straight":
+                    acts = so_far is not None and node.operation in ("carve", "intersect")
+                    body = straight_body(
+                        node, so_far.bounds if so_far and acts else None, resolution
+                    )
+                else:
+                    body = body_of(node, resolution, step)
                 asked = (node.recipe, node.id, node.pose)
                 done += 1
             if body is None:
