@@ -108,7 +108,7 @@ class Skin:
     ----------
     rig : Rig
     joints : (v, 4) uint16
-        Up to four joints per vertex; 0 where the weight is 0.
+        Up to four joints per vertex, all different; 0 where the weight is 0.
     weights : (v, 4) float32
         Not negative, sum 1 per vertex.
     rest : Mesh, optional
@@ -117,7 +117,7 @@ class Skin:
     Raises
     ------
     ValueError
-        If a joint does not exist, or a vertex's weights do not sum up to 1.
+        If a joint does not exist or is named twice, or a vertex's weights do not sum up to 1.
     """
 
     rig: Rig
@@ -135,6 +135,9 @@ class Skin:
         sums = self.weights.sum(axis=1, dtype=np.float64)
         if (self.weights < 0).any() or (np.abs(sums - 1.0) > UNIT_SUM).any():
             raise ValueError("the weights of a vertex must sum up to one")
+        ranked = np.sort(np.where(self.weights > 0, self.joints.astype(np.int32), -1), axis=1)
+        if ((ranked[:, 1:] == ranked[:, :-1]) & (ranked[:, 1:] >= 0)).any():
+            raise ValueError("a vertex names a joint twice")
         if self.rest is not None and len(self.rest.vertices) != len(self.joints):
             raise ValueError("a skin belongs to a mesh of as many vertices")
 
@@ -158,25 +161,22 @@ class Skin:
         rotations, places = self.rig.posed()
         shifts = places - np.einsum("nij,nj->ni", rotations, self.rig.joints)
         moves = np.concatenate((rotations.reshape(-1, 9), shifts), axis=1)
-        count = len(self.joints)
+        ends = np.arange(len(self.joints) + 1) * 4
         follows = csr_array(
-            (
-                self.weights.ravel().astype(np.float64),
-                self.joints.ravel(),
-                np.arange(count + 1) * 4,
-            ),
-            shape=(count, len(moves)),
+            (self.weights.ravel().astype(np.float64), self.joints.ravel(), ends),
+            shape=(len(self.joints), len(moves)),
         )
         mixed = follows @ moves
         turn = mixed[:, :9].reshape(-1, 3, 3)
         vertices = np.einsum("vij,vj->vi", turn, mesh.vertices) + mixed[:, 9:]
         normals = mesh.normals
         if normals is not None:
-            normals = np.einsum("vij,vj->vi", turn, normals)
-            length = np.sqrt((normals**2).sum(axis=1, keepdims=True))
-            normals = np.where(length > 0.0, normals / np.maximum(length, 1e-300), mesh.normals)
-            normals = normals.astype(np.float32)
-        return replace(mesh, vertices=vertices.astype(np.float32), normals=normals)
+            turned = np.einsum("vij,vj->vi", turn, normals)
+            length = np.sqrt((turned**2).sum(axis=1, keepdims=True))
+            # Opposite turns may cancel: then the normal stays as it was.
+            known = length > 0.0
+            normals = np.divide(turned, length, out=normals.astype(np.float64), where=known)
+        return replace(mesh, vertices=vertices, normals=normals)
 
 
 def _matrices(quaternions: Array) -> Array:
