@@ -5,9 +5,10 @@ The sum of the kernels F is turned into a level that reads like a squared radius
     U = (sigma^2 - 1) ((F / T)^(2/7) - 1),
 
 because on a cylinder of radius r the sextic kernel gives ``U = 1 - (distance / r)^2``
-exactly. In these units the correction that brings the zero line onto the drawn outline
-keeps the section round, and the height above a point is found in two or three Newton
-steps, U being nearly linear in z^2.
+exactly; the other kernels have a function of their own that does it (`kernels`). In these
+units the correction that brings the zero line onto the drawn outline keeps the section
+round, and the height above a point is found in two or three Newton steps, U being nearly
+linear in z^2.
 """
 
 from __future__ import annotations
@@ -19,25 +20,16 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.frame import Frame
-from bozzetto_silhouette.kernel import (
-    Pairs,
-    Segments,
-    iso_value,
-    pairs_within_reach,
-    segment_integrals,
-)
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.sampling import Rim
 from bozzetto_silhouette.skeleton import Skeleton
+from bozzetto_silhouette.state import Kernel
+from bozzetto_silhouette.summation import THINNEST, Summation, Sums, summation_of
 from bozzetto_silhouette.weights import fit_weights
 
 __all__ = ["ConvolutionField", "Correction", "convolution_field", "with_correction"]
 
 Points = NDArray[np.float64]
-Singles = NDArray[np.float32]
-
-THINNEST = 2e-3
-"""Smallest radius of the kernel, as a share of the longest side."""
 
 FLOOR = 0.45
 """The surface stands at least this share of a round section high (squared): where the
@@ -52,6 +44,9 @@ RIPPLE_DEPTH = 0.3
 SUMMIT_ERROR = 0.06
 """Above a node of the skeleton the height may differ by this share from its ball; where it
 differs more (many limbs in one place) it is brought there."""
+
+MOST_STEPS = 12
+"""Rounds of the search for a height; the default kernel needs two or three."""
 
 _FAINT = 1e-5
 """Field, in iso-values, below which the level is held constant."""
@@ -96,6 +91,8 @@ class ConvolutionField:
         One per edge of the skeleton.
     softness : float
         Support of the kernel in radii (sigma).
+    summation : Summation
+        The kernels along the skeleton.
     rim, excess, calm_excess : Rim, (m,) and (m,) float arrays
         Samples of the outline, what the level lacks there, and its running average.
     summits : (k, 4) float array
@@ -105,7 +102,7 @@ class ConvolutionField:
     skeleton: Skeleton
     weights: Points
     softness: float
-    segments: Segments = field(repr=False)
+    summation: Summation = field(repr=False)
     rim: Rim = field(repr=False)
     excess: Points = field(repr=False)
     calm_excess: Points = field(repr=False)
@@ -134,44 +131,46 @@ class ConvolutionField:
             lift += bump @ self.summits[:, 3] / np.maximum(bump.sum(axis=1), 1.0)
         return Correction(lift, feet.distance, radius)
 
+    def raw_level(self, xy: Points, height2: Points, radius: Points) -> Points:
+        """Level U at points (n, 2) and squared heights, not corrected, in local radii."""
+        level, _ = self._summed(self.summation.over(xy), height2, radius, slope=False)
+        return level
+
     def _level(self, xy: Points, height2: Points) -> Points:
-        pairs = pairs_within_reach(xy, self.segments)
-        level, _ = self._convolved(pairs, len(xy), height2, slope=False)
-        corrected, _ = _guarded(level, None, height2, self.correction(xy))
+        correction = self.correction(xy)
+        level = self.raw_level(xy, height2, correction.radius)
+        corrected, _ = _guarded(level, None, height2, correction)
         return corrected
 
-    def _convolved(
-        self, pairs: Pairs, count: int, height2: Points, *, slope: bool
+    def _summed(
+        self, sums: Sums, height2: Points, radius: Points, *, slope: bool
     ) -> tuple[Points, Points | None]:
         """Uncorrected level U and its derivative by z^2."""
-        value, change = segment_integrals(self.segments, pairs, height2, slope=slope)
-        top = iso_value(self.softness)
-        room = self.softness**2 - 1.0
-        weight = self.weights[pairs.segment] / top
-        total: Points = np.bincount(pairs.point, value * weight, count).astype(np.float64)
-        total = np.maximum(total, _FAINT)
-        level = room * (total ** (2.0 / 7.0) - 1.0)
-        if change is None:
-            return level, None
-        descent = np.bincount(pairs.point, change * weight, count).astype(np.float64)
-        return level, room * (2.0 / 7.0) * total ** (-5.0 / 7.0) * descent
+        total, descent = sums.total(self.weights, height2, slope=slope)
+        level, rise = self.summation.level(np.maximum(total, _FAINT), radius)
+        return level, None if descent is None else rise * descent
 
     def heights(self, xy: Points) -> Points:
         """Half thickness of the solid at points (n, 2) of the plane; 0 outside."""
-        pairs = pairs_within_reach(xy, self.segments)
+        sums = self.summation.over(xy)
         corrected = self.correction(xy)
         square = np.maximum(corrected.floor, 0.0) * corrected.radius**2
         inside = corrected.distance > 0.0
         active = inside.copy()
-        for _ in range(8):
-            level, fall = self._convolved(pairs, len(xy), square, slope=True)
+        # The guard alone stands that high, so the surface does not lie below.
+        low, high = square.copy(), np.full(len(xy), np.inf)
+        for _ in range(MOST_STEPS):
+            level, fall = self._summed(sums, square, corrected.radius, slope=True)
             level, fall = _guarded(level, fall, square, corrected)
             assert fall is not None
-            move = np.where(active, level / -fall, 0.0)
-            # Convex and falling: from below Newton never overshoots; from above it may.
-            before = square
-            square = np.maximum(square + move, 0.25 * square)
-            active &= np.abs(square - before) > 1e-3 * square
+            low = np.where(level >= 0.0, np.maximum(low, square), low)
+            high = np.where(level < 0.0, np.minimum(high, square), high)
+            following = np.where(active, square + level / -fall, square)
+            # U is nearly linear in z^2; where it is not, Newton's step may leave the bracket.
+            astray = active & ((following < low) | (following > high))
+            following[astray] = 0.5 * (low + high)[astray]
+            active &= np.abs(following - square) > 1e-3 * following
+            square = following
             if not active.any():
                 break
         return np.where(inside, np.sqrt(square), 0.0)
@@ -204,7 +203,9 @@ _fields: Memory[ConvolutionField] = Memory(limit=16)
 """The preview's field is the final solid's, too: it does not depend on the resolution."""
 
 
-def convolution_field(frame: Frame, *, softness: float = 1.4) -> ConvolutionField:
+def convolution_field(
+    frame: Frame, *, softness: float = 1.4, kernel: Kernel = "scalis"
+) -> ConvolutionField:
     """Weights for a skeleton, from the outline; not yet corrected.
 
     Parameters
@@ -212,18 +213,20 @@ def convolution_field(frame: Frame, *, softness: float = 1.4) -> ConvolutionFiel
     frame : Frame
     softness : float
         Support of the kernel in radii, 1.25 to 2: how far limbs blend into each other.
+    kernel : str
+        What is summed along the skeleton.
     """
-    return _fields.recall((frame, softness), lambda: _fitted(frame, softness))
+    return _fields.recall((frame, softness, kernel), lambda: _fitted(frame, softness, kernel))
 
 
-def _fitted(frame: Frame, softness: float) -> ConvolutionField:
-    segments = Segments.of(frame.skeleton, softness, THINNEST)
+def _fitted(frame: Frame, softness: float, kernel: Kernel) -> ConvolutionField:
     rim = frame.rim
+    summation = summation_of(frame.skeleton, kernel, softness, float(rim.radius.max()))
     return ConvolutionField(
         frame.skeleton,
-        fit_weights(frame.skeleton, segments, rim.points),
+        fit_weights(frame.skeleton, summation, rim.points),
         softness,
-        segments,
+        summation,
         rim,
         np.zeros(len(rim.points)),
         np.zeros(len(rim.points)),
@@ -234,8 +237,7 @@ def _fitted(frame: Frame, softness: float) -> ConvolutionField:
 
 def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     """The same field, corrected so that its zero line in z = 0 is the sampled outline."""
-    pairs = pairs_within_reach(rim.points, raw.segments)
-    level, _ = raw._convolved(pairs, len(rim.points), np.zeros(len(rim.points)), slope=False)
+    level = raw.raw_level(rim.points, np.zeros(len(rim.points)), rim.radius)
     # Never so much that the body would reach beyond the support of the kernel.
     most = 0.8 * (raw.softness**2 - 1.0)
     excess = np.minimum(-level, most)

@@ -62,7 +62,7 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
 
 
 def _swelling(part: Part) -> Swelling:
-    return ConvolutionSwelling(part.softness)
+    return ConvolutionSwelling(part.softness, part.kernel)
 
 
 def _thickness(part: Part) -> Thickness:

@@ -13,6 +13,7 @@ from bozzetto_silhouette.field import convolution_field, with_correction
 from bozzetto_silhouette.frame import Frame
 from bozzetto_silhouette.plan import Plan
 from bozzetto_silhouette.sampling import Rim
+from bozzetto_silhouette.state import Kernel
 
 __all__ = ["ConvolutionSwelling", "Swelling"]
 
@@ -53,13 +54,17 @@ class ConvolutionSwelling:
     ----------
     softness : float
         Support of the kernel in radii, 1.25 to 2: how far limbs blend into each other.
+    kernel : str
+        What is summed along the skeleton; the default knows the radius from place to place.
     """
 
     softness: float = 1.4
+    kernel: Kernel = "scalis"
 
     def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
         """Squared half thickness at a plan's points."""
-        field = with_correction(convolution_field(frame, softness=self.softness), rim)
+        raw = convolution_field(frame, softness=self.softness, kernel=self.kernel)
+        field = with_correction(raw, rim)
         square = np.zeros(len(plan.points))
         first = len(plan.after)
         square[first:] = field.heights(plan.points[first:]) ** 2

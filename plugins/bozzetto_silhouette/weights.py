@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.kernel import Segments, iso_value, pairs_within_reach, segment_integrals
 from bozzetto_silhouette.skeleton import Skeleton
+from bozzetto_silhouette.summation import Summation
 
-__all__ = ["design_matrix", "fit_weights", "non_negative_least_squares"]
+__all__ = ["fit_weights", "non_negative_least_squares"]
 
 Points = NDArray[np.float64]
 
@@ -31,24 +31,15 @@ HOLD = 4e-2
 """Pull of the weights towards 1, relative to the iso-value."""
 
 
-def design_matrix(segments: Segments, xy: Points, height2: Points) -> Points:
-    """Field of each segment alone at each point: (n, s) for points (n, 2) at heights^2 (n,)."""
-    pairs = pairs_within_reach(xy, segments)
-    value, _ = segment_integrals(segments, pairs, height2)
-    matrix = np.zeros((len(xy), len(segments)))
-    matrix[pairs.point, pairs.segment] = value
-    return matrix
-
-
-def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Points:
+def fit_weights(skeleton: Skeleton, summation: Summation, samples: Points) -> Points:
     """Solve for one weight per segment.
 
     Parameters
     ----------
     skeleton : Skeleton
         Its nodes give the height rows.
-    segments : Segments
-        Packed from the same skeleton.
+    summation : Summation
+        Along the same skeleton.
     samples : (n, 2) float array
         Points on the outline, spread evenly over all rings.
 
@@ -57,24 +48,23 @@ def fit_weights(skeleton: Skeleton, segments: Segments, samples: Points) -> Poin
     (s,) float array
         Each at least `LOWEST`.
     """
-    level = iso_value(segments.sigma)
     middles = skeleton.nodes[skeleton.edges].mean(axis=1)
     tops = np.concatenate([skeleton.nodes, middles])
     tops, radii = tops[:, :2], tops[:, 2]
     # Between two nodes the union has the ball of their mean radius, too.
     heights = np.maximum(skeleton.heights(tops), radii)
     rows = np.vstack([samples, tops])
-    matrix = design_matrix(segments, rows, np.concatenate([np.zeros(len(samples)), heights**2]))
+    matrix = summation.over(rows).shares(np.concatenate([np.zeros(len(samples)), heights**2]))
     importance = np.concatenate([
         np.ones(len(samples)), np.full(len(tops), HEIGHTS * np.sqrt(len(samples) / len(tops)))
     ])  # fmt: skip
-    hold = HOLD * level * np.sqrt(len(samples))
-    count = len(segments)
+    hold = HOLD * np.sqrt(len(samples))
+    count = len(skeleton.edges)
     # Substituting weight = LOWEST + more turns the lower bound into non-negativity.
     weighted = matrix * importance[:, None]
     even = (EVEN / HOLD * hold) ** 2 * _unevenness(skeleton)
     normal = weighted.T @ weighted + hold**2 * np.eye(count) + even
-    right = weighted.T @ (level * importance) + hold**2
+    right = weighted.T @ importance + hold**2
     return LOWEST + non_negative_least_squares(normal, right - LOWEST * normal.sum(axis=1))
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import nnls
 
-from bozzetto_silhouette.kernel import Segments, iso_value, pairs_within_reach, segment_integrals
+from bozzetto_silhouette.scalis import Segments, iso_value, pairs_within_reach, segment_integrals
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.weights import non_negative_least_squares
 
