@@ -13,7 +13,7 @@ from bozzetto_silhouette.outline import Outline
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["Soundness", "as_manifold", "soundness_of"]
+__all__ = ["Soundness", "as_manifold", "soundness_of", "volume_of"]
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def soundness_of(
     euler = int(used.sum()) - 3 * len(faces) // 2 + len(faces)
     return Soundness(
         _status(vertices, faces),
-        _volume(vertices, faces),
+        volume_of(vertices, faces),
         components - euler // 2,
         outline.genus,
         components,
@@ -109,7 +109,7 @@ def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
     return "NoError" if closed else "NotManifold"
 
 
-def _volume(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+def volume_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
     """Volume by the divergence theorem, about a vertex so that far away no digits are lost."""
     a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0

@@ -14,9 +14,9 @@ from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet, surrounds
 from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
 
-__all__ = ["DrawOutline"]
+__all__ = ["DrawOutline", "meets_itself"]
 
 OPEN_GAP = 0.2
 """Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
@@ -67,7 +67,7 @@ class DrawOutline:
             raise UserError("Draw an outline with the pen.")
         if gesture.strokes[-1].tool == "eraser":
             return _erased(state, gesture.strokes[-1])
-        if not gesture.committed and not _meets_itself(gesture.strokes):
+        if not gesture.committed and not meets_itself(gesture.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(
             id=state.unused_id(),
@@ -79,7 +79,7 @@ class DrawOutline:
         return _nested(state, part)
 
 
-def _meets_itself(strokes: tuple[Stroke, ...]) -> bool:
+def meets_itself(strokes: tuple[Stroke, ...]) -> bool:
     """Whether the chain of strokes comes back to where it began."""
     first, last = strokes[0].points, strokes[-1].points
     points = np.concatenate([stroke.points for stroke in strokes])
@@ -96,7 +96,8 @@ def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
     """
     if state.inner == "apart":
         return state.with_node(new)
-    alike = [part for part in state.parts if new.sheet.faces_as(part.sheet)]
+    outlined = [part for part in state.parts if not isinstance(part, Cut)]
+    alike = [part for part in outlined if new.sheet.faces_as(part.sheet)]
     for old in alike:
         if _lies_within(new, old):
             whole = replace(old, strokes=old.strokes.extended(new.strokes))
@@ -135,7 +136,7 @@ def _erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
     """
     for part in reversed(state.parts):
         path = part.sheet.from_pixels(eraser.points, eraser.camera)
-        if not np.isfinite(path).all():
+        if isinstance(part, Cut) or not np.isfinite(path).all():
             continue
         inside = [surrounds(outline_of(part), point[None]) for point in path[:: len(path) // 8 + 1]]
         if np.mean(inside) >= 0.5:
