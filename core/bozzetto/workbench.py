@@ -22,12 +22,11 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
+from bozzetto.part_edits import PartEdits
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture, Ink
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
-from bozzetto.plugin.parameters import parameter_fields, set_parameters
-from bozzetto.plugin.parts import HasParts
 from bozzetto.plugin.registry import Registry
 from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
 
@@ -45,6 +44,11 @@ class Workbench:
     registry : Registry
         Where modelers come from, and the guard that every call passes.
 
+    Attributes
+    ----------
+    parts : PartEdits
+        What can be done to the parts of a model.
+
     Notes
     -----
     Results are derived: they are cached by the identity of the (immutable) state and may
@@ -53,6 +57,7 @@ class Workbench:
 
     def __init__(self, registry: Registry) -> None:
         self.registry = registry
+        self.parts = PartEdits(registry)
         self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
         self._lock = threading.Lock()
         self._moved: tuple[Scene, Placement, Scene] | None = None
@@ -139,8 +144,8 @@ class Workbench:
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
         """The model with parameters changed.
 
-        Names that the state does not know are parameters of its parts: of the chosen one,
-        or of all that have them where none is chosen.
+        Names that the state does not know are parameters of its parts; see
+        `PartEdits.set_parameters`.
 
         Raises
         ------
@@ -150,11 +155,7 @@ class Workbench:
             If the state's own check of itself fails.
         """
         self._refuse_closed(model)
-        modeler = self.registry.modeler(model.modeler)
-        changed = self.registry.guard.call(
-            model.modeler, "its state", _with_parameters, modeler, model.state, dict(values)
-        )
-        return replace(model, state=changed)
+        return self.parts.set_parameters(model, values)
 
     def from_drawing(
         self,
@@ -309,31 +310,6 @@ class Workbench:
                 f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
                 "installed or switched off. Install it to change this object."
             )
-
-
-def _with_parameters(modeler: Modeler[Any, Any], state: Any, values: dict[str, object]) -> Any:
-    """A state with parameters of its own, or else of its parts, changed."""
-    if not isinstance(modeler, HasParts):
-        return set_parameters(state, values)
-    own = {field.name for field in parameter_fields(type(state))}
-    parts, chosen = modeler.parts(state), modeler.selected_part(state)
-    meant = [part for part in parts if part.id == chosen] or list(parts)
-    inner = {
-        name
-        for name in values.keys() - own
-        if any(field.name == name for part in meant for field in parameter_fields(type(part)))
-    }
-    if inner:
-        parts = tuple(_with_known(part, values, inner) if part in meant else part for part in parts)
-        state = modeler.with_parts(state, parts, chosen)
-    rest = {name: value for name, value in values.items() if name not in inner}
-    return set_parameters(state, rest) if rest else state
-
-
-def _with_known(part: Any, values: dict[str, object], names: set[str]) -> Any:
-    """A part with those of the parameters changed that it has."""
-    known = {field.name for field in parameter_fields(type(part))} & names
-    return set_parameters(part, {name: values[name] for name in known})
 
 
 def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:

@@ -58,6 +58,7 @@ class Silhouette:
     title = "Silhouette"
     state_type = SilhouetteState
     state_version = 2
+    part_types = (Part, Group)
 
     def create(self, context: Context) -> SilhouetteState:
         """No part yet."""

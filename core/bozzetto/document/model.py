@@ -17,7 +17,7 @@ from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.placement import Placement
 from bozzetto.view.camera import Camera
 
-__all__ = ["Document", "Model", "NamedView", "Underlay", "new_id"]
+__all__ = ["Document", "Model", "NamedView", "Underlay", "check_name", "new_id"]
 
 
 ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
@@ -43,7 +43,8 @@ def _check_id(text: str) -> None:
         raise ValueError(f"{text!r} cannot be an id in a document")
 
 
-def _check_name(text: str) -> None:
+def check_name(text: str) -> None:
+    """Raise `UserError` if an object, a part, a view or an underlay cannot be called that."""
     if re.match(NAME_PATTERN, text) is None:
         raise UserError("A name has between 1 and 200 characters, without line breaks.")
 
@@ -81,7 +82,7 @@ class Model:
     def __post_init__(self) -> None:
         _check_id(self.id)
         _check_id(self.modeler)
-        _check_name(self.name)
+        check_name(self.name)
         if self.color is not None and not all(0 <= part <= 255 for part in self.color):
             raise ValueError(f"{self.color} is no colour")
 
@@ -94,7 +95,7 @@ class NamedView:
     camera: Camera
 
     def __post_init__(self) -> None:
-        _check_name(self.name)
+        check_name(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +121,7 @@ class Underlay:
 
     def __post_init__(self) -> None:
         _check_id(self.id)
-        _check_name(self.name)
+        check_name(self.name)
         object.__setattr__(self, "pixels", frozen(self.pixels, np.uint8))
         if self.pixels.ndim != 3 or self.pixels.shape[2] != 4 or not self.pixels.size:
             raise ValueError(

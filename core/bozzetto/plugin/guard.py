@@ -16,7 +16,14 @@ from typing import Any, TypeVar
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.geometry.shapes import Shapes
-from bozzetto.plugin.soundness import sound_report, sound_scene, sound_shapes, sound_tools
+from bozzetto.plugin.part_tree import PartTree
+from bozzetto.plugin.soundness import (
+    sound_parts,
+    sound_report,
+    sound_scene,
+    sound_shapes,
+    sound_tools,
+)
 from bozzetto.plugin.unchanged import Remembered
 from bozzetto.scene.display_list import Scene
 
@@ -187,6 +194,16 @@ class Guard:
             If one lacks something that `Tool` asks for, or two have the same id.
         """
         return self._check(modeler_id, "tools", lambda: sound_tools(tools))
+
+    def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
+        """Return the parts of a state.
+
+        Raises
+        ------
+        PluginFault
+            If they cannot be listed: fields are missing, ids not unique, groups in a circle.
+        """
+        return self._check(modeler_id, "parts", lambda: sound_parts(tree))
 
     def check_report(self, modeler_id: str, report: Any) -> dict[str, Any]:
         """Return a report.

@@ -162,8 +162,15 @@ def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
     return tuple(found)
 
 
-def set_parameters(state: State, values: dict[str, object]) -> State:
-    """Return a state with parameters changed.
+def set_parameters(state: State, values: dict[str, object], owner: str = "this modeler") -> State:
+    """Return a state (or a part of one) with parameters changed.
+
+    Parameters
+    ----------
+    state : dataclass
+    values : dict
+    owner : str
+        Whose parameters these are, for messages.
 
     Raises
     ------
@@ -175,7 +182,7 @@ def set_parameters(state: State, values: dict[str, object]) -> State:
     for name, value in values.items():
         if name not in fields:
             known = ", ".join(fields) or "none"
-            raise UserError(f"There is no parameter {name!r}; this modeler has: {known}.")
+            raise UserError(f"There is no parameter {name!r}; {owner} has: {known}.")
         checked[name] = fields[name].check(value)
     changed: State = dataclasses.replace(state, **checked)  # type: ignore[type-var]
     return changed

@@ -35,7 +35,15 @@ class Part(Protocol):
 
 @runtime_checkable
 class HasParts(Protocol):
-    """A modeler whose states are made of parts."""
+    """A modeler whose states are made of parts.
+
+    Attributes
+    ----------
+    part_types : tuple of type
+        What its parts can be; their parameters are known before any part is drawn.
+    """
+
+    part_types: tuple[type[Any], ...]
 
     def parts(self, state: Any) -> tuple[Any, ...]:
         """All parts of a state, in the order in which they are listed and put together."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.plugin.part_tree import PartTree
 from bozzetto.scene.display_list import (
     Handle,
     Image,
@@ -23,7 +24,7 @@ from bozzetto.scene.display_list import (
     Shaded,
 )
 
-__all__ = ["Unsound", "sound_report", "sound_scene", "sound_shapes", "sound_tools"]
+__all__ = ["Unsound", "sound_parts", "sound_report", "sound_scene", "sound_shapes", "sound_tools"]
 
 MOST_ITEMS: Final = 20_000
 """Items of one model's scene; beyond that a viewport crawls. Lines and points hold many."""
@@ -135,6 +136,33 @@ def sound_report(report: Any) -> dict[str, Any]:
     if not isinstance(report, Mapping):
         raise Unsound(f"{type(report).__name__} where a mapping belongs")
     return dict(report)
+
+
+def sound_parts(tree: PartTree) -> PartTree:
+    """Return the parts of a state if they can be listed.
+
+    Raises
+    ------
+    Unsound
+        If a part lacks something that `Part` asks for, two have the same id, or one lies
+        within what is no group, or within itself.
+    """
+    _expect_tuple(tree.parts, "the parts")
+    for part in tree.parts:
+        for name in ("id", "name", "within"):
+            _text(getattr(part, name, None), f"{type(part).__name__}.{name}")
+        _expect(isinstance(getattr(part, "visible", None), bool), "the visibility of a part")
+    ids = [part.id for part in tree.parts]
+    _expect(all(ids) and len(set(ids)) == len(ids), "an id of a part (empty, or given twice)")
+    _expect(tree.selected in {"", *ids}, f"the chosen part {tree.selected!r}")
+    within = {part.id: part.within for part in tree.parts}
+    for part in tree.parts:
+        around, steps = part.within, 0
+        while around:
+            group = around in tree.groups and around in within
+            _expect(group and steps < len(ids), f"what {part.name!r} is within")
+            around, steps = within[around], steps + 1
+    return tree
 
 
 # -- items of a scene ---------------------------------------------------------------------------

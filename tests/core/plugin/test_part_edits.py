@@ -1,0 +1,251 @@
+"""Parts of models through the guard: edits with their labels, faults with their plugin."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import pytest
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Shapes
+from bozzetto.plugin import Parameter
+from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.testing import Shell
+from bozzetto.scene import Scene
+
+CODE = """
+from bozzetto.plugin import hookimpl
+given = []
+
+@hookimpl
+def bozzetto_modelers():
+    return given
+"""
+
+MANIFEST = """
+id = "pieces.plugin"
+title = "Pieces"
+version = "1.0"
+api = ">=1,<2"
+
+[[modeler]]
+id = "pieces.modeler"
+title = "Pieces"
+icon = "icon.svg"
+hint = "Draw."
+"""
+
+
+@dataclass(frozen=True)
+class Piece:
+    id: str = ""
+    name: str = ""
+    visible: bool = True
+    within: str = ""
+    size: Annotated[float, Parameter("Size", 0.0, 9.0)] = 1.0
+
+
+@dataclass(frozen=True)
+class Frame(Piece):
+    """A group; it has a size of its own and a rim besides."""
+
+    rim: Annotated[float, Parameter("Rim", 0.0, 1.0)] = 0.5
+
+
+@dataclass(frozen=True)
+class PiecesState:
+    pieces: tuple[Piece | Frame, ...] = ()
+    chosen: str = ""
+    detail: Annotated[int, Parameter("Detail", 1, 5)] = 2
+
+
+class Pieces:
+    id, title, state_type, state_version = "pieces.modeler", "Pieces", PiecesState, 1
+    part_types = (Piece, Frame)
+
+    def create(self, context):
+        pieces = (Piece("a", "A"), Frame("b", "B"), Piece("c", "C", within="b"), Piece("d", "D"))
+        return PiecesState(pieces, "a")
+
+    def tools(self):
+        return ()
+
+    def solve(self, state, job):
+        return None
+
+    def scene(self, state, result):
+        return Scene()
+
+    def shapes(self, state, result):
+        return Shapes()
+
+    def upgrade(self, state, version):
+        return state
+
+    def parts(self, state):
+        return state.pieces
+
+    def selected_part(self, state):
+        return state.chosen
+
+    def is_group(self, part):
+        return isinstance(part, Frame)
+
+    def with_parts(self, state, parts, selected):
+        return replace(state, pieces=parts, chosen=selected)
+
+    def new_group(self, state):
+        return Frame("g", "Group 1")
+
+
+@pytest.fixture
+def pieces(make_package):
+    package = make_package(CODE, MANIFEST)
+    modeler = Pieces()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    return modeler
+
+
+@pytest.fixture
+def shell(pieces, tmp_path):
+    made = Shell(Registry(extra=[pieces.package]), tmp_path)
+    made.open("pieces.modeler")
+    return made
+
+
+def test_every_edit_gives_another_model_and_says_what_was_done(shell):
+    edits, model = shell.workbench.parts, shell.model
+    done = {
+        "rename": edits.rename(model, "a", "Head"),
+        "show": edits.show(model, "a", False),
+        "delete": edits.delete(model, "b"),
+        "duplicate": edits.duplicate(model, "b"),
+        "move": edits.move(model, "a", "b", 0),
+        "group": edits.group(model, ["a", "d"]),
+        "set": edits.set(model, "a", {"size": 3.0}),
+    }
+    assert {name: edit.label for name, edit in done.items()} == {
+        "rename": "Rename to “Head”",
+        "show": "Hide “A”",
+        "delete": "Delete “B”",
+        "duplicate": "Duplicate “B”",
+        "move": "Reorder “A”",
+        "group": "Group 2 parts",
+        "set": "Change “A”",
+    }
+    assert model.state == Pieces().create(None)
+    assert len({edit.model.state for edit in done.values()}) == len(done)
+    assert [p.id for p in edits.of(done["delete"].model).parts] == ["a", "d"]
+    assert edits.of(done["group"].model).selected == "g"
+    assert edits.select(model, "c").state == replace(model.state, chosen="c")
+
+
+def test_a_locked_model_refuses_all_but_the_choice(shell):
+    edits, model = shell.workbench.parts, replace(shell.model, locked=True)
+    for act in (
+        lambda: edits.rename(model, "a", "Head"),
+        lambda: edits.show(model, "a", False),
+        lambda: edits.delete(model, "b"),
+        lambda: edits.duplicate(model, "b"),
+        lambda: edits.move(model, "a", "b", 0),
+        lambda: edits.group(model, ["a"]),
+        lambda: edits.set(model, "a", {"size": 3.0}),
+    ):
+        with pytest.raises(UserError, match="locked"):
+            act()
+    assert edits.of(edits.select(model, "d")).selected == "d"
+
+
+@pytest.mark.parametrize(
+    ("chosen", "values", "sizes"),
+    [
+        ("a", {"size": 2.0}, {"a": 2.0}),
+        ("", {"size": 2.0}, {"a": 2.0, "b": 2.0, "c": 2.0, "d": 2.0}),
+        ("a", {"C.size": 2.0, "D.size": 3}, {"c": 2.0, "d": 3.0}),
+        ("a", {"detail": 4, "b.size": 5.0}, {"b": 5.0}),
+        ("a", {"rim": 1.0}, {}),
+    ],
+)
+def test_parameters_reach_the_part_that_is_meant(shell, chosen, values, sizes):
+    model = shell.workbench.parts.select(shell.model, chosen)
+    state = shell.workbench.set_parameters(model, values).state
+    assert {p.id: p.size for p in state.pieces if p.size != 1.0} == sizes
+    assert state.detail == values.get("detail", 2)
+    assert state.pieces[1].rim == values.get("rim", 0.5)
+    assert state.chosen == chosen
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"girth": 1.0}, "detail, rim, size"),
+        ({"X.size": 1.0}, "there are: A, B, C, D"),
+        ({"A.rim": 1.0}, "“A” has: size"),
+        ({"size": 10.0}, "from 0 to 9"),
+    ],
+)
+def test_parameters_that_nobody_has_are_told_apart(shell, values, words):
+    with pytest.raises(UserError, match=words):
+        shell.workbench.set_parameters(shell.model, values)
+
+
+def test_only_the_choice_differs(shell):
+    edits, model = shell.workbench.parts, shell.model
+    other = edits.select(model, "d")
+    assert edits.only_choice_differs(model, other)
+    assert not edits.only_choice_differs(model, model)
+    assert not edits.only_choice_differs(model, edits.rename(other, "d", "Q").model)
+    assert not edits.only_choice_differs(model, edits.duplicate(model, "a").model)
+
+
+TWINS = (Piece("a", "A"), Piece("a", "B"))
+CIRCLE = (Frame("a", "A", within="b"), Frame("b", "B", within="a"))
+
+
+@pytest.mark.parametrize(
+    ("name", "misdeed"),
+    [
+        ("parts", lambda state: list(state.pieces)),
+        ("parts", lambda state: TWINS),
+        ("parts", lambda state: CIRCLE),
+        ("parts", lambda state: (Piece("a", "A", within="d"), Piece("d", "D"))),
+        ("parts", lambda state: (Piece("a", "A", within="nowhere"),)),
+        ("parts", lambda state: (Piece("", "A"),)),
+        ("parts", lambda state: (Piece("a", "A", visible="yes"),)),
+        ("parts", lambda state: (3,)),
+        ("parts", lambda state: 1 / 0),
+        ("selected_part", lambda state: "nobody"),
+        ("selected_part", lambda state: None),
+        ("is_group", lambda part: 1 / 0),
+        ("with_parts", lambda state, parts, selected: None),
+        ("with_parts", lambda state, parts, selected: replace(state, pieces=TWINS)),
+        ("with_parts", lambda state, parts, selected: 1 / 0),
+    ],
+)
+def test_a_crooked_lens_is_the_fault_of_its_plugin(shell, pieces, name, misdeed):
+    model = shell.model
+    setattr(pieces, name, misdeed)
+    with pytest.raises(PluginFault, match=r"pieces\.plugin"):
+        shell.workbench.parts.rename(model, "a", "Head")
+
+
+def test_what_a_modeler_refuses_is_told_in_its_words(shell, pieces):
+    def refuse(state, parts, selected):
+        raise UserError("A frame needs something in it.")
+
+    pieces.with_parts = refuse
+    with pytest.raises(UserError, match="needs something"):
+        shell.workbench.parts.delete(shell.model, "c")
+    pieces.new_group = lambda state: None
+    with pytest.raises(UserError, match="no groups"):
+        shell.workbench.parts.group(shell.model, ["a"])
+
+
+def test_models_without_parts_have_none(workshop):
+    assert workshop.workbench.parts.of(workshop.model) is None
+    with pytest.raises(UserError, match="not made of parts"):
+        workshop.workbench.parts.delete(workshop.model, "a")
