@@ -2,25 +2,54 @@
 
 With u the squared height, ``F = u(x, y) - z^2`` is zero on the surface, positive inside, and
 on balls and tubes exactly the difference of two squared distances. From F and its gradient
-the ball that fits there gives the distance,
+the ball that fits there gives the distance. With g half the length of the gradient,
 
-    d = 2 F / (g + sqrt(g^2 + 4 F)),    g = |grad F|,
+    d = sqrt(g^2 + F) - g,
 
-which is exact for them, and smooth where the gradient vanishes, inside.
+which is exact for them, and smooth where the gradient vanishes, inside. The gradient that is
+given is the unit vector along grad F: that of d on the surface, and for balls everywhere.
+
+Beyond the outline u goes on as it would for a tube: with r half the slope of u at the nearest
+point of the rim, at the distance e, ``u = -(2 r + e) e``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.distance import RimDistance
+from bozzetto_silhouette.implicit import Sample
+from bozzetto_silhouette.lattice import BORDER, Lattice, on_nodes
+from bozzetto_silhouette.shell import plan_gradients
 from bozzetto_silhouette.solid import SilhouetteSolid
 
 __all__ = ["Relief"]
 
 Points = NDArray[np.float64]
+
+_SHARE = 0.75
+"""Step of the lattice as a share of the plan's: limbs are quadratic across, and so is the
+spline, so that even those thinner than a cell are kept."""
+
+_MOST_NODES = 1_000_000
+"""Nodes of the lattice at most: eight megabytes a side."""
+
+_REACH = 0.5
+"""What the lattice reaches beyond the outline, as a share of the largest height."""
+
+_CALM = 2.0
+"""Width of the filter, in nodes, that takes the corners of the sampled rim out of its distance.
+Applied twice with opposite signs it leaves cubics as they are."""
+
+_ROUNDS = 6
+"""Rounds of averaging the radius along the rim."""
+
+_FAINT = 1e-12
+"""Gradients shorter than this share of the largest height have no direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,3 +57,99 @@ class Relief:
     """A solid that was made by `solidify`, in its object frame."""
 
     solid: SilhouetteSolid
+
+    @cached_property
+    def bounds(self) -> Points:
+        """The box around the mesh."""
+        vertices = self.solid.vertices
+        return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+
+    def value(self, points: Points) -> Points:
+        """Values at points (n, 3)."""
+        return self.sample(points).value
+
+    def sample(self, points: Points) -> Sample:
+        """Values and gradients at points (n, 3)."""
+        front, back = self._sides
+        low, high = front.bounds
+        xy = np.clip(points[:, :2], low, high)
+        z = points[:, 2]
+        if front is back:
+            value, gradient = self._fitted(front, xy, z)
+        else:
+            value, gradient = np.empty(len(z)), np.empty((len(z), 3))
+            for side, mine in ((front, z >= 0.0), (back, z < 0.0)):
+                value[mine], gradient[mine] = self._fitted(side, xy[mine], z[mine])
+        beyond = points[:, :2] - xy
+        gap = np.hypot(beyond[:, 0], beyond[:, 1])
+        far = np.flatnonzero(gap > 0.0)
+        if len(far):
+            # Nothing of the solid is there: with c the nearest point of the lattice's box,
+            # the distance lies between this and sqrt(2) of it.
+            near = np.minimum(value[far], 0.0)
+            total = -np.hypot(near, gap[far])
+            gradient[far] *= (near / total)[:, None]
+            gradient[far, :2] *= beyond[far] == 0.0
+            gradient[far, :2] += beyond[far] / total[:, None]
+            value[far] = total
+        return Sample(value, gradient)
+
+    def _fitted(self, side: Lattice, xy: Points, z: Points) -> tuple[Points, Points]:
+        """Distance by the fitted ball, and the direction in which it grows."""
+        u, slope = side.sample(xy)
+        half = np.column_stack([0.5 * slope, -z])
+        g2 = (half**2).sum(axis=1)
+        g = np.sqrt(g2)
+        square = u - z * z
+        # Around no ball the gradient is shorter; in valleys far outside it vanishes.
+        fitted = np.maximum(g2, -square)
+        value = np.sqrt(fitted + square) - np.sqrt(fitted)
+        return value, half / np.maximum(g, _FAINT * self._tallest)[:, None]
+
+    @cached_property
+    def _tallest(self) -> float:
+        return float(np.sqrt(max(self.solid.front.max(), self.solid.back.max())))
+
+    @cached_property
+    def _sides(self) -> tuple[Lattice, Lattice]:
+        """The squared heights of the front and of the back."""
+        from scipy.ndimage import gaussian_filter
+
+        solid = self.solid
+        points, rim = solid.plan.points, len(solid.plan.after)
+        low, high = points[:rim].min(axis=0), points[:rim].max(axis=0)
+        extent = high - low + 2.0 * _REACH * self._tallest
+        step = max(_SHARE * solid.step, float(np.sqrt(extent.prod() / _MOST_NODES)))
+        low = low - _REACH * self._tallest - BORDER * step
+        nx, ny = (int(n) + 2 * BORDER + 1 for n in np.ceil(extent / step))
+        distance = RimDistance(points[:rim], solid.plan.after)
+
+        def side(squares: Points) -> Lattice:
+            gradients = plan_gradients(solid.plan, squares)
+            values = on_nodes(points, solid.plan.triangles, squares, gradients, low, step, (nx, ny))
+            outside = np.isnan(values)
+            feet = distance(low + step * np.argwhere(outside))
+            radius = self._rim_radius(gradients[:rim])
+            radius = (
+                radius[feet.segment] * (1.0 - feet.along)
+                + radius[solid.plan.after[feet.segment]] * feet.along
+            )
+            gap = np.abs(feet.distance)
+            values[outside] = -(2.0 * radius + gap) * gap
+            calm = 2.0 * gaussian_filter(values, _CALM) - gaussian_filter(values, _CALM * 2**0.5)
+            share = np.clip(gap / (_CALM * step) - 0.5, 0.0, 1.0)
+            values[outside] += share * (calm - values)[outside]
+            return Lattice.through(low, step, values)
+
+        front = side(solid.front)
+        same = np.array_equal(solid.front, solid.back)
+        return front, front if same else side(solid.back)
+
+    def _rim_radius(self, gradients: Points) -> Points:
+        """Radius of the section at every sample of the rim, calmed along it."""
+        after = self.solid.plan.after
+        radius: Points = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
+        for _ in range(_ROUNDS):
+            middle = 0.5 * (radius + radius[after])
+            radius[after] = 0.5 * (middle + middle[after])
+        return radius

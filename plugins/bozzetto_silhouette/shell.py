@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.plan import Plan
 
-__all__ = ["sewn_shell", "shell_normals", "vertex_normals"]
+__all__ = ["plan_gradients", "sewn_shell", "shell_normals", "vertex_normals"]
 
 Points = NDArray[np.float64]
 Faces = NDArray[np.int32]
@@ -70,12 +70,12 @@ def shell_normals(plan: Plan, front: Points, back: Points) -> Points:
 
 
 def _normals(plan: Plan, square: Points) -> Points:
-    normal = np.column_stack([-_gradients(plan, square), 2.0 * np.sqrt(square)])
+    normal = np.column_stack([-plan_gradients(plan, square), 2.0 * np.sqrt(square)])
     normal /= np.maximum(np.sqrt((normal**2).sum(axis=1)), 1e-300)[:, None]
     return normal
 
 
-def _gradients(plan: Plan, values: Points) -> Points:
+def plan_gradients(plan: Plan, values: Points) -> Points:
     """Gradients at the points of a plan (n, 2), exact for quadratic functions.
 
     Along an edge e a quadratic function grows by the mean of its end gradients times e.

@@ -1,0 +1,109 @@
+"""Two solids combined, as a function of space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.blending import flipped, smooth_maximum, summed
+from bozzetto_silhouette.implicit import Implicit, Sample
+from bozzetto_silhouette.state import Operation
+
+__all__ = ["Composite", "box_distance"]
+
+Points = NDArray[np.float64]
+
+_FALL = 0.5
+"""Outside a box every value falls at least at this rate: the promise of `Implicit`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Composite:
+    """What an operation makes of two implicit solids.
+
+    Parameters
+    ----------
+    first, second : Implicit
+        In the same frame.
+    operation : {"add", "merge", "carve", "intersect"}
+    reach : float
+        Of the blend, as a length; 0 is a sharp crease.
+    """
+
+    first: Implicit
+    second: Implicit
+    operation: Operation
+    reach: float
+
+    @cached_property
+    def bounds(self) -> Points:
+        """A box around the solid; blends fill no more than a quarter of their reach."""
+        (low, high), (other_low, other_high) = self.first.bounds, self.second.bounds
+        if self.operation == "carve":
+            return np.stack([low, high])
+        if self.operation == "intersect":
+            low, high = np.maximum(low, other_low), np.minimum(high, other_high)
+            return np.stack([np.minimum(low, high), np.maximum(low, high)])
+        swell = 0.25 * self.reach
+        return np.stack([np.minimum(low, other_low) - swell, np.maximum(high, other_high) + swell])
+
+    def value(self, points: Points) -> Points:
+        """Values at points (n, 3)."""
+        return self.sample(points).value
+
+    def sample(self, points: Points) -> Sample:
+        """Values and gradients at points (n, 3)."""
+        return self.blended(*self.sides(points))
+
+    def sides(self, points: Points) -> tuple[Sample, Sample]:
+        """Samples of both solids; where one cannot matter, only a bound of it."""
+        if self.operation == "intersect":
+            return self.first.sample(points), self.second.sample(points)
+        far = -_FALL * box_distance(points, self.second.bounds)
+        if self.operation == "carve":
+            first = self.first.sample(points)
+            return first, _where(self.second, points, far, far > -first.value - self.reach)
+        near = -_FALL * box_distance(points, self.first.bounds)
+        leads = near >= far
+        first = _where(self.first, points, near, leads)
+        second = _where(self.second, points, far, ~leads | (far > first.value - self.reach))
+        late = ~leads & (near > second.value - self.reach)
+        return _where(self.first, points, near, late, first), second
+
+    def blended(self, first: Sample, second: Sample) -> Sample:
+        """The two samples as one."""
+        if self.operation == "carve":
+            return flipped(smooth_maximum(flipped(first), second, self.reach))
+        if self.operation == "intersect":
+            return flipped(smooth_maximum(flipped(first), flipped(second), self.reach))
+        if self.operation == "merge" and self.reach > 0.0:
+            return summed(first, second, self.reach)
+        return smooth_maximum(first, second, self.reach)
+
+
+def box_distance(points: Points, bounds: Points) -> Points:
+    """Distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
+    beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
+    distance: Points = np.sqrt((beyond**2).sum(axis=1))
+    return distance
+
+
+def _where(
+    solid: Implicit,
+    points: Points,
+    bound: Points,
+    wanted: NDArray[np.bool_],
+    known: Sample | None = None,
+) -> Sample:
+    """A solid's sample where wanted; elsewhere what is known, else a bound of the value."""
+    if wanted.all():
+        return solid.sample(points)
+    if known is None:
+        known = Sample(bound.copy(), np.zeros_like(points))
+    chosen = np.flatnonzero(wanted)
+    if len(chosen):
+        known.value[chosen], known.gradient[chosen] = solid.sample(points[chosen])
+    return known
