@@ -57,12 +57,14 @@ class Soundness:
 
 
 def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Manifold:
-    """The mesh as manifold3d sees it, in double precision."""
+    """The mesh as manifold3d sees it, in double precision.
+
+    It gets copies: manifold3d takes no read-only arrays, not even those that it gave.
+    """
     import manifold3d
 
     mesh = manifold3d.Mesh64(
-        np.ascontiguousarray(vertices, dtype=np.float64),
-        np.ascontiguousarray(faces, dtype=np.uint64),
+        np.array(vertices, dtype=np.float64, order="C"), np.array(faces, dtype=np.uint64, order="C")
     )
     return manifold3d.Manifold(mesh)
 

@@ -7,7 +7,7 @@ parallel view, a cone from the eye for a perspective one.
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -41,6 +41,10 @@ WALL_PITCH = 2.0
 
 FINEST = 0.2
 """Smallest spacing along the outline, in steps."""
+
+COARSEST = 1.0 / 16.0
+"""Largest spacing, as a share of the outline's own size: a small hole in a large body stays
+round."""
 
 RADIUS_TOLERANCE = 1e-3
 """Accuracy of the inscribed radius, as a share of the longest side."""
@@ -138,7 +142,7 @@ def straight_body(part: Part, around: Points | None, resolution: int) -> Body:
         on both sides, but not behind the eye. Without it, it is a slab as thick as the
         outline is wide, times its inflation.
     resolution : int
-        Cells along the longest side.
+        Cells along the longest side of the outline and of what it acts on.
 
     Raises
     ------
@@ -159,13 +163,17 @@ def _swept(part: Part, around: Points | None, resolution: int) -> Body:
     outline = cut_side(part, corners) if isinstance(part, Cut) else outline_of(part)
     sight = sight_through(part.sheet, part.strokes[0].camera)
     radius = _inscribed_radius(outline)
-    plan, step = _plan(outline, resolution)
+    size = outline.size
+    if corners is not None:
+        size = max(size, float(np.ptp(corners, axis=0).max()))
+    step = min(size / resolution, COARSEST * outline.size)
+    plan = _plan(outline, step)
     if corners is None:
         half = part.inflation * radius
         low, high = sight.before_eye(-half, half)
     else:
         z = corners[:, 2]
-        reach = CLEARANCE * max(outline.size, float(np.ptp(corners, axis=0).max()))
+        reach = CLEARANCE * size
         low, high = sight.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
     vertices, faces = _prism(plan, sight, low, high, WALL_PITCH * step)
     soundness = soundness_of(vertices, faces, outline)
@@ -202,16 +210,17 @@ def _inscribed_radius(outline: Outline) -> float:
     return float(shapely.length(circles).max())
 
 
-def _plan(outline: Outline, resolution: int) -> tuple[Plan, float]:
-    """The inside of an outline in triangles, and their spacing in the thick places."""
+def _plan(outline: Outline, step: float) -> Plan:
+    """The inside of an outline in triangles, `step` apart in the thick places.
+
+    Every drawn vertex is kept: both sides of a cut then have the same wall.
+    """
     low, high = outline.bounds
     middle, scale = 0.5 * (low + high), outline.size
     unit = outline.transformed(1.0 / scale, -middle / scale)
-    step = 1.0 / resolution
-    rim = sample_rim(unit.rings, step, FINEST * step, every_vertex=True)
-    plan = plan_of(rim, np.zeros((0, 2)), step)
-    points = plan.points * scale + middle
-    return Plan(points, plan.triangles, plan.after, plan.chords_split), step * scale
+    rim = sample_rim(unit.rings, step / scale, FINEST * step / scale, every_vertex=True)
+    plan = plan_of(rim, np.zeros((0, 2)), step / scale)
+    return replace(plan, points=plan.points * scale + middle)
 
 
 def _prism(
