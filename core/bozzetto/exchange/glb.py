@@ -5,6 +5,7 @@ Only what the file itself holds is read: no links, no compression extensions.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import msgspec
@@ -24,10 +25,12 @@ from bozzetto.exchange.gltf_scene import (
     item,
     placed_meshes,
 )
+from bozzetto.exchange.gltf_skin import follows, inverse_binds, rig_nodes
 from bozzetto.exchange.gltf_texture import SAMPLER, corners_of, picture_file
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
 
 __all__ = ["read_shapes", "write_shapes"]
@@ -41,9 +44,13 @@ AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 MM_PER_METRE: Final = 1000.0
 
+TO_FILE: Final = Placement(tuple(AXES.ravel().tolist()), 1.0 / MM_PER_METRE)
+"""The same as a placement."""
+
 ARRAY_BUFFER: Final = 34962
 ELEMENT_ARRAY_BUFFER: Final = 34963
 FLOAT: Final = 5126
+UNSIGNED_BYTE: Final = 5121
 UNSIGNED_SHORT: Final = 5123
 UNSIGNED_INT: Final = 5125
 STRIP: Final = 5
@@ -62,7 +69,8 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 def write_shapes(shapes: Shapes) -> bytes:
     """GLB with one node, mesh and material per part.
 
-    A texture takes the place of vertex colours, which glTF would multiply with it.
+    A texture takes the place of vertex colours, which glTF would multiply with it. A solid with
+    a skin is written at rest, and its joints as they are turned.
     """
     parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
     blob = bytearray()
@@ -73,17 +81,24 @@ def write_shapes(shapes: Shapes) -> bytes:
         views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(content), **more})
         blob.extend(content + b"\0" * (-len(content) % 4))  # what follows stays aligned
 
-    def put(values: NDArray[Any], kind: str, component: int, target: int, **more: Any) -> int:
-        view(values.tobytes(), target=target)
+    def put(
+        values: NDArray[Any], kind: str, component: int, target: int | None = None, **more: Any
+    ) -> int:
+        view(values.tobytes(), **({} if target is None else {"target": target}))
         accessor = {"bufferView": len(views) - 1, "componentType": component, "type": kind}
-        accessors.append({**accessor, "count": values.size // WIDTHS[kind], **more})
+        accessors.append({**accessor, "count": len(values), **more})
         return len(accessors) - 1
 
     meshes, materials, nodes = [], [], []
     images: list[dict[str, Any]] = []
+    skins: list[dict[str, Any]] = []
+    joint_nodes: list[dict[str, Any]] = []
     for number, part in enumerate(parts):
         mesh = part.mesh
         texture = part.texture if isinstance(part, Solid) else None
+        skin = part.skin if isinstance(part, Solid) else None
+        if skin is not None and skin.rest is not None:
+            mesh = replace(mesh, vertices=skin.rest.vertices, normals=skin.rest.normals)
         vertex, faces, texels = corners_of(mesh, texture)
         places = (mesh.vertices[vertex] @ AXES.T / MM_PER_METRE).astype("<f4")
         reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
@@ -98,7 +113,12 @@ def write_shapes(shapes: Shapes) -> bytes:
             attributes["COLOR_0"] = put(
                 linear, "VEC4", UNSIGNED_SHORT, ARRAY_BUFFER, normalized=True
             )
-        indices = put(faces.astype("<u4"), "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
+        if skin is not None:
+            joints, weights = follows(skin, vertex)
+            component = UNSIGNED_BYTE if joints.itemsize == 1 else UNSIGNED_SHORT
+            attributes["JOINTS_0"] = put(joints, "VEC4", component, ARRAY_BUFFER)
+            attributes["WEIGHTS_0"] = put(weights, "VEC4", FLOAT, ARRAY_BUFFER)
+        indices = put(faces.ravel().astype("<u4"), "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
         primitive = {"attributes": attributes, "indices": indices, "material": number}
         meshes.append({"name": part.name, "primitives": [primitive]})
         material = _material(part)
@@ -108,17 +128,27 @@ def write_shapes(shapes: Shapes) -> bytes:
             images.append({"bufferView": len(views) - 1, "mimeType": "image/png"})
         materials.append(material)
         nodes.append({"name": part.name, "mesh": number})
+        if skin is not None:
+            rig = skin.rig.placed(TO_FILE)
+            root = len(parts) + len(joint_nodes)
+            joint_nodes += rig_nodes(rig, root, part.name)
+            nodes[-1]["skin"] = len(skins)
+            binds = put(inverse_binds(rig), "MAT4", FLOAT)
+            numbers = list(range(root + 1, root + 1 + len(rig.joints)))
+            skins.append({"skeleton": root, "joints": numbers, "inverseBindMatrices": binds})
     scene = {
         "asset": {"version": "2.0", "generator": "Bozzetto"},
         "scene": 0,
-        "scenes": [{"nodes": list(range(len(nodes)))}],
-        "nodes": nodes,
+        "scenes": [{"nodes": [*range(len(nodes)), *(skin["skeleton"] for skin in skins)]}],
+        "nodes": nodes + joint_nodes,
         "meshes": meshes,
         "materials": materials,
         "accessors": accessors,
         "bufferViews": views,
         "buffers": [{"byteLength": len(blob)}],
     }
+    if skins:
+        scene["skins"] = skins
     if images:
         scene["images"] = images
         scene["textures"] = [{"source": k, "sampler": 0} for k in range(len(images))]

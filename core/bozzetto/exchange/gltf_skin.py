@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.skin import Rig, Skin
 
-__all__ = ["follows", "inverse_binds", "joint_nodes"]
+__all__ = ["follows", "inverse_binds", "rig_nodes"]
 
 FEW = 256
 """Joints that one byte can tell apart."""
 
 
-def joint_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
+def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
     """The nodes of a rig: one that holds all roots, as joints need a common one, then the joints.
 
     Parameters

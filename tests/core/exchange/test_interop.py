@@ -20,6 +20,7 @@ import pytest
 from bozzetto.exchange.export import export
 from bozzetto.exchange.importing import read_mesh
 from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from tests.core.exchange.skinned import skinned
 
 pytestmark = pytest.mark.interop
 
@@ -154,7 +155,15 @@ validator.validateBytes(bytes).then(report => console.log(JSON.stringify(report)
 
 
 @pytest.mark.parametrize(
-    "shapes", [SHAPES, Shapes(surfaces=(SKIN,)) + SHAPES], ids=["solids", "skin"]
+    "shapes",
+    [
+        SHAPES,
+        Shapes(surfaces=(SKIN,)) + SHAPES,
+        Shapes(solids=(skinned(7),)),
+        SHAPES + Shapes(solids=(skinned(300, 90.0), skinned(5, roots=(0, 2)))),
+        Shapes(solids=(skinned(7, 60.0, texture=True),)),
+    ],
+    ids=["solids", "skin", "rig", "pose", "texture"],
 )
 def test_the_khronos_validator_finds_nothing(tmp_path, shapes):
     folder = os.environ.get("BOZZETTO_GLTF_VALIDATOR")
@@ -175,6 +184,17 @@ def test_the_khronos_validator_finds_nothing(tmp_path, shapes):
     report = json.loads(done.stdout)
     assert report["issues"]["messages"] == []
     assert report["info"]["totalTriangleCount"] == sum(len(p.mesh.faces) for p in shapes.meshes())
+
+
+def test_trimesh_reads_a_skinned_solid(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    solid = skinned(7, 60.0)
+    export(Shapes(solids=(solid,)), tmp_path / "a.glb")
+    scene = trimesh.load_scene(tmp_path / "a.glb")
+    (mesh,) = scene.geometry.values()
+    assert mesh.is_watertight
+    assert mesh.volume * 1e9 == pytest.approx(volume(solid.skin.rest), rel=1e-5)
+    assert set(solid.skin.rig.names) <= set(scene.graph.nodes)
 
 
 @pytest.mark.skipif(not shutil.which("prusa-slicer"), reason="prusa-slicer is not here")
