@@ -9,18 +9,23 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto_silhouette.edits import Rings, edited
+from bozzetto_silhouette.inking import rings_from_strokes
 from bozzetto_silhouette.memory import Memory
-from bozzetto_silhouette.outline import Outline, outline_from_strokes
+from bozzetto_silhouette.outline import Outline, outline_from_rings
 from bozzetto_silhouette.sheet import Sheet
-from bozzetto_silhouette.state import Part
+from bozzetto_silhouette.state import Oversketch, Part, Removal, Smoothing
 
-__all__ = ["outline_of", "points_on_sheet", "surrounds"]
+__all__ = ["outline_of", "points_on_sheet", "rings_of", "surrounds"]
 
 Array = NDArray[np.float64]
 
 _outlines: Memory[Outline] = Memory(limit=512)
 """The tool looks at an outline before the solver does, and at those of all parts at every
 stroke."""
+
+_rings: Memory[Rings] = Memory(limit=512)
+"""After every edit: the next one begins there."""
 
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
@@ -40,20 +45,55 @@ def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
 
 
 def outline_of(part: Part) -> Outline:
-    """The closed rings that a part's ink describes, in the part's object frame.
+    """The closed rings that a part's ink describes, edits and all, in the part's object frame.
 
     Raises
     ------
     UserError
         If the ink does not close or crosses itself; its places are canvas pixels.
     """
-    return _outlines.recall(part, lambda: _outline_of(part))
+    question = (part.strokes, part.sheet, part.edits)
+
+    def work() -> Outline:
+        outline = outline_from_rings([ring for ring in rings_of(part) if ring is not None])
+        if not outline.rings:
+            raise UserError("Nothing is left of this outline. Undo the last step on it.")
+        return outline
+
+    return _outlines.recall(question, work)
 
 
-def _outline_of(part: Part) -> Outline:
-    strokes = tuple(part.strokes)
+def rings_of(part: Part) -> Rings:
+    """The rings by their numbers, as edits name them, in the part's object frame.
+
+    Raises
+    ------
+    UserError
+        As `outline_of`.
+    """
+    rings: Rings = ()
+    ink = (tuple(stroke.digest for stroke in part.strokes), part.sheet)
+    edits = [(type(e), e.ring, b"" if isinstance(e, Removal) else e.stroke.digest)
+             for e in part.edits]  # fmt: skip
+    for count in range(len(edits) + 1):
+        before = rings
+
+        def work(count: int = count, before: Rings = before) -> Rings:
+            return _after(part, before, count)
+
+        rings = _rings.recall((ink, tuple(edits[:count])), work)
+    return rings
+
+
+def _after(part: Part, before: Rings, count: int) -> Rings:
+    """The rings after so many edits, from those after one edit less."""
+    edit = part.edits[count - 1] if count else None
+    strokes = (edit.stroke,) if isinstance(edit, Oversketch | Smoothing) else tuple(part.strokes)
+    lines = points_on_sheet(strokes, part.sheet)
     try:
-        return outline_from_strokes(points_on_sheet(strokes, part.sheet))
+        if edit is None:
+            return tuple(rings_from_strokes(lines))
+        return edited(before, edit, lines[0])
     except UserError as problem:
         if not problem.places:
             raise

@@ -15,7 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto_silhouette.crossings import rings_that_cross, untangled
 from bozzetto_silhouette.tremor import filtered
 
-__all__ = ["rings_from_strokes"]
+__all__ = ["rings_from_strokes", "thinned", "without_hooks"]
 
 Points = NDArray[np.float64]
 
@@ -91,9 +91,9 @@ def rings_from_strokes(
     if not size > 1e-12 * max(1.0, float(np.abs(everything).max())):
         raise UserError("This is a dot. Draw a closed outline.", places=[(place[0], place[1])])
 
-    lines = [_thinned((s - middle) / size) for s in given]
+    lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
-    rings = [_closed(chain) for chain in _chains([_without_hooks(s) for s in lines])]
+    rings = [_closed(chain) for chain in _chains([without_hooks(s) for s in lines])]
     rings = [r for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
     clean: list[Points] = []
@@ -126,7 +126,7 @@ def _arc(line: Points) -> Points:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
-def _thinned(line: Points) -> Points:
+def thinned(line: Points) -> Points:
     """Drop samples that repeat or clump; the last sample stays."""
     keep = [0]
     for i in range(1, len(line)):
@@ -136,7 +136,7 @@ def _thinned(line: Points) -> Points:
     return line[keep]
 
 
-def _without_hooks(line: Points) -> Points:
+def without_hooks(line: Points) -> Points:
     """Cut hooks off both ends."""
     line = _hook_cut(line)
     return _hook_cut(line[::-1])[::-1]

@@ -27,6 +27,7 @@ __all__ = [
     "Oversketch",
     "Part",
     "Picture",
+    "Removal",
     "SilhouetteState",
     "Smoothing",
     "Surface",
@@ -41,19 +42,39 @@ Kernel = Literal["scalis", "cauchy", "inverse-cubic", "inverse-quartic", "quarti
 
 @dataclass(frozen=True)
 class Oversketch:
-    """A stroke drawn over the outline: the nearest stretch of it is replaced."""
+    """A stroke drawn over a ring of the outline: the nearest stretch of it is replaced.
+
+    Parameters
+    ----------
+    stroke : Stroke
+        As seen when the part was drawn, wherever it has been moved since.
+    ring : int
+        Which of the rings that the ink describes, in the order drawn.
+    """
 
     stroke: Stroke
+    ring: int = 0
 
 
 @dataclass(frozen=True)
 class Smoothing:
-    """A stroke rubbed along the outline: the stretch under it is smoothed."""
+    """A stroke rubbed along a ring of the outline: the stretch under it is smoothed.
+
+    `stroke` and `ring` are those of `Oversketch`.
+    """
 
     stroke: Stroke
+    ring: int = 0
 
 
-Edit = Oversketch | Smoothing
+@dataclass(frozen=True)
+class Removal:
+    """A ring that was taken out of the outline again: a hole that is filled."""
+
+    ring: int = 0
+
+
+Edit = Oversketch | Smoothing | Removal
 
 
 @dataclass(frozen=True)
