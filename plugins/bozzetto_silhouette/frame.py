@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.outline import Outline
+from bozzetto_silhouette.paper_skeleton import paper_skeleton
 from bozzetto_silhouette.sampling import Rim, sample_rim
 from bozzetto_silhouette.skeleton import Skeleton, chordal_axis, simplified
 
@@ -94,7 +95,7 @@ def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
             "This drawing is too intricate to swell in one piece. Simplify it, or build its "
             "parts one by one."
         )
-    axis = chordal_axis(Outline(rim.rings, inner.parents))
-    return Frame(
-        outline, scale, origin, inner, rim, axis.nodes, simplified(axis, SKELETON_TOLERANCE)
-    )
+    sampled = Outline(rim.rings, inner.parents)
+    axis = chordal_axis(sampled)
+    skeleton = simplified(axis, SKELETON_TOLERANCE) if rule == "exact" else paper_skeleton(sampled)
+    return Frame(outline, scale, origin, inner, rim, axis.nodes, skeleton)

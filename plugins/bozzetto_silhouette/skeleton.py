@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.distance import RimDistance, ring_links
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.triangulation import Triangulation, constrained_delaunay
 
-__all__ = ["Skeleton", "chordal_axis", "simplified", "skeleton_of"]
+__all__ = ["Skeleton", "chordal_axis", "simplified", "skeleton_of", "with_lone_balls"]
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -84,34 +85,20 @@ def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Points, Points
     terminal triangle its incentre and a junction the circumcentre clamped into it.
     """
     p, sides = mesh.points, mesh.sides
-    a, b, c = p[mesh.triangles].transpose(1, 0, 2)
-    # Side lengths opposite to a, b, c.
-    la, lb, lc = (np.hypot(*(u - v).T)[:, None] for u, v in ((b, c), (c, a), (a, b)))
-    weight = np.stack(
-        [
-            la**2 * (lb**2 + lc**2 - la**2),
-            lb**2 * (lc**2 + la**2 - lb**2),
-            lc**2 * (la**2 + lb**2 - lc**2),
-        ],
-        axis=1,
-    )
-
-    def mean(w: Points) -> Points:
-        corners = np.stack([a, b, c], axis=1)
-        share = w / np.where(w.sum(axis=1, keepdims=True) == 0.0, 1.0, w.sum(axis=1, keepdims=True))
-        result: Points = (corners * share).sum(axis=1)
-        return result
-
-    circumcentre = mean(weight)
-    circle = np.hypot(*(circumcentre - a).T)
+    corners = p[mesh.triangles]
+    circumcentre, circle = circumcircles(corners)
     radius = distance(circumcentre).distance
     good = np.abs(radius - circle) <= INSCRIBED * circle
 
-    incentre = (la * a + lb * b + lc * c) / (la + lb + lc)
-    middle = 0.5 * (p[mesh.triangles] + np.roll(p[mesh.triangles], -1, axis=1))
+    middle = 0.5 * (corners + np.roll(corners, -1, axis=1))
     inner = (sides >= 0)[..., None]
     between = (middle * inner).sum(axis=1) / np.maximum(inner.sum(axis=1), 1)
-    clamped = mean(np.maximum(weight[..., 0], 0.0)[..., None])
+    # Barycentric coordinates of the circumcentre; negative ones lie beyond a side.
+    square = side_lengths(corners) ** 2
+    weight = np.maximum(square * (square.sum(axis=1, keepdims=True) - 2.0 * square), 0.0)
+    weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
+    clamped = (corners * weight[..., None]).sum(axis=1)
+    incentre, _ = incircles(corners)
     kind = (sides >= 0).sum(axis=1)[:, None]
     spare = np.where(kind == 2, between, np.where(kind == 3, clamped, incentre))
     centre = np.where(good[:, None], circumcentre, spare)
@@ -304,12 +291,19 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     connected = {k for edge in axis.edges.tolist() for k in edge}
     for old in range(len(axis.nodes)):
         if old not in connected:
-            # A lone ball, as in a disc: a short segment stands for it.
-            x, y, r = axis.nodes[old]
-            nodes += [np.array([x - 0.1 * r, y, r]), np.array([x + 0.1 * r, y, r])]
-            edges.append((len(nodes) - 2, len(nodes) - 1))
+            node_of(old)
     unique = sorted({(min(e), max(e)) for e in edges})
-    return Skeleton(np.array(nodes), np.array(unique, dtype=np.intp).reshape(-1, 2))
+    return with_lone_balls(np.array(nodes), np.array(unique, dtype=np.intp).reshape(-1, 2))
+
+
+def with_lone_balls(nodes: Points, edges: Indices) -> Skeleton:
+    """A skeleton in which a short segment stands for every ball without one, as in a disc."""
+    lone = np.setdiff1d(np.arange(len(nodes)), edges)
+    shift = np.column_stack([0.1 * nodes[lone, 2], np.zeros((len(lone), 2))])
+    longer = np.concatenate([nodes, nodes[lone] + shift])
+    longer[lone] -= shift
+    short = np.column_stack([lone, len(nodes) + np.arange(len(lone))])
+    return Skeleton(longer, np.concatenate([edges, short]).astype(np.intp))
 
 
 def skeleton_of(outline: Outline, *, tolerance: float) -> Skeleton:
