@@ -9,13 +9,23 @@ from __future__ import annotations
 import argparse
 import json
 import logging
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from bozzetto import __version__
+from bozzetto.cli_build import build as run_build
+from bozzetto.cli_output import (
+    EXIT_ERROR,
+    EXIT_FAULT,
+    complain,
+    hand_over,
+    keep_apart,
+    make_folder,
+    words_of_fault,
+    workbench,
+)
 from bozzetto.errors import UserError
 
 __all__ = ["COMMANDS", "SWITCHES", "main"]
@@ -26,12 +36,7 @@ COMMANDS = ("build", "export", "render", "info", "samples", "plugins")
 SWITCHES = ("-v", "--verbose")
 """Words that may stand before a command."""
 
-EXIT_FAULT = 1
-EXIT_ERROR = 2
 EXIT_INTERRUPTED = 130
-
-MAX_PLACES = 3
-"""Places of a mistake that an error line names."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -58,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(argv)
     except KeyboardInterrupt:
-        _complain("stopped. Nothing was left half-written.")
+        complain("stopped. Nothing was left half-written.")
         return EXIT_INTERRUPTED
 
 
@@ -71,10 +76,10 @@ def _run(argv: Sequence[str] | None) -> int:
         code: int = options.run(options)
         return code
     except UserError as problem:
-        _complain(problem.message)
+        complain(problem.message)
         return EXIT_ERROR
     except PluginFault as fault:
-        _complain(_words_of_fault(fault))
+        complain(words_of_fault(fault))
         return EXIT_FAULT
 
 
@@ -92,10 +97,14 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("-o", "--output", required=True, help="a file, or a folder for several")
     build.add_argument("--format", help="file ending of the outputs, for a folder")
     build.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set a parameter"
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="set a parameter; of one part with its name before it: “Part 2.blend=0”",
     )
     build.add_argument("--report", type=Path, metavar="R.json", help="write how good it is")
-    build.set_defaults(run=_build)
+    build.set_defaults(run=run_build)
 
     export = commands.add_parser("export", help="hand a document over to other programs")
     export.add_argument("document", type=Path)
@@ -132,185 +141,6 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _complain(message: str) -> None:
-    print(f"error: {' '.join(message.split())}", file=sys.stderr)
-
-
-def _words_of_fault(fault: Exception) -> str:
-    return f"{fault} Its author can find the place with “bozzetto -v …”."
-
-
-def _workbench() -> Any:
-    from bozzetto.plugin.registry import Registry
-    from bozzetto.workbench import Workbench
-
-    return Workbench(Registry())
-
-
-# -- build --
-
-
-def _build(options: argparse.Namespace) -> int:
-    from bozzetto.exchange.formats import find, writers
-    from bozzetto.plugin.guard import PluginFault
-
-    bench = _workbench()
-    modeler_id = bench.registry.resolve(options.modeler)
-    values = _settings(bench.registry.modeler(modeler_id), options.set)
-    inputs = [Path(name) for name in options.inputs]
-    targets = _targets(inputs, options.output, options.format)
-    for target in targets:
-        if target.suffix.lower() != ".bozz":
-            find(target, writers("mesh", "curves"))
-    _keep_apart(inputs, targets, options.report)
-    reports: list[dict[str, Any]] = []
-    code = 0
-    for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
-        if len(inputs) > 1:
-            print(f"[{number}/{len(inputs)}] {source.name} → {target}", file=sys.stderr)
-        try:
-            report = _build_one(bench, modeler_id, source, target, values, bool(options.report))
-        except (UserError, PluginFault) as problem:
-            if len(inputs) == 1:
-                raise
-            fault = isinstance(problem, PluginFault)
-            words = _words_of_fault(problem) if fault else str(problem)
-            _complain(f"{source.name}: {words}")
-            code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
-            continue
-        reports.append({"input": str(source), "output": str(target), "report": report})
-    if options.report and reports:
-        said = reports[0]["report"] if len(inputs) == 1 else {"files": reports}
-        _write_text(options.report, json.dumps(said, indent=2, ensure_ascii=False) + "\n")
-    return code
-
-
-def _build_one(
-    bench: Any,
-    modeler_id: str,
-    source: Path,
-    target: Path,
-    values: dict[str, object],
-    wants_report: bool,
-) -> dict[str, Any]:
-    from bozzetto.document.model import Document
-    from bozzetto.exchange.importing import read_drawing
-    from bozzetto.plugin.job import Job
-
-    drawing = read_drawing(source)
-    try:
-        model = bench.from_drawing(modeler_id, drawing, values)
-        report: dict[str, Any] = bench.report(model, Job()) if wants_report else {}
-        _hand_over(bench, Document((model,), camera=drawing.camera), target)
-    except UserError as problem:
-        raise UserError(problem.message + _places(problem, drawing)) from problem
-    return report
-
-
-def _places(problem: UserError, drawing: Any) -> str:
-    """Where a mistake lies, in the coordinates of the drawing's file: nothing lights up here."""
-    if not problem.places:
-        return ""
-    import numpy as np
-
-    from bozzetto.exchange.sheet import Sheet
-
-    points = problem.places[:MAX_PLACES]
-    sheet = Sheet.of_front_view(drawing.camera)
-    if sheet is not None and all(stroke.tool == "imported" for stroke in drawing.strokes):
-        points = tuple(map(tuple, sheet.to_units(np.asarray(points), drawing.camera).tolist()))
-    said = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in points)
-    return f" It is at {said}{' …' if len(problem.places) > MAX_PLACES else ''}."
-
-
-def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
-    from bozzetto.plugin.parameters import parameter_fields, parse_parameter
-
-    fields = {field.name: field for field in parameter_fields(modeler.state_type)}
-    values: dict[str, object] = {}
-    for assignment in assignments:
-        name, sign, text = assignment.partition("=")
-        if not sign:
-            raise UserError(f"--set takes NAME=VALUE, not {assignment!r}.")
-        if name not in fields:
-            known = ", ".join(fields) or "none"
-            raise UserError(f"There is no parameter {name!r}; {modeler.title} has: {known}.")
-        values[name] = parse_parameter(fields[name], text)
-    return values
-
-
-def _targets(inputs: Sequence[Path], output: str, ending: str | None) -> list[Path]:
-    if not output:
-        raise UserError("The output has no name. Say where to write it.")
-    folder = len(inputs) > 1 or output.endswith(("/", "\\")) or os.path.isdir(output)
-    if not folder:
-        if ending is not None:
-            raise UserError("--format goes with a folder. Name the folder with a / at its end.")
-        return [Path(output)]
-    if ending is None:
-        raise UserError("Several inputs, or a folder as output, need --format (for example stl).")
-    if os.path.isfile(output):
-        raise UserError(f"{output} is a file. Several inputs need a folder as output.")
-    suffix = f".{ending.lstrip('.').lower()}"
-    targets = [Path(output) / f"{source.stem}{suffix}" for source in inputs]
-    if len(set(targets)) < len(targets):
-        raise UserError("Two inputs have the same name, so their outputs would too. Rename one.")
-    return targets
-
-
-def _keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | None) -> None:
-    """Refuse to write one file over another of the same command."""
-    read = {os.path.realpath(path) for path in inputs}
-    written = [os.path.realpath(path) for path in (*targets, *([report] if report else []))]
-    if read.intersection(written):
-        raise UserError("An output would replace an input. Choose another name or folder for it.")
-    if len(set(written)) < len(written):
-        raise UserError("The report would replace an output. Give it a name of its own.")
-    if report is not None and report.is_dir():
-        raise UserError(f"{report} is a folder. The report needs a file name.")
-
-
-def _hand_over(bench: Any, document: Any, target: Path, names: Sequence[str] | None = None) -> None:
-    """Write a document's shapes, or the document itself."""
-    from bozzetto.plugin.job import Job
-
-    models = [model for model in document if names is None or model.name in names]
-    missing = set(names or ()) - {model.name for model in models}
-    if missing:
-        known = ", ".join(model.name for model in document)
-        raise UserError(f"There is no object {', '.join(sorted(missing))}; there are: {known}.")
-    if target.suffix.lower() == ".bozz":
-        if names is not None:
-            raise UserError("A document keeps all its objects. Leave --object out.")
-        from bozzetto.document.file import write_document
-
-        _make_folder(target)
-        write_document(document, target)
-        return
-    from bozzetto.exchange.export import encoded
-    from bozzetto.storage import write_bytes
-
-    data = encoded(bench.shapes(models, Job()), target, camera=document.camera)
-    _make_folder(target)
-    write_bytes(target, data)
-
-
-def _make_folder(target: Path) -> None:
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise UserError(
-            f"The folder {target.parent} cannot be made: {problem.strerror}. Choose another."
-        ) from None
-
-
-def _write_text(path: Path, text: str) -> None:
-    from bozzetto.storage import write_bytes
-
-    _make_folder(path)
-    write_bytes(path, text.encode())
-
-
 # -- documents --
 
 
@@ -324,9 +154,9 @@ def _open_document(bench: Any, path: Path) -> Any:
 
 
 def _export(options: argparse.Namespace) -> int:
-    _keep_apart([options.document], [options.output], None)
-    bench = _workbench()
-    _hand_over(bench, _open_document(bench, options.document), options.output, options.object)
+    keep_apart([options.document], [options.output], None)
+    bench = workbench()
+    hand_over(bench, _open_document(bench, options.document), options.output, options.object)
     return 0
 
 
@@ -339,7 +169,7 @@ def _render(options: argparse.Namespace) -> int:
     if options.output.suffix.lower() != ".png":
         raise UserError("A picture is written as PNG. Let its name end in .png.")
     width, height = _size(options.size)
-    bench = _workbench()
+    bench = workbench()
     document = _document_of(bench, options.input)
     image = picture(
         bench.scene(document, Job()),
@@ -348,7 +178,7 @@ def _render(options: argparse.Namespace) -> int:
         size=(width, height),
         shading=options.shading,
     )
-    _make_folder(options.output)
+    make_folder(options.output)
     write_png(options.output, image)
     return 0
 
@@ -411,7 +241,7 @@ def _samples(options: argparse.Namespace) -> int:
     from bozzetto.scene.picture import picture
     from bozzetto.scene.png import write_png
 
-    bench = _workbench()
+    bench = workbench()
     for info in bench.registry.modelers():
         for sample in info.samples:
             drawing = read_drawing(sample)
@@ -420,10 +250,10 @@ def _samples(options: argparse.Namespace) -> int:
             for ending in SAMPLE_FORMATS:
                 target = stem.with_name(f"{stem.name}.{ending}")
                 if ending == "png":
-                    _make_folder(target)
+                    make_folder(target)
                     write_png(target, picture(bench.scene(document, Job())))
                 else:
-                    _hand_over(bench, document, target)
+                    hand_over(bench, document, target)
                 print(f"wrote {target}")
     print(f"Everything is in {options.output}. To draw, run “bozzetto” where there is a screen.")
     return 0

@@ -29,6 +29,7 @@ from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.registry import Registry
 from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
+from bozzetto.steps import run_steps
 
 __all__ = ["Workbench"]
 
@@ -164,11 +165,16 @@ class Workbench:
         values: Mapping[str, object],
         context: Context | None = None,
     ) -> Model:
-        """A model made from a whole drawing, as if it had been drawn by hand."""
+        """A model made from a whole drawing, as if it had been drawn by hand.
+
+        Where the drawing says in which steps it was made, these are taken one by one.
+        """
         context = context or Context(camera=drawing.camera)
         model = self.create(modeler_id, context, name=drawing.name)
         modeler = self.registry.modeler(modeler_id)
-        if isinstance(modeler, ReadsDrawings):
+        if drawing.steps:
+            model = run_steps(self, model, drawing, context)
+        elif isinstance(modeler, ReadsDrawings):
             state = self.registry.guard.call(
                 modeler_id, "read_drawing", modeler.read_drawing, drawing, context
             )

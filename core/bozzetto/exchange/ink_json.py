@@ -3,6 +3,7 @@
 ``x`` and ``y`` are canvas pixels, y down; ``pressure`` is 0 … 1, ``t`` seconds. All but
 ``x`` and ``y`` may be left out. ``curve`` is the stroke's group. A stroke that was drawn
 through another camera than the sheet's carries its own ``camera`` and ``canvas``.
+``steps`` say how the strokes were used; see `exchange.ink_steps`.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from bozzetto.exchange.camera_record import (
     camera_record,
     canvas_record,
 )
+from bozzetto.exchange.ink_steps import read_steps, step_record
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
@@ -33,7 +35,8 @@ __all__ = ["read_drawing", "write_drawing"]
 
 FORMAT: Final = "bozzetto-ink/1"
 
-KNOWN: Final = ("format", "canvas", "camera", "strokes")
+NEEDED: Final = ("format", "canvas", "camera", "strokes")
+KNOWN: Final = (*NEEDED, "steps")
 
 Number = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
 Numbers = list[Number]
@@ -75,9 +78,9 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         Names the place.
     """
     top = _decoded(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
-    if KNOWN[0] not in top or _decoded(top["format"], str, "format") != FORMAT:
+    if NEEDED[0] not in top or _decoded(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
-    for key in KNOWN[1:]:
+    for key in NEEDED[1:]:
         if key not in top:
             raise FormatError(f"“{key}” is missing.")
     canvas = _decoded(top["canvas"], CanvasRecord, "canvas")
@@ -91,7 +94,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         samples += len(strokes[-1])
         at_most(samples, MAX_SAMPLES, "samples")
     extra = {key: _decoded(top[key], Any, key[:40]) for key in top if key not in KNOWN}
-    return Drawing(Strokes(strokes), camera, name, extra)
+    steps = read_steps(top["steps"], canvas, len(strokes)) if "steps" in top else ()
+    return Drawing(Strokes(strokes), camera, name, extra, steps)
 
 
 def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
@@ -130,6 +134,8 @@ def write_drawing(drawing: Drawing) -> bytes:
         **{key: value for key, value in drawing.extra.items() if key not in KNOWN},
         "strokes": [_record(stroke, drawing.camera) for stroke in drawing.strokes],
     }
+    if drawing.steps:
+        top["steps"] = [step_record(step) for step in drawing.steps]
     # One stroke a line: two versions of a drawing can then be compared as text.
     return re.sub(rb'\{"x":', b'\n{"x":', msgspec.json.encode(top)) + b"\n"
 

@@ -15,6 +15,7 @@ __all__ = [
     "MAX_MESH_BYTES",
     "MAX_PIXELS",
     "MAX_SAMPLES",
+    "MAX_STEPS",
     "MAX_STROKES",
     "MAX_VERTICES",
     "at_most",
@@ -30,6 +31,9 @@ MAX_VERTICES: Final = 20_000_000
 MAX_FACES: Final = 40_000_000
 
 MAX_STROKES: Final = 200_000
+MAX_STEPS: Final = 200_000
+"""As many as strokes: most steps draw one."""
+
 MAX_SAMPLES: Final = 20_000_000
 """Samples of all strokes together; one stroke is bounded by `Stroke` itself."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 
@@ -26,9 +27,12 @@ class Drawing:
     extra : dict
         What the file said beyond the strokes (``"box"``, ``"plane"``, ``"marks"`` …),
         for the modelers that know it; already checked to be plain JSON values.
+    steps : tuple of Step
+        How the strokes were used, where the file says so; they name strokes that there are.
     """
 
     strokes: Strokes
     camera: Camera
     name: str = "drawing"
     extra: dict[str, Any] = field(default_factory=dict)
+    steps: tuple[Step, ...] = ()
