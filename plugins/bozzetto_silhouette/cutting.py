@@ -18,7 +18,7 @@ __all__ = ["cut_side"]
 
 Points = NDArray[np.float64]
 
-CALM = 5e-3
+CALM = 1.2e-2
 """Width of the filter for tremor, as a share of the line's length."""
 
 FEW = 12

@@ -10,6 +10,7 @@ from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.relief import Relief
 from bozzetto_silhouette.solid import Checkpoint, SilhouetteSolid, ignore, solidify
 from bozzetto_silhouette.state import Part
+from bozzetto_silhouette.straight import straight_body
 from bozzetto_silhouette.swelling import ConvolutionSwelling, Swelling
 from bozzetto_silhouette.thickness import Thickness, Uniform
 
@@ -42,7 +43,9 @@ def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Si
 
 
 def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Body:
-    """The same as a body, in the frame of the part's group."""
+    """The same as a body, in the frame of the part's group; a slab where it goes straight."""
+    if part.surface == "straight":
+        return straight_body(part, None, resolution)
 
     def work() -> Body:
         solid = solid_of(part, resolution, checkpoint)

@@ -15,8 +15,10 @@ from bozzetto.plugin import Context, Job, Tool
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.fidelity import measure
+from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
+from bozzetto_silhouette.places import carried, shown_parts
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
@@ -111,7 +113,11 @@ class Silhouette:
         if result is not None and result.mesh is not None:
             layers.append(Layer("shape", (Shaded(result.mesh),)))
         if state.nodes:
-            layers.append(Layer("ink", tuple(_ghost(part) for part in state.parts)))
+            ghosts = (_ghost(state, part) for part in shown_parts(state) if len(part.strokes))
+            layers.append(Layer("ink", tuple(ghosts)))
+        handles = None if state.posing else handles_layer(state)
+        if handles is not None:
+            layers.append(handles)
         return Scene(tuple(layers))
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
@@ -177,20 +183,21 @@ class Silhouette:
         return {"nodes": nodes, "selected": "n1" if nodes else "", **kept}
 
 
-def _ghost(part: Part) -> Lines:
-    """A part's ink on its sheet, as wide as the hand pressed."""
+def _ghost(state: SilhouetteState, part: Part) -> Lines:
+    """A part's ink where it stands now, as wide as the hand pressed."""
+    pose = carried(state, part)
     points, starts, widths, count = [], [], [], 0
     thin, thick = INK_WIDTH
     for stroke in part.strokes:
         on_sheet = part.sheet.from_pixels(stroke.points, stroke.camera)
-        points.append(part.pose.points(part.sheet.to_world(on_sheet)))
+        points.append(pose.points(part.sheet.to_world(on_sheet)))
         widths.append(thin + (thick - thin) * np.clip(stroke.pressure, 0.0, 1.0))
         starts.append(count)
         count += len(on_sheet)
     return Lines(
         np.concatenate(points),
         np.array(starts),
-        color="ghost",
+        color="accent" if part.id == state.selected else "ghost",
         width=np.concatenate(widths),
         hidden="faint",
     )

@@ -26,6 +26,7 @@ __all__ = [
     "carried",
     "distances_under",
     "drawn_rings",
+    "groups_around",
     "is_shown",
     "on_sheet",
     "part_under",
@@ -44,7 +45,7 @@ _meshes: Memory[Mesh] = Memory(limit=64)
 """Kept as they are, so that the tree of boxes in each is built once."""
 
 
-def _around(state: SilhouetteState, node: Part | Group) -> list[Group]:
+def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
     """The groups that a node is in, the innermost first."""
     groups = {other.id: other for other in state.nodes if isinstance(other, Group)}
     found: list[Group] = []
@@ -59,7 +60,7 @@ def _around(state: SilhouetteState, node: Part | Group) -> list[Group]:
 def carried(state: SilhouetteState, node: Part | Group) -> Placement:
     """Where a node was moved since it was drawn, groups and all, in the model's frame."""
     moved = node.pose
-    for group in _around(state, node):
+    for group in groups_around(state, node):
         moved = group.pose.after(moved)
     return moved
 
@@ -71,7 +72,7 @@ def placement_of(state: SilhouetteState, part: Part) -> Placement:
 
 def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
     """Whether a node and all groups around it are switched on."""
-    return node.visible and all(group.visible for group in _around(state, node))
+    return node.visible and all(group.visible for group in groups_around(state, node))
 
 
 def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:

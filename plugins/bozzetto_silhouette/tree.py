@@ -58,11 +58,9 @@ def tree_body(
                     body = body.placed(node.pose)
                 asked: Hashable = (inside, node.pose)
             else:
-                if node.surface == "straight":
-                    acts = so_far is not None and node.operation in ("carve", "intersect")
-                    body = straight_body(
-                        node, so_far.bounds if so_far and acts else None, resolution
-                    )
+                through = node.surface == "straight" and node.operation in ("carve", "intersect")
+                if through and so_far is not None:
+                    body = straight_body(node, so_far.bounds, resolution)
                 else:
                     body = body_of(node, resolution, step)
                 asked = (node.recipe, node.id, node.pose)

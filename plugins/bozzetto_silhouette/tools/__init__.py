@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from bozzetto.plugin import Tool
+from bozzetto_silhouette.tools.arrange import Arrange
+from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw import DrawOutline
+from bozzetto_silhouette.tools.mirror import MirrorCopy
+from bozzetto_silhouette.tools.tunnel import DrawTunnel
 
 __all__ = ["DrawOutline", "all_tools"]
 
 
 def all_tools() -> tuple[Tool[Any], ...]:
     """The tools in the order of the rail, most used first."""
-    return (DrawOutline(),)
+    return (DrawOutline(), Arrange(), DrawTunnel(), DrawCut(), MirrorCopy())

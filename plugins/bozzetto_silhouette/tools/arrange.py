@@ -1,0 +1,101 @@
+"""Arranging: a tap chooses a part, its handles move, turn and size it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Mesh, Placement
+from bozzetto.plugin import Context, Drag, Gesture, Tap
+from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.handles import grip_of
+from bozzetto_silhouette.motion import moved, resized, settled, turned
+from bozzetto_silhouette.places import carried, groups_around
+from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.touch import touched_part
+from bozzetto_silhouette.tree import tree_body
+
+__all__ = ["Arrange", "placed_anew"]
+
+Moved = TypeVar("Moved", bound=Part | Group)
+
+LIVE_CELLS = 48
+"""Resolution of the shape while a part is dragged."""
+
+
+class Arrange:
+    """Tap a part to choose it, drag its handles; beside all parts nothing is chosen."""
+
+    id = "arrange"
+    title = "Arrange"
+    icon = "icons/arrange.svg"
+    hint = "Tap a part, then drag its handles: the middle moves it, the ring turns and sizes it."
+    gesture: Literal["ink", "tap", "drag"] = "drag"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """The whole shape as it would be, coarse; it stands in for the shape shown."""
+        if not isinstance(gesture, Drag):
+            return Scene()
+        try:
+            body = tree_body(self.apply(state, gesture, context), LIVE_CELLS)
+        except UserError:
+            return Scene()
+        if body is None:
+            return Scene((Layer("shape"),))
+        mesh = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
+        return Scene((Layer("shape", (Shaded(mesh, pickable=False),)),))
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Choose, move, turn or size.
+
+        Raises
+        ------
+        UserError
+            If the handle's part is gone, or the drag says nothing from this side.
+        """
+        if isinstance(gesture, Tap):
+            part = touched_part(state, gesture.x, gesture.y, gesture.camera)
+            return replace(state, selected="" if part is None else _chosen(state, part))
+        if not isinstance(gesture, Drag):
+            raise UserError("Tap a part to choose it, then drag its handles.")
+        kind, _, node_id = gesture.handle.partition(":")
+        node = next((node for node in state.nodes if node.id == node_id), None)
+        grip = None if node is None else grip_of(state, node)
+        if node is None or grip is None or kind not in ("move", "turn", "size"):
+            raise UserError("This handle holds nothing any more. Tap a part to choose it.")
+        start, end = gesture.path.points[0].astype(float), gesture.path.points[-1].astype(float)
+        camera = gesture.camera
+        if kind == "move":
+            motion = moved(grip.middle, camera, start, end, along_axis=gesture.shift)
+        elif kind == "turn":
+            motion = turned(grip.middle, camera, start, end, stepped=gesture.shift)
+        else:
+            motion = resized(grip.middle, camera, start, end)
+        return state.with_node(placed_anew(state, node, motion))
+
+
+def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:
+    """A node after a motion in the model's frame.
+
+    Raises
+    ------
+    UserError
+        If it would be beyond all bounds.
+    """
+    outer = carried(state, replace(node, pose=Placement()))
+    try:
+        pose = settled(outer.inverse().after(motion).after(outer).after(node.pose))
+    except UserError:
+        raise UserError("That is too far, or too large. Drag less.") from None
+    return replace(node, pose=pose)
+
+
+def _chosen(state: SilhouetteState, part: Part) -> str:
+    """What a tap on a part chooses: its outermost group, at the next tap what is in that."""
+    chain = [part, *groups_around(state, part)]
+    ids = [node.id for node in chain]
+    deeper = ids.index(state.selected) - 1 if state.selected in ids else -1
+    return ids[deeper]

@@ -1,0 +1,74 @@
+"""Mirror copies: a tap on a part makes its twin across the plane of symmetry."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Tap
+from bozzetto.scene import Scene
+from bozzetto_silhouette.leaf import body_of
+from bozzetto_silhouette.motion import mirrored
+from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto_silhouette.tools.arrange import placed_anew
+from bozzetto_silhouette.touch import TOUCHED_CELLS, touched_part
+
+__all__ = ["MirrorCopy"]
+
+SAME = 0.02
+"""Distance between a part and its mirror image below which they are one, as a share of the
+part's size: the meshes of two like halves differ by less."""
+
+
+class MirrorCopy:
+    """A twin across the plane of symmetry, right after the part itself."""
+
+    id = "mirror"
+    title = "Mirror copy"
+    icon = "icons/mirror.svg"
+    hint = "Tap a part to get its mirror image across the plane of symmetry."
+    gesture: Literal["ink", "tap", "drag"] = "tap"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """A tap is over before anything could be shown."""
+        return Scene()
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Add the twin.
+
+        Raises
+        ------
+        UserError
+            If there is no part under the pen, or it is its own mirror image.
+        """
+        if not isinstance(gesture, Tap):
+            raise UserError("Tap the part whose mirror image you want.")
+        part = touched_part(state, gesture.x, gesture.y, gesture.camera)
+        if part is None:
+            raise UserError("There is no part here. Tap the part whose mirror image you want.")
+        motion = mirrored(np.asarray(context.symmetry_point), np.asarray(context.symmetry_normal))
+        twin = replace(
+            placed_anew(state, part, motion),
+            id=state.unused_id(),
+            name=state.unused_name(f"{part.name} mirrored"),
+        )
+        if _is_alike(part, twin):
+            raise UserError(
+                "This part lies in the plane of symmetry and is its own mirror image. Move it "
+                "to one side, then mirror it."
+            )
+        place = state.nodes.index(part) + 1
+        nodes = (*state.nodes[:place], twin, *state.nodes[place:])
+        return replace(state, nodes=nodes, selected=twin.id)
+
+
+def _is_alike(part: Part, twin: Part) -> bool:
+    """Whether two parts of one group take up the same space."""
+    from scipy.spatial import cKDTree
+
+    one, other = (body_of(node, TOUCHED_CELLS).vertices for node in (part, twin))
+    gap = np.asarray(cKDTree(one).query(other)[0])
+    return bool(gap.max() < SAME * np.ptp(one, axis=0).max())
