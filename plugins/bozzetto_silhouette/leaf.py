@@ -13,6 +13,7 @@ from bozzetto_silhouette.state import Part
 from bozzetto_silhouette.straight import straight_body
 from bozzetto_silhouette.swelling import ConvolutionSwelling, Swelling
 from bozzetto_silhouette.thickness import Thickness, Uniform
+from bozzetto_silhouette.variational_swelling import VariationalSwelling
 
 __all__ = ["body_of", "solid_of"]
 
@@ -65,6 +66,8 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
 
 
 def _swelling(part: Part) -> Swelling:
+    if part.surface == "variational":
+        return VariationalSwelling()
     return ConvolutionSwelling(part.softness, part.kernel)
 
 
