@@ -115,7 +115,7 @@ class Silhouette:
         if state.nodes:
             ghosts = (_ghost(state, part) for part in shown_parts(state) if len(part.strokes))
             layers.append(Layer("ink", tuple(ghosts)))
-        handles = None if state.posing else handles_layer(state)
+        handles = handles_layer(state) if state.held and not state.posing else None
         if handles is not None:
             layers.append(handles)
         return Scene(tuple(layers))
@@ -162,7 +162,8 @@ class Silhouette:
         self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
     ) -> SilhouetteState:
         """The same state with other nodes."""
-        return replace(state, nodes=parts, selected=selected)
+        held = state.held or selected != state.selected
+        return replace(state, nodes=parts, selected=selected, held=held)
 
     def new_group(self, state: SilhouetteState) -> Group:
         """An empty group."""

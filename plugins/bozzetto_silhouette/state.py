@@ -13,12 +13,13 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry import Placement
+from bozzetto.geometry import Placement, frozen
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Parameter
 from bozzetto_silhouette.sheet import Point, Sheet
 
 __all__ = [
+    "Color",
     "Cut",
     "Edit",
     "Group",
@@ -274,6 +275,11 @@ class Picture:
     across: Point
     down: Point
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pixels", frozen(self.pixels, np.uint8))
+        if self.pixels.ndim != 3 or self.pixels.shape[2] != 4 or not self.pixels.size:
+            raise ValueError("a picture needs pixels of the shape (height, width, 4)")
+
 
 @dataclass(frozen=True)
 class Turn:
@@ -293,10 +299,23 @@ class Turn:
 
 @dataclass(frozen=True)
 class SilhouetteState:
-    """The tree, what is chosen in it, and what holds for all of it."""
+    """The tree, what is chosen in it, and what holds for all of it.
+
+    Parameters
+    ----------
+    nodes : tuple of Part, Cut or Group
+    selected : str
+        Id of the node that is chosen; "" for none.
+    held : bool
+        It was chosen to be arranged and shows its handles; what was just drawn does not, so
+        that they do not get in the way of the pen.
+    turns : tuple of Turn
+    picture : Picture, optional
+    """
 
     nodes: tuple[Part | Cut | Group, ...] = ()
     selected: str = ""
+    held: bool = False
     turns: tuple[Turn, ...] = ()
     picture: Picture | None = None
     resolution: Annotated[
@@ -318,6 +337,10 @@ class SilhouetteState:
             choices=(("hole", "A hole"), ("apart", "A part of its own")),
         ),
     ] = "hole"
+    paint: Annotated[
+        Color | None,
+        Parameter("Paint colour", help="What the paint tool gives to parts; none takes it away."),
+    ] = (196, 74, 54)
     posing: Annotated[
         bool,
         Parameter("Pose", help="Show the joints; drag one and the skin follows."),
@@ -343,7 +366,7 @@ class SilhouetteState:
             if known
             else (*self.nodes, node)
         )
-        return replace(self, nodes=nodes, selected=node.id)
+        return replace(self, nodes=nodes, selected=node.id, held=False)
 
     def unused_id(self) -> str:
         """An id that no node has."""

@@ -58,7 +58,8 @@ class Arrange:
         """
         if isinstance(gesture, Tap):
             part = touched_part(state, gesture.x, gesture.y, gesture.camera)
-            return replace(state, selected="" if part is None else _chosen(state, part))
+            chosen = "" if part is None else _chosen(state, part)
+            return replace(state, selected=chosen, held=part is not None)
         if not isinstance(gesture, Drag):
             raise UserError("Tap a part to choose it, then drag its handles.")
         kind, _, node_id = gesture.handle.partition(":")
@@ -74,7 +75,7 @@ class Arrange:
             motion = turned(grip.middle, camera, start, end, stepped=gesture.shift)
         else:
             motion = resized(grip.middle, camera, start, end)
-        return state.with_node(placed_anew(state, node, motion))
+        return replace(state.with_node(placed_anew(state, node, motion)), held=True)
 
 
 def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:

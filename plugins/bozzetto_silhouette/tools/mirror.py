@@ -62,7 +62,7 @@ class MirrorCopy:
             )
         place = state.nodes.index(part) + 1
         nodes = (*state.nodes[:place], twin, *state.nodes[place:])
-        return replace(state, nodes=nodes, selected=twin.id)
+        return replace(state, nodes=nodes, selected=twin.id, held=True)
 
 
 def _is_alike(part: Part, twin: Part) -> bool:
