@@ -18,10 +18,11 @@ from bozzetto_silhouette.fidelity import measure
 from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
+from bozzetto_silhouette.painting import painted_mesh
 from bozzetto_silhouette.places import carried, shown_parts
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
-from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.tree import tree_body
 
@@ -60,7 +61,7 @@ class Silhouette:
     title = "Silhouette"
     state_type = SilhouetteState
     state_version = 2
-    part_types = (Part, Group)
+    part_types = (Part, Cut, Group)
 
     def create(self, context: Context) -> SilhouetteState:
         """No part yet."""
@@ -95,11 +96,7 @@ class Silhouette:
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
         body = tree_body(state, resolution, job.checkpoint)
-        mesh = None
-        if body is not None:
-            mesh = Mesh(
-                body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32)
-            )
+        mesh = None if body is None else painted_mesh(state, body)
         solids = {
             part.id: solid_of(part, resolution)
             for part in state.parts

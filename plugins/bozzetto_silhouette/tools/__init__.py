@@ -9,6 +9,8 @@ from bozzetto_silhouette.tools.arrange import Arrange
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw import DrawOutline
 from bozzetto_silhouette.tools.mirror import MirrorCopy
+from bozzetto_silhouette.tools.paint import Paint
+from bozzetto_silhouette.tools.picture import ProjectPicture
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 
 __all__ = ["DrawOutline", "all_tools"]
@@ -16,4 +18,12 @@ __all__ = ["DrawOutline", "all_tools"]
 
 def all_tools() -> tuple[Tool[Any], ...]:
     """The tools in the order of the rail, most used first."""
-    return (DrawOutline(), Arrange(), DrawTunnel(), DrawCut(), MirrorCopy())
+    return (
+        DrawOutline(),
+        Arrange(),
+        DrawTunnel(),
+        DrawCut(),
+        MirrorCopy(),
+        Paint(),
+        ProjectPicture(),
+    )

@@ -1,0 +1,68 @@
+"""Paint: the part under the pen takes the paint colour."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Ink, Tap
+from bozzetto.scene import Scene
+from bozzetto.view import Camera
+from bozzetto_silhouette.state import SilhouetteState
+from bozzetto_silhouette.touch import touched_part
+
+__all__ = ["Paint"]
+
+MOST_TOUCHES = 32
+"""Samples of a stroke at which the shape is looked at: parts are larger than the gaps."""
+
+
+class Paint:
+    """A stroke over parts colours them; the pen's other end takes their colour away."""
+
+    id = "paint"
+    title = "Paint"
+    icon = "icons/paint.svg"
+    hint = "Draw over a part to give it the paint colour; the eraser takes it away."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """The ink says it all."""
+        return Scene()
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Every part under the ink or the tap takes the colour.
+
+        Raises
+        ------
+        UserError
+            If no part is under the pen, or there is no colour to take away.
+        """
+        places = _places(gesture)
+        touched = {
+            part.id: part
+            for x, y, camera in places
+            if (part := touched_part(state, x, y, camera)) is not None
+        }
+        if not touched:
+            raise UserError("There is no part under the pen. Draw over the shape.")
+        erases = isinstance(gesture, Ink) and gesture.strokes[-1].tool == "eraser"
+        color = None if erases else state.paint
+        if color is None and all(part.color is None for part in touched.values()):
+            raise UserError("This part has no paint to take away. Choose a paint colour first.")
+        painted = {id_: replace(part, color=color) for id_, part in touched.items()}
+        return replace(state, nodes=tuple(painted.get(node.id, node) for node in state.nodes))
+
+
+def _places(gesture: Gesture) -> list[tuple[float, float, Camera]]:
+    """Where the pen touched the sheet: pixels, and through which camera."""
+    if isinstance(gesture, Tap):
+        return [(gesture.x, gesture.y, gesture.camera)]
+    if isinstance(gesture, Ink):
+        return [
+            (float(x), float(y), stroke.camera)
+            for stroke in gesture.strokes
+            for x, y in stroke.points[:: len(stroke) // MOST_TOUCHES + 1]
+        ]
+    raise UserError("Draw over a part with the pen to paint it.")
