@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
 from bozzetto_silhouette.implicit import Implicit, Placed
+from bozzetto_silhouette.soundness import as_manifold
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 __all__ = ["Body"]
 
@@ -36,6 +41,12 @@ class Body:
         The largest inscribed radius: what blend radii are a share of.
     step : float
         Spacing of the mesh in the thick places.
+    creases : (c,) int array
+        Vertices that lie on sharp edges, where one normal cannot be right for all faces.
+    constraints : object, optional
+        What a variational surface interpolates; such surfaces blend by what they interpolate.
+    known : Manifold, optional
+        The same mesh as manifold3d sees it, where it is at hand.
     """
 
     vertices: Points
@@ -46,6 +57,14 @@ class Body:
     implicit: Implicit
     radius: float
     step: float
+    creases: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp))
+    constraints: object | None = None
+    known: Manifold | None = None
+
+    @property
+    def manifold(self) -> Manifold:
+        """The mesh as manifold3d sees it."""
+        return as_manifold(self.vertices, self.faces) if self.known is None else self.known
 
     @property
     def bounds(self) -> Points:
@@ -64,4 +83,5 @@ class Body:
             implicit=Placed(self.implicit, placement),
             radius=self.radius * placement.scale,
             step=self.step * placement.scale,
+            known=None,
         )

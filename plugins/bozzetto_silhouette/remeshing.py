@@ -1,0 +1,302 @@
+"""Triangles made better in a part of a closed mesh: long edges halved, short ones collapsed.
+
+The steps of isotropic remeshing (Botsch and Kobbelt, "A Remeshing Approach to Multiresolution
+Modeling", 2004), each done for all edges at once. The mesh stays closed and keeps its topology.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Patch", "collapsed", "flipped_edges", "halved", "relaxed", "split", "unit"]
+
+Points = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+_ROUNDS = 8
+"""Halvings and rounds of collapses at most."""
+
+_TURN = 0.3
+"""Cosine of the angle that a face may turn by when an edge next to it collapses or flips."""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A closed mesh of which some vertices may be moved.
+
+    Attributes
+    ----------
+    vertices : (v, 3) float array
+    faces : (f, 3) int array
+    free : (v,) bool array
+        Those that may be moved or taken away.
+    parents : (v,) int array
+        The vertex of the mesh at the start that each stands for or came from.
+    """
+
+    vertices: Points
+    faces: Indices
+    free: Mask
+    parents: Indices
+
+
+def halved(triangles: Indices, middles: Indices) -> Indices:
+    """Triangles cut where edges got a vertex.
+
+    Parameters
+    ----------
+    triangles : (t, 3) int array
+    middles : (t, 3) int array
+        New vertex on the edge from corner i to corner i + 1, or -1.
+
+    Returns
+    -------
+    (s, 3) int array
+        Oriented as before.
+    """
+    cut = middles >= 0
+    result = [triangles[~cut.any(axis=1)]]
+    number = cut.sum(axis=1)
+    for count in (1, 2, 3):
+        rows = np.flatnonzero(number == count)
+        if not len(rows):
+            continue
+        # Turn each triangle until its uncut (or only cut) edge comes last.
+        odd = cut[rows] if count == 1 else ~cut[rows]
+        turn = (odd.argmax(axis=1) + 1) % 3 if count < 3 else np.zeros(len(rows), dtype=np.intp)
+        order = (turn[:, None] + np.arange(3)) % 3
+        t = np.take_along_axis(triangles[rows], order, axis=1)
+        e = np.take_along_axis(middles[rows], order, axis=1)
+        if count == 1:  # edge t2-t0 cut by e2
+            new = [(t[:, 0], t[:, 1], e[:, 2]), (e[:, 2], t[:, 1], t[:, 2])]
+        elif count == 2:  # edges t0-t1 and t1-t2 cut
+            new = [
+                (e[:, 0], t[:, 1], e[:, 1]),
+                (t[:, 0], e[:, 0], e[:, 1]),
+                (t[:, 0], e[:, 1], t[:, 2]),
+            ]
+        else:
+            new = [
+                (t[:, 0], e[:, 0], e[:, 2]),
+                (t[:, 1], e[:, 1], e[:, 0]),
+                (t[:, 2], e[:, 2], e[:, 1]),
+                (e[:, 0], e[:, 1], e[:, 2]),
+            ]
+        result += [np.stack(corner, axis=1) for corner in new]
+    return np.concatenate(result)
+
+
+def split(patch: Patch, longest: float) -> Patch:
+    """Halve edges between free vertices until none is longer."""
+    for _ in range(_ROUNDS):
+        a, b = patch.faces, np.roll(patch.faces, -1, axis=1)
+        long = patch.free[a] & patch.free[b]
+        long[long] = _length(patch.vertices[b[long]] - patch.vertices[a[long]]) > longest
+        if not long.any():
+            break
+        keys = np.minimum(a, b) * len(patch.vertices) + np.maximum(a, b)
+        unique = np.unique(keys[long])
+        one, other = unique // len(patch.vertices), unique % len(patch.vertices)
+        middles = np.where(long, len(patch.vertices) + np.searchsorted(unique, keys), -1)
+        patch = Patch(
+            np.vstack([patch.vertices, 0.5 * (patch.vertices[one] + patch.vertices[other])]),
+            halved(patch.faces, middles),
+            np.append(patch.free, np.ones(len(unique), dtype=bool)),
+            np.append(patch.parents, patch.parents[one]),
+        )
+    return patch
+
+
+def collapsed(patch: Patch, shortest: float) -> Patch:
+    """Collapse edges between free vertices that are shorter, where no face turns over."""
+    for _ in range(_ROUNDS):
+        edges = _edges(patch.faces)
+        edges = edges[patch.free[edges].all(axis=1)]
+        length = _length(patch.vertices[edges[:, 1]] - patch.vertices[edges[:, 0]])
+        edges = edges[length < shortest][np.argsort(length[length < shortest], kind="stable")]
+        edges = _apart(patch, edges)
+        if len(edges):
+            edges = edges[_keeps_topology(patch, edges)]
+        if len(edges):
+            edges = edges[_turns_nothing(patch, edges)]
+        if not len(edges):
+            break
+        patch = _without(patch, edges)
+    return patch
+
+
+def relaxed(patch: Patch, normals: Points) -> Points:
+    """Free vertices moved half way to the middle of their neighbours, along the surface.
+
+    Parameters
+    ----------
+    patch : Patch
+    normals : (v, 3) float array
+        Unit.
+
+    Returns
+    -------
+    (v, 3) float array
+    """
+    count = len(patch.vertices)
+    a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
+    inner = patch.free[a]
+    a, b = a[inner], b[inner]
+    number = np.maximum(np.bincount(a, minlength=count), 1)
+    middle = np.stack([
+        np.bincount(a, patch.vertices[b, k], count) for k in range(3)
+    ], axis=1) / number[:, None]  # fmt: skip
+    step = np.where(patch.free[:, None], middle - patch.vertices, 0.0)
+    step -= (step * normals).sum(axis=1)[:, None] * normals
+    moved: Points = patch.vertices + 0.5 * step
+    return moved
+
+
+def flipped_edges(patch: Patch) -> Patch:
+    """Flip edges between free vertices whose opposite angles sum to more than a half turn."""
+    for _ in range(_ROUNDS):
+        faces, flipped = _flipped_once(patch)
+        if not flipped:
+            break
+        patch = replace(patch, faces=faces)
+    return patch
+
+
+def _flipped_once(patch: Patch) -> tuple[Indices, int]:
+    faces, v, n = patch.faces, patch.vertices, len(patch.vertices)
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    near = patch.free[a] & patch.free[b]
+    half = np.flatnonzero(near)
+    key = np.minimum(a[half], b[half]) * n + np.maximum(a[half], b[half])
+    half = half[np.argsort(key, kind="stable")]
+    if not len(half):
+        return faces, 0
+    one, other = half[0::2], half[1::2]
+    face, corner = half // 3, half % 3
+    apex = faces[face, (corner + 2) % 3]
+    p, q = a[one], b[one]
+    r, s = apex[0::2], apex[1::2]
+    angles = _angle(v[r], v[p], v[q]) + _angle(v[s], v[p], v[q])
+    wants = np.flatnonzero((angles > np.pi * 1.02) & (r != s))
+    if not len(wants):
+        return faces, 0
+    one, other, p, q, r, s = (x[wants] for x in (one, other, p, q, r, s))
+    # The new edge must not exist, and both new faces must look where the old ones did.
+    every = np.minimum(a, b) * n + np.maximum(a, b)
+    fresh = ~np.isin(np.minimum(r, s) * n + np.maximum(r, s), every)
+    old = [unit(_normal(v[x], v[y], v[z])) for x, y, z in ((p, q, r), (q, p, s))]
+    new = [unit(_normal(v[x], v[y], v[z])) for x, y, z in ((p, s, r), (s, q, r))]
+    turned = np.min([(x * y).sum(axis=1) for x in old for y in new], axis=0)
+    good = fresh & (turned > _TURN)
+    # No two flips at once on one face.
+    rank = np.arange(len(one), dtype=np.float64)
+    rank[~good] = np.inf
+    first = np.full(len(faces), np.inf)
+    # A new edge could also be made twice around a vertex: keep flips a vertex apart.
+    at = np.full(n, np.inf)
+    for corners in (r, s):
+        np.minimum.at(at, corners, rank)
+    for side in (one, other):
+        np.minimum.at(first, side // 3, rank)
+    chosen = np.flatnonzero(
+        good
+        & (first[one // 3] == rank) & (first[other // 3] == rank)
+        & (at[r] == rank) & (at[s] == rank)
+    )  # fmt: skip
+    faces = faces.copy()
+    faces[one[chosen] // 3] = np.stack([p, s, r], axis=1)[chosen]
+    faces[other[chosen] // 3] = np.stack([s, q, r], axis=1)[chosen]
+    return faces, len(chosen)
+
+
+def _angle(apex: Points, p: Points, q: Points) -> Points:
+    one, other = p - apex, q - apex
+    cross = _length(np.cross(one, other))
+    angle: Points = np.arctan2(cross, (one * other).sum(axis=1))
+    return angle
+
+
+def _normal(p: Points, q: Points, r: Points) -> Points:
+    return np.cross(q - p, r - p)
+
+
+def unit(vectors: Points) -> Points:
+    """Vectors (n, 3) at unit length; those without any stay zero."""
+    result: Points = vectors / np.maximum(_length(vectors), 1e-300)[:, None]
+    return result
+
+
+def _length(vectors: Points) -> Points:
+    length: Points = np.sqrt((vectors**2).sum(axis=-1))
+    return length
+
+
+def _edges(faces: Indices) -> Indices:
+    """Each edge of a closed mesh once (e, 2)."""
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    return np.stack([a, b], axis=1)[a < b]
+
+
+def _apart(patch: Patch, edges: Indices) -> Indices:
+    """Of edges in order of merit those that no better one touches or neighbours."""
+    rank = np.arange(len(edges))
+    best = np.full(len(patch.vertices), len(edges))
+    for k in (0, 1):
+        np.minimum.at(best, edges[:, k], rank)
+    a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
+    around = best.copy()
+    near = np.flatnonzero(best[b] < len(edges))
+    np.minimum.at(around, a[near], best[b[near]])
+    near = np.flatnonzero(best[a] < len(edges))
+    np.minimum.at(around, b[near], best[a[near]])
+    chosen: Indices = edges[(around[edges] == rank[:, None]).all(axis=1)]
+    return chosen
+
+
+def _keeps_topology(patch: Patch, edges: Indices) -> Mask:
+    """Whether the ends of each edge have just two neighbours in common."""
+    from scipy.sparse import csr_array
+
+    every = _edges(patch.faces)
+    count = len(patch.vertices)
+    ones = np.ones(len(every), dtype=np.int32)
+    links = csr_array((ones, (every[:, 0], every[:, 1])), shape=(count, count))
+    links = (links + links.T).tocsr()
+    common: Indices = links[edges[:, 0]].multiply(links[edges[:, 1]]).sum(axis=1)
+    result: Mask = np.asarray(common).ravel() == 2
+    return result
+
+
+def _turns_nothing(patch: Patch, edges: Indices) -> Mask:
+    """Whether all faces that stay look about where they did when each edge is collapsed."""
+    owner = np.full(len(patch.vertices), -1)
+    owner[edges[:, 0]] = owner[edges[:, 1]] = np.arange(len(edges))
+    held = owner[patch.faces]
+    rows = np.flatnonzero((held >= 0).sum(axis=1) == 1)
+    moved = patch.vertices.copy()
+    moved[edges[:, 0]] = moved[edges[:, 1]] = 0.5 * patch.vertices[edges].sum(axis=1)
+    corners = patch.faces[rows].T
+    before = unit(_normal(*(patch.vertices[c] for c in corners)))
+    after = unit(_normal(*(moved[c] for c in corners)))
+    bad = (before * after).sum(axis=1) < _TURN
+    good = np.ones(len(edges), dtype=bool)
+    good[held[rows[bad]].max(axis=1)] = False
+    return good
+
+
+def _without(patch: Patch, edges: Indices) -> Patch:
+    """With edges collapsed to their middles; they must lie apart."""
+    target = np.arange(len(patch.vertices))
+    target[edges[:, 1]] = edges[:, 0]
+    vertices = patch.vertices.copy()
+    vertices[edges[:, 0]] = 0.5 * patch.vertices[edges].sum(axis=1)
+    faces = target[patch.faces]
+    alive = (faces != np.roll(faces, -1, axis=1)).all(axis=1)
+    stays = np.ones(len(vertices), dtype=bool)
+    stays[edges[:, 1]] = False
+    number = np.cumsum(stays) - 1
+    return Patch(vertices[stays], number[faces[alive]], patch.free[stays], patch.parents[stays])
