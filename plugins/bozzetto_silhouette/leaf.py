@@ -7,12 +7,14 @@ import numpy as np
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.memory import Memory
+from bozzetto_silhouette.pressure import PenPressure
+from bozzetto_silhouette.profile import profile_of
 from bozzetto_silhouette.relief import Relief
 from bozzetto_silhouette.solid import Checkpoint, SilhouetteSolid, ignore, solidify
 from bozzetto_silhouette.state import Part
 from bozzetto_silhouette.straight import straight_body
 from bozzetto_silhouette.swelling import ConvolutionSwelling, Swelling
-from bozzetto_silhouette.thickness import Thickness, Uniform
+from bozzetto_silhouette.thickness import InTurn, Thickness, Uniform
 from bozzetto_silhouette.variational_swelling import VariationalSwelling
 
 __all__ = ["body_of", "solid_of"]
@@ -72,4 +74,9 @@ def _swelling(part: Part) -> Swelling:
 
 
 def _thickness(part: Part) -> Thickness:
-    return Uniform(part.inflation)
+    steps: list[Thickness] = [Uniform(part.inflation)]
+    if part.pressure > 0.0:
+        steps.append(PenPressure.of(part))
+    if len(part.profile):
+        steps.append(profile_of(part))
+    return InTurn(tuple(steps)) if len(steps) > 1 else steps[0]

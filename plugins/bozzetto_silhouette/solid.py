@@ -123,7 +123,7 @@ def solidify(
         checkpoint(0.4, "surface")
         square = swelling.squares(frame, rim, plan)
         checkpoint(0.8, "mesh")
-        up, down = thickness.factors(frame, plan)
+        up, down = thickness.factors(frame, plan, square, square)
         front = square * up**2
         back = front if up is down else square * down**2
         vertices, faces = sewn_shell(plan, np.sqrt(front), np.sqrt(back))
