@@ -1,0 +1,209 @@
+"""Extrusions: a ring on the surface, then the outline of what grows out of it, or into it.
+
+After Teddy (Igarashi et al., 1999, section 4.3), but what grows is a part of its own: it can
+be moved, redrawn and blended like any other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import Unfinished, UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink.closing import close_stroke, is_closed_gesture
+from bozzetto.ink.resample import resample
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Scene
+from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet
+from bozzetto_silhouette.sheet import Sheet
+from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto_silhouette.tools.carving import NOTHING, check_that_it_carves, volume_left
+from bozzetto_silhouette.touch import Touch, shape_seen
+
+__all__ = ["Extrude"]
+
+Array = NDArray[np.float64]
+
+RING_SAMPLES = 64
+
+ON_SHAPE = 0.6
+"""Share of the ring that must lie on the shape."""
+
+SIDEWAYS = 0.3
+"""Sine of the angle between the line of sight and what stands upright on the ring, below
+which it cannot be seen how far something grows."""
+
+NEAR = 0.5
+"""How far from the ring the second stroke may start and end, in widths of the ring."""
+
+NARROWEST = 0.2
+"""Least width of the second stroke at its base, in widths of the ring."""
+
+ROOT = 0.5
+"""How far what grows reaches back into the shape, as a share of its width; but never more
+than this share of the way to the other side."""
+
+ROOT_STEPS = 24
+
+INFLATIONS = (0.2, 3.0)
+"""Range of a part's inflation."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Base:
+    """The ring on the surface, in the model's frame, mm.
+
+    Attributes
+    ----------
+    points : (n, 3) float array
+    middle : (3,) float array
+    outwards : (3,) float array
+        Unit; the mean normal.
+    room : float
+        How far the shape goes on behind it.
+    """
+
+    points: Array
+    middle: Array
+    outwards: Array
+    room: float
+
+
+class Extrude:
+    """Two strokes: where something grows, and what grows there."""
+
+    id = "extrude"
+    title = "Extrude"
+    icon = "icons/extrude.svg"
+    hint = "Draw a ring on the shape, then the outline of what grows out of it or into it."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """The ink says it all."""
+        return Scene()
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Add what grows, or carve what is pressed in.
+
+        Raises
+        ------
+        Unfinished
+            After the ring.
+        UserError
+            If the ring is not on the shape, the second stroke does not start and end at it,
+            or it cannot be seen from here how far it grows.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw a ring on the shape with the pen.")
+        base = _base(state, gesture.strokes[0])
+        if len(gesture.strokes) == 1:
+            raise (UserError if gesture.committed else Unfinished)(
+                "Turn the view if you like, then draw the outline of what grows out of it."
+            )
+        if len(gesture.strokes) > 2:
+            raise UserError("Two strokes make an extrusion: the ring, and what grows out of it.")
+        part = _grown(state, base, gesture.strokes[1])
+        outline_of(part)
+        after = state.with_node(part)
+        if part.operation == "carve":
+            check_that_it_carves(state, after)
+        elif volume_left(after) <= (1.0 + NOTHING) * volume_left(state):
+            raise UserError("This lies inside the shape. Draw it outwards from the ring.")
+        return after
+
+
+def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
+    touch = shape_seen(state)
+    if touch is None:
+        raise UserError("There is nothing to grow from yet. Draw a shape first.")
+    if not is_closed_gesture(stroke.points):
+        raise UserError("The first stroke is a ring. Draw it closed, on the shape.")
+    loop = resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
+    hits = touch.under(loop, stroke.camera)
+    if hits.hit.mean() < ON_SHAPE:
+        raise UserError("The ring lies beside the shape. Draw it where something is to grow.")
+    points = hits.points[hits.hit]
+    middle = points.mean(axis=0)
+    normal = hits.normals[hits.hit].mean(axis=0)
+    length = float(np.linalg.norm(normal))
+    outwards = normal / length if length > 1e-6 else -stroke.camera.axes[2]
+    return _Base(points, middle, outwards, _room(touch, points, middle, outwards))
+
+
+def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
+    """How far the shape goes on inwards from the middle of the ring."""
+    depth = (points - middle) @ outwards
+    start = middle + (depth.min() - 1e-3 * np.ptp(points, axis=0).max()) * outwards
+    found = touch.hits(Rays(start[None], -outwards[None]))
+    return float(found.distance[0])
+
+
+def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
+    """What the second stroke describes, on the plane parallel to the screen through the base."""
+    camera = stroke.camera
+    right, up, _ = camera.axes
+    sheet = Sheet(_point(base.middle), _point(right), _point(up))
+    (line,) = points_on_sheet((stroke,), sheet)
+    seen, _ = camera.project(base.points)
+    ring = sheet.from_pixels(seen, camera)
+    upright = np.array([base.outwards @ right, base.outwards @ up])
+    if not np.isfinite(ring).all() or np.hypot(*upright) < SIDEWAYS:
+        raise UserError(
+            "From here the ring is seen face on. Draw the ring, turn the view to its side, then "
+            "draw what grows."
+        )
+    upright /= np.hypot(*upright)
+    across = ring @ (-upright[1], upright[0])
+    width = float(np.ptp(across))
+    _check_ends(line, ring, width)
+    middle, chord = 0.5 * (line[0] + line[-1]), float(np.hypot(*(line[-1] - line[0])))
+    inwards = float(((line - middle) @ upright).mean()) < 0.0
+    if inwards:
+        rise = float(((ring - middle) @ upright).max())
+        root = (max(rise, 0.0) + ROOT * chord) * upright
+    else:
+        root = -ROOT * min(chord, base.room) * upright
+    deep = float(np.ptp((base.points - base.middle) @ sheet.normal))
+    plain = Part()
+    return Part(
+        id=state.unused_id(),
+        name=state.unused_name("Dent" if inwards else "Extrusion"),
+        strokes=Strokes((stroke, _root_stroke(line, middle, root, sheet, camera))),
+        sheet=sheet,
+        operation="carve" if inwards else plain.operation,
+        inflation=float(np.clip(deep / chord, *INFLATIONS)),
+    )
+
+
+def _check_ends(line: Array, ring: Array, width: float) -> None:
+    from shapely import MultiPoint, Point
+
+    hull = MultiPoint(ring).convex_hull
+    if max(hull.distance(Point(end)) for end in (line[0], line[-1])) > NEAR * width:
+        raise UserError(
+            "This does not start and end at the ring. Begin on one side of the ring and come "
+            "back to its other side."
+        )
+    if not float(np.hypot(*(line[-1] - line[0]))) > NARROWEST * width:
+        raise UserError(
+            "This starts and ends at one place. Begin on one side of the ring and come back to "
+            "its other side."
+        )
+
+
+def _root_stroke(line: Array, middle: Array, root: Array, sheet: Sheet, camera: Camera) -> Stroke:
+    """Half an ellipse from the end of a line to its start, as far as `root` beyond."""
+    angle = np.linspace(0.0, np.pi, ROOT_STEPS + 1)
+    places = middle + np.outer(np.cos(angle), line[-1] - middle) + np.outer(np.sin(angle), root)
+    pixels, _ = camera.project(sheet.to_world(places))
+    return Stroke(pixels[:, 0], pixels[:, 1], camera, tool="imported")
+
+
+def _point(values: Array) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
