@@ -18,7 +18,7 @@ from bozzetto_silhouette.distance import RimDistance, ring_links
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.triangulation import Triangulation, constrained_delaunay
 
-__all__ = ["Skeleton", "chordal_axis", "simplified", "skeleton_of", "with_lone_balls"]
+__all__ = ["Skeleton", "chains", "chordal_axis", "simplified", "skeleton_of", "with_lone_balls"]
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -188,7 +188,7 @@ def chordal_axis(outline: Outline) -> Skeleton:
     return Skeleton(np.concatenate(parts), np.concatenate(links))
 
 
-def _chains(skeleton: Skeleton) -> list[list[int]]:
+def chains(skeleton: Skeleton) -> list[list[int]]:
     """Split the graph into chains between ends and junctions; rings come closed."""
     neighbours: list[list[int]] = [[] for _ in skeleton.nodes]
     for a, b in skeleton.edges.tolist():
@@ -265,7 +265,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
         return number[old]
 
     ends = axis.degrees
-    for chain in _chains(axis):
+    for chain in chains(axis):
         row = axis.nodes[chain]
         if chain[0] == chain[-1]:
             half = len(chain) // 2

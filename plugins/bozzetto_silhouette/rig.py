@@ -1,0 +1,254 @@
+"""One rig for the whole tree: the joints of all parts, hung on each other where parts touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Placement, Rig
+from bozzetto_silhouette.joints import Joints, joints_of
+from bozzetto_silhouette.places import placement_of
+from bozzetto_silhouette.skeleton import Skeleton
+from bozzetto_silhouette.solid import SilhouetteSolid
+from bozzetto_silhouette.state import Group, Part, SilhouetteState
+
+__all__ = ["Armature", "Limbs", "armature_of"]
+
+Points = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+NEAR = 0.1
+"""Parts touch when their balls are nearer than this share of the smaller ball's radius."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limbs:
+    """The joints of one connected piece of a part, parents before children.
+
+    Attributes
+    ----------
+    part : str
+        Id of the part.
+    placement : Placement
+        From the part's object frame to the model's.
+    flatness : float
+        Half thickness where a round part would have 1.
+    nodes : (n, 3) float array
+        x, y and radius of each joint, in the object frame.
+    parents : (n,) int array
+        Within the piece; -1 for its root.
+    cuts : (k, 2) int array
+        Links that closed loops.
+    first : int
+        Number of its root in the whole rig.
+    """
+
+    part: str
+    placement: Placement
+    flatness: float
+    nodes: Points
+    parents: Indices
+    cuts: Indices
+    first: int
+
+    @property
+    def places(self) -> Points:
+        """Joints in the model's frame, (n, 3), mm."""
+        return _lifted(self.placement, self.nodes)
+
+    @property
+    def radii(self) -> Points:
+        """Of the balls around them, (n,), mm."""
+        return np.asarray(self.nodes[:, 2] * self.placement.scale)
+
+
+@dataclass(frozen=True, eq=False)
+class Armature:
+    """A rig at rest, and what its joints are in.
+
+    Attributes
+    ----------
+    rig : Rig
+        In the model's frame.
+    radii : (n,) float array
+        Of the ball around each joint, mm.
+    limbs : tuple of Limbs
+        In the order of their joints.
+    """
+
+    rig: Rig
+    radii: Points
+    limbs: tuple[Limbs, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A piece of a part before it hangs on anything."""
+
+    part: Part
+    placement: Placement
+    joints: Joints
+    skeleton: Skeleton
+
+    @property
+    def places(self) -> Points:
+        return _lifted(self.placement, self.joints.nodes)
+
+    @property
+    def radii(self) -> Points:
+        return np.asarray(self.joints.nodes[:, 2] * self.placement.scale)
+
+    @property
+    def size(self) -> float:
+        """Radius of its thickest ball, mm."""
+        return float(self.radii.max())
+
+
+def armature_of(state: SilhouetteState, solids: Mapping[str, SilhouetteSolid]) -> Armature | None:
+    """The joints of all parts that add to the shape; None where there are none.
+
+    The largest piece has its root at its thickest joint. Every other one hangs on the largest
+    of those it touches: there, its joint nearest to one of that piece becomes its root. What
+    touches nothing has a root of its own.
+
+    Parameters
+    ----------
+    state : SilhouetteState
+    solids : dict of str to SilhouetteSolid
+        By the id of the part; parts without one have no joints.
+    """
+    waiting = [
+        _Piece(part, placement_of(state, part), joints, solids[part.id].skeleton)
+        for part in _adding(state)
+        if part.id in solids
+        for joints in joints_of(solids[part.id].skeleton)
+    ]
+    waiting.sort(key=lambda piece: -piece.size)  # stable: equals stay in the order of the tree
+    hung: list[tuple[_Piece, Limbs]] = []
+    touched: dict[_Piece, tuple[_Piece, Limbs]] = {}
+    parents: list[int] = []
+    while waiting:
+        piece = next((piece for piece in waiting if piece in touched), waiting[0])
+        waiting.remove(piece)
+        root, parent = int(piece.radii.argmax()), -1
+        if piece in touched:
+            _, onto = touched[piece]
+            gaps = np.linalg.norm(piece.places[:, None] - onto.places, axis=2)
+            reach = piece.radii[:, None] + onto.radii
+            root, there = divmod(int((gaps / reach).argmin()), len(onto.nodes))
+            parent = onto.first + there
+        limbs = _rooted(piece, root, len(parents))
+        hung.append((piece, limbs))
+        parents += [parent, *(limbs.first + limbs.parents[1:]).tolist()]
+        for other in waiting:
+            larger = other not in touched or touched[other][0].size < piece.size
+            if larger and _touch(other, piece):
+                touched[other] = (piece, limbs)
+    if not hung:
+        return None
+    all_limbs = tuple(limbs for _, limbs in hung)
+    cuts = np.concatenate([limbs.first + limbs.cuts for limbs in all_limbs])
+    rig = Rig(
+        np.concatenate([limbs.places for limbs in all_limbs]),
+        np.array(parents, np.int32),
+        _names([(piece.part.name, len(limbs.nodes)) for piece, limbs in hung]),
+        cuts=cuts.astype(np.int32) if len(cuts) else None,
+    )
+    return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs)
+
+
+def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
+    """The visible parts that add to the shape: what comes first in a group always does."""
+    first = True
+    for node in state.nodes:
+        if node.within != within or not node.visible:
+            continue
+        adds, first = first or node.operation in ("add", "merge"), False
+        if not adds:
+            continue
+        if isinstance(node, Group):
+            yield from _adding(state, node.id)
+        else:
+            yield node
+
+
+def _lifted(placement: Placement, nodes: Points) -> Points:
+    return placement.points(np.column_stack([nodes[:, :2], np.zeros(len(nodes))]))
+
+
+def _touch(one: _Piece, other: _Piece) -> bool:
+    """Whether balls of two pieces meet."""
+    if one.part.id == other.part.id:
+        return False
+    here, there = one.skeleton.nodes, other.skeleton.nodes
+    radii, others = here[:, 2] * one.placement.scale, there[:, 2] * other.placement.scale
+    gaps = np.linalg.norm(
+        _lifted(one.placement, here)[:, None] - _lifted(other.placement, there), axis=2
+    )
+    reach = radii[:, None] + others + NEAR * np.minimum(radii[:, None], others)
+    return bool((gaps <= reach).any())
+
+
+def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
+    """The joints of a piece as a tree; loops are cut where they are thinnest."""
+    nodes, links = piece.joints.nodes, piece.joints.links
+    cluster = list(range(len(nodes)))
+
+    def head(node: int) -> int:
+        while cluster[node] != node:
+            node = cluster[node]
+        return node
+
+    around: list[list[int]] = [[] for _ in nodes]
+    cut = []
+    for link in np.argsort(-piece.joints.thickness, kind="stable").tolist():
+        a, b = links[link].tolist()
+        if head(a) == head(b):
+            cut.append((a, b))
+            continue
+        cluster[head(a)] = head(b)
+        around[a].append(b)
+        around[b].append(a)
+
+    order: list[int] = []
+    parents: list[int] = []
+    place = {}
+    stack = [(root, -1)]
+    while stack:
+        node, above = stack.pop()
+        place[node] = len(order)
+        order.append(node)
+        parents.append(above)
+        # Around the clock, so that limbs are numbered the same however they were found.
+        children = [k for k in around[node] if k not in place]
+        children.sort(key=lambda k: -float(np.arctan2(*(nodes[k] - nodes[node])[1::-1])))
+        stack += [(k, place[node]) for k in reversed(children)]
+    cuts = [sorted((place[a], place[b])) for a, b in cut]
+    return Limbs(
+        piece.part.id,
+        piece.placement,
+        piece.part.inflation,
+        nodes[order],
+        np.array(parents, np.intp),
+        np.array(sorted(cuts), np.intp).reshape(-1, 2),
+        first,
+    )
+
+
+def _names(runs: list[tuple[str, int]]) -> tuple[str, ...]:
+    """ "Part 1", "Part 1.2", "Part 1.3" …: all different, whatever parts are called."""
+    taken: dict[str, None] = {}
+    counts: dict[str, int] = {}
+    for name, count in runs:
+        stem = name or "Joint"
+        for _ in range(count):
+            while True:
+                counts[stem] = counts.get(stem, 0) + 1
+                one = stem if counts[stem] == 1 else f"{stem}.{counts[stem]}"
+                if one not in taken:
+                    break
+            taken[one] = None
+    return tuple(taken)
