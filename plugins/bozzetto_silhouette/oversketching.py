@@ -5,7 +5,7 @@ All lengths are shares of the size of the whole outline.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,12 +92,12 @@ class _Joint:
     cost: float
 
 
-def ring_drawn_over(rings: list[Points | None], line: Points, size: float) -> int:
+def ring_drawn_over(rings: Sequence[Points | None], line: Points, size: float) -> int:
     """The number of the ring that a stroke is meant for.
 
     Parameters
     ----------
-    rings : list of (n, 2) float arrays
+    rings : sequence of (n, 2) float arrays
         None where a ring is gone.
     line : (m, 2) float array
         The stroke.
@@ -161,7 +161,7 @@ def drawn_over(ring: Points, line: Points, size: float) -> Points:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _redrawn(rings: list[Points | None], line: Points) -> int | None:
+def _redrawn(rings: Sequence[Points | None], line: Points) -> int | None:
     """The ring that a closed stroke takes the place of; None for an open one."""
     import shapely
 

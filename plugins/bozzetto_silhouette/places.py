@@ -25,6 +25,7 @@ from bozzetto_silhouette.state import Group, Part, SilhouetteState
 __all__ = [
     "carried",
     "distances_under",
+    "drawn_profile",
     "drawn_rings",
     "groups_around",
     "is_shown",
@@ -114,6 +115,27 @@ def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
         place.points(np.column_stack([ring, np.zeros(len(ring))]))
         for ring in outline_of(part).rings
     ]
+
+
+def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
+    """The strokes of a part's profile where the part stands now; (n, 3) each, mm, model's frame.
+
+    They lie in the plane upright on the sheet, through the middle of the part, that the hand
+    looked at; what was drawn out of sight of it is left out.
+
+    Raises
+    ------
+    UserError
+        If the part's ink is no outline.
+    """
+    middle = part.sheet.to_world(np.mean(outline_of(part).bounds, axis=0)[None])[0]
+    normal, found = part.sheet.normal, []
+    for stroke in part.profile:
+        facing = stroke.camera.axes[2] - (stroke.camera.axes[2] @ normal) * normal
+        if np.linalg.norm(facing) > 0.0:
+            line = stroke.camera.on_plane(stroke.points, middle, facing)
+            found.append(carried(state, part).points(line[np.isfinite(line).all(axis=1)]))
+    return found
 
 
 def distances_under(state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera) -> Array:

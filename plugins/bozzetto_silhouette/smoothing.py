@@ -8,6 +8,8 @@ shrinkage*, 1995, with no second factor to be chosen.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,12 +46,12 @@ BROAD = 90
 """Percentile of the distances between rub and ring that says how broadly the hand rubbed."""
 
 
-def rubbed_ring(rings: list[Points | None], line: Points, size: float) -> int:
+def rubbed_ring(rings: Sequence[Points | None], line: Points, size: float) -> int:
     """The number of the ring that a stroke was rubbed along.
 
     Parameters
     ----------
-    rings : list of (n, 2) float arrays
+    rings : sequence of (n, 2) float arrays
         None where a ring is gone.
     line : (m, 2) float array
         The stroke.

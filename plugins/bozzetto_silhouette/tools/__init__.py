@@ -8,9 +8,13 @@ from bozzetto.plugin import Tool
 from bozzetto_silhouette.tools.arrange import Arrange
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw import DrawOutline
+from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.mirror import MirrorCopy
+from bozzetto_silhouette.tools.oversketch import SketchOver
 from bozzetto_silhouette.tools.paint import Paint
 from bozzetto_silhouette.tools.picture import ProjectPicture
+from bozzetto_silhouette.tools.profile import DrawProfile
+from bozzetto_silhouette.tools.smooth import Smooth
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 
 __all__ = ["DrawOutline", "all_tools"]
@@ -20,9 +24,13 @@ def all_tools() -> tuple[Tool[Any], ...]:
     """The tools in the order of the rail, most used first."""
     return (
         DrawOutline(),
-        Arrange(),
+        SketchOver(),
+        Smooth(),
+        DrawProfile(),
         DrawTunnel(),
         DrawCut(),
+        Extrude(),
+        Arrange(),
         MirrorCopy(),
         Paint(),
         ProjectPicture(),

@@ -1,7 +1,8 @@
-"""What the pen can do: draw outlines, and erase them with its other end."""
+"""Draw outlines: each is a part, or a hole in one."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -12,9 +13,11 @@ from bozzetto.geometry import Mesh
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet, surrounds
-from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
+from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet, rings_of, surrounds
+from bozzetto_silhouette.places import carried, shown_parts, stroke_in
+from bozzetto_silhouette.sheet import FRONT_TOLERANCE, sheet_under
+from bozzetto_silhouette.state import Edit, Part, Removal, SilhouetteState
+from bozzetto_silhouette.tools.eraser import erased, without
 
 __all__ = ["DrawOutline", "meets_itself"]
 
@@ -66,7 +69,7 @@ class DrawOutline:
         if not isinstance(gesture, Ink):
             raise UserError("Draw an outline with the pen.")
         if gesture.strokes[-1].tool == "eraser":
-            return _erased(state, gesture.strokes[-1])
+            return erased(state, gesture.strokes[-1])
         if not gesture.committed and not meets_itself(gesture.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(
@@ -91,54 +94,70 @@ def meets_itself(strokes: tuple[Stroke, ...]) -> bool:
 def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
     """The state with a new part.
 
-    Inside another one on its sheet it is a hole; it takes in those that it is drawn around
-    as its holes; anywhere else it stands for itself.
+    Inside another one on a parallel sheet it is a hole; it takes in those that it is drawn
+    around as its holes; anywhere else it stands for itself. Parts are where they have been
+    moved to; those that are switched off have no say.
     """
     if state.inner == "apart":
         return state.with_node(new)
-    outlined = [part for part in state.parts if not isinstance(part, Cut)]
-    alike = [part for part in outlined if new.sheet.faces_as(part.sheet)]
+    alike = [part for part in shown_parts(state) if _faces_as(state, part, new)]
     for old in alike:
-        if _lies_within(new, old):
-            whole = replace(old, strokes=old.strokes.extended(new.strokes))
+        carried_in = tuple(stroke_in(state, old, stroke) for stroke in new.strokes)
+        if _lies_within(carried_in, old):
+            whole = replace(old, strokes=old.strokes.extended(carried_in))
             outline_of(whole)
             return state.with_node(whole)
-    taken = [part for part in alike if _lies_within(part, new)]
+    taken = [part for part in alike if _lies_within(_as_seen(state, part), new)]
     if not taken:
         return state.with_node(new)
-    strokes = new.strokes
-    for old in taken:
-        strokes = strokes.extended(old.strokes)
-    whole = replace(taken[0], strokes=strokes, sheet=new.sheet)
+    whole = _taken_in(state, taken, new)
     outline_of(whole)
-    rest = taken[1:]
-    return replace(state, nodes=_without(state.nodes, rest)).with_node(whole)
+    return without(state, {part.id for part in taken[1:]}).with_node(whole)
 
 
-def _without(nodes: tuple[Part | Group, ...], gone: list[Part]) -> tuple[Part | Group, ...]:
-    ids = {node.id for node in gone}
-    return tuple(node for node in nodes if node.id not in ids)
+def _faces_as(state: SilhouetteState, part: Part, new: Part) -> bool:
+    """Whether a part, as it stands now, lies parallel to a new one and faces the same way."""
+    normal = carried(state, part).directions(part.sheet.normal)[0]
+    return bool(normal @ new.sheet.normal > 1.0 - FRONT_TOLERANCE)
 
 
-def _lies_within(inner: Part, outer: Part) -> bool:
-    """Whether all of one part's ink lies inside the outline of the other."""
-    points = points_on_sheet(tuple(inner.strokes), outer.sheet)
-    return surrounds(outline_of(outer), np.concatenate(points))
+def _as_seen(state: SilhouetteState, part: Part) -> tuple[Stroke, ...]:
+    """A part's ink where the part stands now."""
+    moved = carried(state, part)
+    return tuple(s if moved.is_identity else s.moved(moved) for s in part.strokes)
 
 
-def _erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
-    """Without the newest part that most of the eraser's path crosses.
+def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
+    """The first of some parts with an outline around them; they all become its holes.
 
-    Raises
-    ------
-    UserError
-        If nothing lies under the eraser.
+    The rings keep their order, so that edits find theirs again.
     """
-    for part in reversed(state.parts):
-        path = part.sheet.from_pixels(eraser.points, eraser.camera)
-        if isinstance(part, Cut) or not np.isfinite(path).all():
-            continue
-        inside = [surrounds(outline_of(part), point[None]) for point in path[:: len(path) // 8 + 1]]
-        if np.mean(inside) >= 0.5:
-            return replace(state, nodes=_without(state.nodes, [part]))
-    raise UserError("There is no part under the eraser. Rub across the part to take it away.")
+    first = taken[0]
+    strokes, edits = first.strokes, first.edits
+    count = len(rings_of(first))
+    for other in taken[1:]:
+        back = tuple(stroke_in(state, first, stroke) for stroke in _as_seen(state, other))
+        strokes = strokes.extended(back)
+        edits = (*edits, *(_renumbered(state, first, other, edit, count) for edit in other.edits))
+        count += len(rings_of(other))
+    around = tuple(stroke_in(state, first, stroke) for stroke in new.strokes)
+    return replace(first, strokes=strokes.extended(around), edits=edits)
+
+
+def _renumbered(state: SilhouetteState, first: Part, other: Part, edit: Edit, count: int) -> Edit:
+    """An edit of one part as an edit of another, among whose rings its rings come later."""
+    if isinstance(edit, Removal):
+        return replace(edit, ring=edit.ring + count)
+    moved = carried(state, other)
+    stroke = stroke_in(state, first, edit.stroke.moved(moved))
+    return replace(edit, stroke=stroke, ring=edit.ring + count)
+
+
+def _lies_within(strokes: Sequence[Stroke], outer: Part) -> bool:
+    """Whether all of some ink lies inside the outline of a part, in whose frame it is."""
+    try:
+        points = points_on_sheet(strokes, outer.sheet)
+        outline = outline_of(outer)
+    except UserError:
+        return False
+    return surrounds(outline, np.concatenate(points))

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bozzetto.errors import Unfinished, UserError
+from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke
+from bozzetto.ink.closing import signed_area
 from bozzetto.plugin import Context, Drag, Ink, Tap
 from bozzetto.plugin.testing import Pen
 from bozzetto.view import Camera
 from bozzetto.view.standard import standard_view
 from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.state import SilhouetteState
+from bozzetto_silhouette.places import drawn_rings
+from bozzetto_silhouette.state import Group, SilhouetteState
 from bozzetto_silhouette.tools import DrawOutline
+from bozzetto_silhouette.tools.oversketch import SketchOver
 
 PEN, TOOL, CONTEXT = Pen(), DrawOutline(), Context()
 
@@ -141,18 +147,65 @@ def test_the_eraser_takes_the_part_under_it() -> None:
     assert left.parts == state.parts[:1]
     with pytest.raises(UserError, match="no part under the eraser"):
         TOOL.apply(state, Ink((rub.along([(50, 50), (90, 60)]),)), CONTEXT)
-    with pytest.raises(UserError, match="no part under the eraser"):
-        TOOL.apply(drawn((OUTER, HOLE)), Ink((rub.dot(600, 450),)), CONTEXT)
     assert TOOL.apply(left, Ink((rub.dot(500, 450),)), CONTEXT).parts == ()
     # Of two parts that lie over each other the newer one goes.
     both = drawn((OUTER,), (PEN.circle(800, 450, 150),))
     assert TOOL.apply(both, Ink((rub.dot(830, 450),)), CONTEXT).parts == both.parts[:1]
 
 
-def test_the_eraser_does_not_see_a_sheet_edge_on() -> None:
+def test_the_eraser_takes_a_part_from_any_side() -> None:
     side = Camera("orthographic", (500.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    assert not TOOL.apply(drawn((OUTER,)), Ink((Pen(side, tool="eraser").dot(),)), CONTEXT).parts
     with pytest.raises(UserError, match="no part under the eraser"):
-        TOOL.apply(drawn((OUTER,)), Ink((Pen(side, tool="eraser").circle(),)), CONTEXT)
+        TOOL.apply(drawn((OUTER,)), Ink((Pen(side, tool="eraser").dot(20, 20),)), CONTEXT)
+
+
+def test_the_eraser_fills_the_hole_under_it_and_spares_what_is_switched_off() -> None:
+    state = drawn((OUTER,), (LEFT,), (RIGHT,))
+    rub = PEN.but(tool="eraser")
+    filled = TOOL.apply(state, Ink((rub.dot(500, 450),)), CONTEXT)
+    assert topology(filled) == [(1, 1)]
+    assert filled.parts[0].strokes == state.parts[0].strokes
+    # Of two holes the other one is left.
+    assert TOOL.apply(filled, Ink((rub.dot(500, 450),)), CONTEXT).parts == ()
+    assert topology(TOOL.apply(filled, Ink((rub.dot(700, 450),)), CONTEXT)) == [(1, 0)]
+    hidden = state.with_node(replace(state.parts[0], visible=False))
+    with pytest.raises(UserError, match="no part under the eraser"):
+        TOOL.apply(hidden, Ink((rub.dot(600, 300),)), CONTEXT)
+
+
+def test_a_hole_is_drawn_into_a_part_where_it_stands_now() -> None:
+    """Moved, turned over and in a group that was moved: the hole is where the pen was."""
+    state = drawn((PEN.circle(300, 300, 150),))
+    mirror = Placement((-1.0, 0, 0, 0, 1, 0, 0, 0, 1), 1.0, (0.0, 0.0, 0.0))
+    group = Group(id="g", name="G", pose=Placement(offset=(10.0, 0.0, -15.0)))
+    state = replace(state, nodes=(group, replace(state.parts[0], pose=mirror, within="g")))
+    ring = drawn_rings(state, state.parts[0])[0]
+    pixels, _ = Camera().project(ring)
+    x, y = pixels.mean(axis=0)
+    after = TOOL.apply(state, Ink((PEN.circle(x + 40, y, 50),), True), CONTEXT)
+    assert topology(after) == [(1, 1)]
+    hole, _ = Camera().project(drawn_rings(after, after.parts[0])[1])
+    assert hole.mean(axis=0) == pytest.approx([x + 40, y], abs=0.5)
+    # Where it was drawn there is nothing any more: this is another part.
+    assert topology(TOOL.apply(state, Ink((PEN.circle(300, 300, 50),), True), CONTEXT)) == [
+        (1, 0),
+        (1, 0),
+    ]
+
+
+def test_edits_find_their_rings_when_parts_become_holes() -> None:
+    """Two drawn over, then an outline around them: the holes have the shapes they had."""
+    state = drawn((LEFT,), (RIGHT,))
+    bump = PEN.along([(480, 395), (500, 360), (520, 395)])
+    state = SketchOver().apply(state, Ink((bump,), True), CONTEXT)
+    bump = PEN.along([(680, 505), (700, 545), (720, 505)])
+    state = SketchOver().apply(state, Ink((bump,), True), CONTEXT)
+    areas = sorted(outline_of(part).area for part in state.parts)
+    around = drawn((OUTER,), state=state)
+    assert topology(around) == [(1, 2)]
+    rings = outline_of(around.parts[0]).rings
+    assert sorted(-signed_area(ring) for ring in rings[1:]) == pytest.approx(areas, rel=1e-3)
 
 
 @pytest.mark.parametrize("gesture", [Tap(5.0, 5.0, Camera()), Drag("x", ARC)])
