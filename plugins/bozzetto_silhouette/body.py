@@ -15,6 +15,8 @@ from bozzetto_silhouette.soundness import as_manifold
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+    from bozzetto_silhouette.constraints import Constraints
+
 __all__ = ["Body"]
 
 Points = NDArray[np.float64]
@@ -43,7 +45,7 @@ class Body:
         Spacing of the mesh in the thick places.
     creases : (c,) int array
         Vertices that lie on sharp edges, where one normal cannot be right for all faces.
-    constraints : object, optional
+    constraints : Constraints, optional
         What a variational surface interpolates; such surfaces blend by what they interpolate.
     known : Manifold, optional
         The same mesh as manifold3d sees it, where it is at hand.
@@ -58,7 +60,7 @@ class Body:
     radius: float
     step: float
     creases: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp))
-    constraints: object | None = None
+    constraints: Constraints | None = None
     known: Manifold | None = None
 
     @property
@@ -83,5 +85,6 @@ class Body:
             implicit=Placed(self.implicit, placement),
             radius=self.radius * placement.scale,
             step=self.step * placement.scale,
+            constraints=None if self.constraints is None else self.constraints.placed(placement),
             known=None,
         )

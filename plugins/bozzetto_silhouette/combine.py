@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.errors import UserError
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.composite import Composite
 from bozzetto_silhouette.fillet import Fillet, filleted
@@ -17,6 +19,7 @@ from bozzetto_silhouette.shell import vertex_normals
 from bozzetto_silhouette.solid import Checkpoint, ignore
 from bozzetto_silhouette.soundness import as_manifold
 from bozzetto_silhouette.state import Operation
+from bozzetto_silhouette.variational_sets import variational_combined
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -63,6 +66,10 @@ def combined(
     if not _near(first, second):
         return _apart(first, second, operation)
     checkpoint(0.0, "combine")
+    if reach > 0.0 and first.constraints is not None and second.constraints is not None:
+        if operation in ("merge", "carve"):
+            with suppress(UserError):  # no sound surface through them: blended like all others
+                return variational_combined(first, second, operation, blend, checkpoint)
     whole = _boolean(first, second, operation)
     if whole.is_empty() or not whole.volume() > 0.0:
         return None

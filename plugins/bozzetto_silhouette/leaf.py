@@ -6,6 +6,7 @@ import numpy as np
 
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.ink_to_outline import outline_of
+from bozzetto_silhouette.membrane import InflationSwelling
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.pressure import PenPressure
 from bozzetto_silhouette.profile import profile_of
@@ -13,6 +14,7 @@ from bozzetto_silhouette.relief import Relief
 from bozzetto_silhouette.solid import Checkpoint, SilhouetteSolid, ignore, solidify
 from bozzetto_silhouette.state import Part
 from bozzetto_silhouette.straight import straight_body
+from bozzetto_silhouette.surface_constraints import constraints_on
 from bozzetto_silhouette.swelling import ConvolutionSwelling, Swelling
 from bozzetto_silhouette.thickness import InTurn, Thickness, Uniform
 from bozzetto_silhouette.variational_swelling import VariationalSwelling
@@ -52,15 +54,18 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
 
     def work() -> Body:
         solid = solid_of(part, resolution, checkpoint)
+        relief = Relief(solid)
+        variational = part.surface == "variational"
         body = Body(
             solid.vertices,
             solid.faces,
             solid.normals,
             np.zeros(len(solid.vertices), np.int32),
             (part.id,),
-            Relief(solid),
+            relief,
             float(solid.skeleton.nodes[:, 2].max()),
             solid.step,
+            constraints=constraints_on(solid, relief) if variational else None,
         )
         return body.placed(part.placement)
 
@@ -70,6 +75,8 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
 def _swelling(part: Part) -> Swelling:
     if part.surface == "variational":
         return VariationalSwelling()
+    if part.surface == "inflation":
+        return InflationSwelling()
     return ConvolutionSwelling(part.softness, part.kernel)
 
 
