@@ -39,6 +39,9 @@ _STAGES = (0.4, 0.75, 1.0)
 _SMOOTHINGS = 3
 """Rounds of relaxation after every stage."""
 
+_FLIPS = 2
+"""Rounds of flipping edges before every relaxation."""
+
 _TELLING = 1e-3
 """What the blend adds, as a share of the reach, from which on vertices are set free."""
 
@@ -53,6 +56,9 @@ _FLATTEST = 0.2
 
 _RINGS = 2
 """Rings of vertices around those that the blend tells on which may be moved, too."""
+
+_REPAIRS = 6
+"""Rounds of mending faces that were turned over."""
 
 _LEFT = 0.02
 """What may be left of the blended value at a vertex, as a share of the reach."""
@@ -109,12 +115,14 @@ def filleted(
     numbers = np.unique(faces[around])
     local = np.zeros(len(vertices), dtype=np.intp)
     local[numbers] = np.arange(len(numbers))
-    patch = _rounded(
-        Patch(vertices[numbers], local[faces[around]], np.zeros(len(numbers), dtype=bool), numbers),
-        may,
-        solid,
-        step,
+    patch = Patch(
+        vertices[numbers],
+        local[faces[around]],
+        np.zeros(len(numbers), dtype=bool),
+        numbers,
+        np.zeros((len(numbers), 3)),
     )
+    patch = _rounded(patch, may, solid, step)
     if not _sound(solid, patch):
         return None
     # What was never free is still the vertex that it was; the others are new.
@@ -130,20 +138,26 @@ def filleted(
 
 
 def _rounded(patch: Patch, may: NDArray[np.bool_], solid: Composite, step: float) -> Patch:
-    """The patch moved onto the blended solid, by stages."""
+    """The patch moved onto the blended solid, by stages.
+
+    `may` tells of every vertex of the mesh whether it can be set free.
+    """
     longest = _FINENESS * solid.reach
     shortest = _SLIVER * min(longest, step)
     for share in _STAGES:
         stage = replace(solid, reach=share * solid.reach)
-        told = _told(stage, patch.vertices)
-        patch = replace(patch, free=patch.free | (told & may[patch.parents]))
-        patch = collapsed(split(patch, longest), shortest)
+        free = patch.free | (_told(stage, patch.vertices) & may[patch.parents])
+        patch = split(replace(patch, free=free), longest)
         for _ in range(_SMOOTHINGS):
-            patch, directions = _projected(stage, patch)
-            patch = flipped_edges(patch)
-            patch = replace(patch, vertices=relaxed(patch, directions))
+            patch = _projected(stage, patch)
+            patch = flipped_edges(collapsed(patch, shortest), _FLIPS)
+            patch = relaxed(patch)
         for _ in range(_NEWTON):
-            patch, _ = _projected(stage, patch)
+            patch = _projected(stage, patch)
+    for _ in range(_REPAIRS):
+        if patch.facing().min() > 0.0:
+            break
+        patch = _projected(solid, relaxed(flipped_edges(collapsed(patch, shortest), _FLIPS)))
     return patch
 
 
@@ -155,33 +169,25 @@ def _told(solid: Composite, points: Points) -> NDArray[np.bool_]:
     return told
 
 
-def _projected(solid: Composite, patch: Patch) -> tuple[Patch, Points]:
-    """Free vertices after a damped step of Newton's method, and the directions they went in."""
-    vertices, directions = patch.vertices.copy(), np.zeros_like(patch.vertices)
-    free = np.flatnonzero(patch.free)
-    value, gradient = solid.sample(vertices[free])
+def _projected(solid: Composite, patch: Patch) -> Patch:
+    """Free vertices after a damped step of Newton's method; normals from the gradient."""
+    value, gradient = solid.sample(patch.vertices)
     square = np.maximum((gradient**2).sum(axis=1), _FLATTEST**2)
     most = _STRIDE * solid.reach
-    vertices[free] -= (np.clip(value, -most, most) / square)[:, None] * gradient
-    directions[free] = unit(gradient)
-    return replace(patch, vertices=vertices), directions
+    way = np.where(patch.free, np.clip(value, -most, most) / square, 0.0)
+    return replace(
+        patch, vertices=patch.vertices - way[:, None] * gradient, normals=-unit(gradient)
+    )
 
 
 def _sound(solid: Composite, patch: Patch) -> bool:
     """Whether all vertices arrived and no face was turned over."""
     if not np.isfinite(patch.vertices).all():
         return False
-    free = np.flatnonzero(patch.free)
-    value, gradient = solid.sample(patch.vertices[free])
-    outwards = np.zeros_like(patch.vertices)
-    outwards[free] = -gradient
-    faces = patch.faces[patch.free[patch.faces].all(axis=1)]
-    a, b, c = patch.vertices[faces].transpose(1, 0, 2)
-    facing = (unit(np.cross(b - a, c - a)) * unit(outwards[faces].sum(axis=1))).sum(axis=1)
-    return bool(
-        np.abs(value).max(initial=0.0) <= _LEFT * solid.reach
-        and facing.min(initial=1.0) >= _OVERTURNED
-    )
+    left = np.abs(solid.value(patch.vertices[patch.free])).max(initial=0.0)
+    inner = patch.free[patch.faces].all(axis=1)
+    facing = patch.facing(patch.faces[inner]).min(initial=1.0)
+    return bool(left <= _LEFT * solid.reach and facing >= _OVERTURNED)
 
 
 def _compact(

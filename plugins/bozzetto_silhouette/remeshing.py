@@ -20,8 +20,12 @@ Mask = NDArray[np.bool_]
 _ROUNDS = 8
 """Halvings and rounds of collapses at most."""
 
+_DOUBT = 0.05
+"""Edges whose opposite angles sum to hardly more than a half turn are left as they are."""
+
 _TURN = 0.3
-"""Cosine of the angle that a face may turn by when an edge next to it collapses or flips."""
+"""Cosine between a face and where it is to face that a collapse or flip must leave, or the one
+before, if that was less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +40,23 @@ class Patch:
         Those that may be moved or taken away.
     parents : (v,) int array
         The vertex of the mesh at the start that each stands for or came from.
+    normals : (v, 3) float array
+        Where the surface is to face there: unit vectors, outwards.
     """
 
     vertices: Points
     faces: Indices
     free: Mask
     parents: Indices
+    normals: Points
+
+    def facing(self, corners: Indices | None = None, vertices: Points | None = None) -> Points:
+        """Cosine between faces (f, 3), else all, and where the surface is to face there (f,)."""
+        corners = self.faces if corners is None else corners
+        a, b, c = (self.vertices if vertices is None else vertices)[corners].transpose(1, 0, 2)
+        wanted = unit(self.normals[corners].sum(axis=1))
+        cosine: Points = (unit(np.cross(b - a, c - a)) * wanted).sum(axis=1)
+        return cosine
 
 
 def halved(triangles: Indices, middles: Indices) -> Indices:
@@ -107,17 +122,24 @@ def split(patch: Patch, longest: float) -> Patch:
             halved(patch.faces, middles),
             np.append(patch.free, np.ones(len(unique), dtype=bool)),
             np.append(patch.parents, patch.parents[one]),
+            np.vstack([patch.normals, unit(patch.normals[one] + patch.normals[other])]),
         )
     return patch
 
 
 def collapsed(patch: Patch, shortest: float) -> Patch:
-    """Collapse edges between free vertices that are shorter, where no face turns over."""
+    """Collapse edges between free vertices that are shorter, and those of faces turned over.
+
+    None collapses where that would turn another face over or change the topology.
+    """
     for _ in range(_ROUNDS):
+        over = np.zeros(len(patch.vertices), dtype=bool)
+        over[patch.faces[patch.facing() < 0.0]] = True
         edges = _edges(patch.faces)
         edges = edges[patch.free[edges].all(axis=1)]
         length = _length(patch.vertices[edges[:, 1]] - patch.vertices[edges[:, 0]])
-        edges = edges[length < shortest][np.argsort(length[length < shortest], kind="stable")]
+        wanted = np.flatnonzero((length < shortest) | over[edges].all(axis=1))
+        edges = edges[wanted[np.argsort(length[wanted], kind="stable")]]
         edges = _apart(patch, edges)
         if len(edges):
             edges = edges[_keeps_topology(patch, edges)]
@@ -129,19 +151,8 @@ def collapsed(patch: Patch, shortest: float) -> Patch:
     return patch
 
 
-def relaxed(patch: Patch, normals: Points) -> Points:
-    """Free vertices moved half way to the middle of their neighbours, along the surface.
-
-    Parameters
-    ----------
-    patch : Patch
-    normals : (v, 3) float array
-        Unit.
-
-    Returns
-    -------
-    (v, 3) float array
-    """
+def relaxed(patch: Patch) -> Patch:
+    """Free vertices moved half way to the middle of their neighbours, along the surface."""
     count = len(patch.vertices)
     a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
     inner = patch.free[a]
@@ -151,14 +162,13 @@ def relaxed(patch: Patch, normals: Points) -> Points:
         np.bincount(a, patch.vertices[b, k], count) for k in range(3)
     ], axis=1) / number[:, None]  # fmt: skip
     step = np.where(patch.free[:, None], middle - patch.vertices, 0.0)
-    step -= (step * normals).sum(axis=1)[:, None] * normals
-    moved: Points = patch.vertices + 0.5 * step
-    return moved
+    step -= (step * patch.normals).sum(axis=1)[:, None] * patch.normals
+    return replace(patch, vertices=patch.vertices + 0.5 * step)
 
 
-def flipped_edges(patch: Patch) -> Patch:
+def flipped_edges(patch: Patch, rounds: int) -> Patch:
     """Flip edges between free vertices whose opposite angles sum to more than a half turn."""
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         faces, flipped = _flipped_once(patch)
         if not flipped:
             break
@@ -172,7 +182,8 @@ def _flipped_once(patch: Patch) -> tuple[Indices, int]:
     near = patch.free[a] & patch.free[b]
     half = np.flatnonzero(near)
     key = np.minimum(a[half], b[half]) * n + np.maximum(a[half], b[half])
-    half = half[np.argsort(key, kind="stable")]
+    order = np.argsort(key, kind="stable")
+    half, known = half[order], key[order]
     if not len(half):
         return faces, 0
     one, other = half[0::2], half[1::2]
@@ -181,17 +192,17 @@ def _flipped_once(patch: Patch) -> tuple[Indices, int]:
     p, q = a[one], b[one]
     r, s = apex[0::2], apex[1::2]
     angles = _angle(v[r], v[p], v[q]) + _angle(v[s], v[p], v[q])
-    wants = np.flatnonzero((angles > np.pi * 1.02) & (r != s))
+    wants = np.flatnonzero((angles > np.pi + _DOUBT) & (r != s))
     if not len(wants):
         return faces, 0
     one, other, p, q, r, s = (x[wants] for x in (one, other, p, q, r, s))
     # The new edge must not exist, and both new faces must look where the old ones did.
-    every = np.minimum(a, b) * n + np.maximum(a, b)
-    fresh = ~np.isin(np.minimum(r, s) * n + np.maximum(r, s), every)
-    old = [unit(_normal(v[x], v[y], v[z])) for x, y, z in ((p, q, r), (q, p, s))]
-    new = [unit(_normal(v[x], v[y], v[z])) for x, y, z in ((p, s, r), (s, q, r))]
-    turned = np.min([(x * y).sum(axis=1) for x in old for y in new], axis=0)
-    good = fresh & (turned > _TURN)
+    key = np.minimum(r, s) * n + np.maximum(r, s)
+    fresh = known[np.minimum(np.searchsorted(known, key), len(known) - 1)] != key
+    fresh &= patch.free[r] & patch.free[s]
+    old = [patch.facing(np.stack(t, axis=1)) for t in ((p, q, r), (q, p, s))]
+    new = [patch.facing(np.stack(t, axis=1)) for t in ((p, s, r), (s, q, r))]
+    good = fresh & (np.minimum(*new) >= np.minimum(_TURN, np.minimum(*old)))
     # No two flips at once on one face.
     rank = np.arange(len(one), dtype=np.float64)
     rank[~good] = np.inf
@@ -218,10 +229,6 @@ def _angle(apex: Points, p: Points, q: Points) -> Points:
     cross = _length(np.cross(one, other))
     angle: Points = np.arctan2(cross, (one * other).sum(axis=1))
     return angle
-
-
-def _normal(p: Points, q: Points, r: Points) -> Points:
-    return np.cross(q - p, r - p)
 
 
 def unit(vectors: Points) -> Points:
@@ -279,10 +286,8 @@ def _turns_nothing(patch: Patch, edges: Indices) -> Mask:
     rows = np.flatnonzero((held >= 0).sum(axis=1) == 1)
     moved = patch.vertices.copy()
     moved[edges[:, 0]] = moved[edges[:, 1]] = 0.5 * patch.vertices[edges].sum(axis=1)
-    corners = patch.faces[rows].T
-    before = unit(_normal(*(patch.vertices[c] for c in corners)))
-    after = unit(_normal(*(moved[c] for c in corners)))
-    bad = (before * after).sum(axis=1) < _TURN
+    corners = patch.faces[rows]
+    bad = patch.facing(corners, moved) < np.minimum(_TURN, patch.facing(corners))
     good = np.ones(len(edges), dtype=bool)
     good[held[rows[bad]].max(axis=1)] = False
     return good
@@ -296,7 +301,15 @@ def _without(patch: Patch, edges: Indices) -> Patch:
     vertices[edges[:, 0]] = 0.5 * patch.vertices[edges].sum(axis=1)
     faces = target[patch.faces]
     alive = (faces != np.roll(faces, -1, axis=1)).all(axis=1)
+    normals = patch.normals.copy()
+    normals[edges[:, 0]] = unit(patch.normals[edges].sum(axis=1))
     stays = np.ones(len(vertices), dtype=bool)
     stays[edges[:, 1]] = False
     number = np.cumsum(stays) - 1
-    return Patch(vertices[stays], number[faces[alive]], patch.free[stays], patch.parents[stays])
+    return Patch(
+        vertices[stays],
+        number[faces[alive]],
+        patch.free[stays],
+        patch.parents[stays],
+        normals[stays],
+    )
