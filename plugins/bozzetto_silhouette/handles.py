@@ -11,20 +11,18 @@ from bozzetto.scene import Handle, Layer, Lines
 from bozzetto_silhouette.places import carried, is_shown, placement_of
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
 
-__all__ = ["HANDLES_LAYER", "Grip", "grip_of", "handles_layer", "members"]
+__all__ = ["Grip", "grip_of", "handles_layer", "members"]
 
 Array = NDArray[np.float64]
-
-HANDLES_LAYER = "handles"
-"""Layer of what is there for the hand only; still pictures leave it out."""
 
 ROOM = 1.12
 """Radius of the ring over that of the node's ink around its middle."""
 
 RING_STEPS = 96
 
-SIZE_ANGLE = np.pi / 4.0
-"""Where on the ring the handle for the size stands; that for turning is at its right."""
+ANGLES = np.deg2rad([-25.0, 50.0])
+"""Where on the ring the handles for turning and for the size stand: apart from each other and
+from the middle also where the ring is seen edge-on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +86,10 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
     grip = grip_of(state, node)
     if grip is None:
         return None
-    turn, size = grip.on_ring(np.array([0.0, SIZE_ANGLE]))
+    turn, size = grip.on_ring(ANGLES)
     ring = grip.on_ring(np.linspace(0.0, 2.0 * np.pi, RING_STEPS + 1))
     return Layer(
-        HANDLES_LAYER,
+        "handles",
         (
             Lines(ring.astype(np.float32), color="accent", width=1.0, opacity=0.45, hidden="show"),
             _handle(f"move:{node.id}", grip.middle, "Move"),

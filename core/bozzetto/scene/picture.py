@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.scene.display_list import Scene
+from bozzetto.scene.display_list import Handle, Layer, Scene, Shaded
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.software import Shading, render
 from bozzetto.view.camera import Camera
@@ -29,7 +29,10 @@ def picture(
     shading: Shading = "clay",
     background: bool = True,
 ) -> NDArray[np.uint8]:
-    """A still picture of a scene.
+    """A still picture of a scene, without what is there for the hand only.
+
+    Handles are left out, and so are layers that hold handles and no surface: the lines and
+    dots beside them belong to them.
 
     Parameters
     ----------
@@ -56,6 +59,7 @@ def picture(
     UserError
         If the view has no such name, or the picture is too large.
     """
+    scene = _without_handles(scene)
     if camera is None:
         camera = Camera(viewport=(max(size[0], 1), max(size[1], 1)))
         camera = fit_points(standard_view(camera, view), scene.points(), MARGIN)
@@ -67,3 +71,17 @@ def picture(
 def thumbnail(scene: Scene, size: int = 256, palette: Palette = LIGHT) -> NDArray[np.uint8]:
     """A square picture of a scene in the three-quarter view, shape (size, size, 4)."""
     return picture(scene, palette=palette, size=(size, size))
+
+
+def _without_handles(scene: Scene) -> Scene:
+    """A scene as nobody's hand is near it; itself where it holds no handle."""
+    if not any(isinstance(item, Handle) for _, item in scene.items()):
+        return scene
+    kept = []
+    for layer in scene.layers:
+        items = tuple(item for item in layer.items if not isinstance(item, Handle))
+        if len(items) == len(layer.items):
+            kept.append(layer)
+        elif any(isinstance(item, Shaded) for item in items):
+            kept.append(Layer(layer.name, items, layer.owner))
+    return Scene(tuple(kept))
