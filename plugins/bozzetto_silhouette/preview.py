@@ -1,9 +1,7 @@
 """The shape under the pen: inflation of a stroke that is still being drawn.
 
-A membrane under pressure, -laplace(u) = const with u = 0 on the outline, and the height
-sqrt(u): a strip comes out with a circular section, a disc as a ball (up to the factor that
-is set from the inscribed radius). It is exact at the outline, needs no skeleton and takes
-a few milliseconds. After Dvoroznak et al., "Monster Mash", 2020.
+A membrane under pressure (`membrane`): exact at the outline, it needs no skeleton and takes
+a few milliseconds.
 """
 
 from __future__ import annotations
@@ -16,12 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.ink.closing import signed_area
 from bozzetto.ink.crossings import self_crossings
 from bozzetto_silhouette.distance import RimDistance
-from bozzetto_silhouette.elements import Elements, factorised
-from bozzetto_silhouette.plan import Plan, plan_of
+from bozzetto_silhouette.membrane import Membrane
+from bozzetto_silhouette.plan import plan_of
 from bozzetto_silhouette.sampling import sample_rim
-from bozzetto_silhouette.shell import sewn_shell, vertex_normals
+from bozzetto_silhouette.shell import sewn_shell, shell_normals
 
-__all__ = ["Inflation", "inflate", "membrane"]
+__all__ = ["Inflation", "inflate"]
 
 Points = NDArray[np.float64]
 
@@ -31,6 +29,14 @@ SPECK = 1e-3
 TANGLE = 100
 """A line that crosses itself more often is a scribble: what it encloses would take seconds
 to sort out, and is no shape."""
+
+
+INK_PER_CELL = 4
+"""Samples of the ink looked at in each cell: more than that does not show in so coarse a mesh."""
+
+
+MOST_STEPS = 90
+"""Steps along the outline: a spidery one gets a coarser mesh, to be there in time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,20 +54,6 @@ class Inflation:
     vertices: Points
     faces: NDArray[np.int32]
     normals: Points
-
-
-def membrane(plan: Plan) -> Points:
-    """Solve -laplace(u) = 1 on a plan with u = 0 on its rim, linear finite elements.
-
-    Returns
-    -------
-    (n,) float array
-    """
-    rim = len(plan.after)
-    elements = Elements.of(plan)
-    u = np.zeros(len(plan.points))
-    u[rim:] = factorised(elements.stiffness()[rim:, rim:]).solve(elements.mass[rim:])
-    return u
 
 
 def _pieces(points: Points) -> list[tuple[Points, ...]]:
@@ -87,9 +79,7 @@ def _pieces(points: Points) -> list[tuple[Points, ...]]:
     return result
 
 
-def inflate(
-    outline_points: ArrayLike, *, cells: int = 24, inflation: float = 1.0
-) -> Inflation | None:
+def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
     """Inflate an open stroke, closed by a straight chord.
 
     Parameters
@@ -98,8 +88,6 @@ def inflate(
         Samples so far.
     cells : int
         Cells along the longest side.
-    inflation : float
-        Factor on the depth.
 
     Returns
     -------
@@ -118,33 +106,32 @@ def inflate(
     if not size > 1e-12 * max(1.0, float(np.abs(points).max())):
         return None
     inner = (points - middle) / size
-    inner = inner[np.any(np.abs(np.diff(inner, axis=0, prepend=inner[:1] - 1.0)) > 1e-3, axis=1)]
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(inner, axis=0).T))])
+    inner = inner[np.diff(np.floor(arc * cells * INK_PER_CELL), prepend=-1.0) > 0.0]
     if len(inner) < 3:
         return None
     try:
-        shells = [_inflated(rings, 1.0 / cells, inflation) for rings in _pieces(inner)]
+        shells = [_inflated(rings, 1.0 / cells) for rings in _pieces(inner)]
     except (ValueError, RuntimeError, IndexError, ArithmeticError):
         # Degenerate ink on the way to something better: show nothing for this frame.
         return None
     if not shells:
         return None
-    offsets = np.cumsum([0] + [len(v) for v, _ in shells[:-1]])
-    vertices = np.concatenate([v for v, _ in shells])
-    faces = np.concatenate([f + o for (_, f), o in zip(shells, offsets, strict=True)])
-    normals = vertex_normals(vertices, faces)
-    vertices = vertices * size
+    offsets = np.cumsum([0] + [len(v) for v, _, _ in shells[:-1]])
+    vertices = size * np.concatenate([v for v, _, _ in shells])
     vertices[:, :2] += middle
-    return Inflation(vertices, faces.astype(np.int32), normals)
+    faces = np.concatenate([f + o for (_, f, _), o in zip(shells, offsets, strict=True)])
+    return Inflation(vertices, faces.astype(np.int32), np.concatenate([n for _, _, n in shells]))
 
 
-def _inflated(
-    rings: tuple[Points, ...], step: float, inflation: float
-) -> tuple[Points, NDArray[np.int32]]:
-    rim = sample_rim(rings, step, 0.35 * step)
+def _inflated(rings: tuple[Points, ...], step: float) -> tuple[Points, NDArray[np.int32], Points]:
+    length = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in rings)
+    step = max(step, length / MOST_STEPS)
+    rim = sample_rim(rings, step, 0.5 * step, thinness=0.8)
     plan = plan_of(rim, np.zeros((0, 2)), step)
-    u = np.maximum(membrane(plan), 0.0)
-    inner = plan.points[len(plan.after) :]
-    radius = float(RimDistance(plan.points[: len(plan.after)], plan.after)(inner).distance.max())
-    height = np.sqrt(u)
-    height *= inflation * radius / max(float(height.max()), 1e-12)
-    return sewn_shell(plan, height, height)
+    # A plan may have had to halve edges of its rim: the samples' radii come by the feet.
+    count = len(plan.after)
+    feet = RimDistance(rim.points, rim.after)(plan.points[count:])
+    square = Membrane.of(plan).round(feet.distance, rim.radius[feet.segment])
+    height = np.sqrt(square)
+    return *sewn_shell(plan, height, height), shell_normals(plan, square, square)
