@@ -31,9 +31,10 @@ def test_every_body_is_as_thick_as_its_own_inscribed_ball() -> None:
     rings = [o.circle(-50, 0, 40, 200), o.circle(50, 0, 10, 100), o.circle(90, 0, 3, 80)]
     solid = solidify(outline_from_rings(rings), swelling=INFLATION)
     assert solid.soundness.ok
-    for x, radius in ((-50, 40.0), (50, 10.0), (90, 3.0)):
+    # The smallest is five cells wide: its mesh is a polyhedron.
+    for x, radius, coarse in ((-50, 40.0, 0.01), (50, 10.0, 0.01), (90, 3.0, 0.04)):
         near = np.abs(solid.vertices[:, 0] - x) < radius
-        assert solid.vertices[near, 2].max() == pytest.approx(radius, rel=0.02)
+        assert solid.vertices[near, 2].max() == pytest.approx(radius, rel=coarse)
 
 
 @pytest.mark.parametrize("name", ["key", "spider", "dice-five", "spiral", "mosquito"])
