@@ -42,14 +42,14 @@ MOST_JOINTS = 4
 COMPARED = 64
 """Samples of stroke and stretch that are held against each other."""
 
-FADE = (2.5, 0.03)
+FADE = (3.5, 0.06)
 """An end that is moved to the ring carries the stroke with it over this many times the way,
 at least over this length."""
 
 SMOOTH_TURN = np.deg2rad(50.0)
 """A joint that turns by less was meant to be smooth; by more it is a corner."""
 
-JOINT = 0.012
+JOINT = 0.02
 """Over this length at each side the direction at a joint is taken, and smoothed."""
 
 _FAR = (

@@ -30,7 +30,6 @@ __all__ = [
     "groups_around",
     "is_shown",
     "on_sheet",
-    "part_under",
     "placement_of",
     "shown_parts",
     "stroke_in",
@@ -165,13 +164,3 @@ def distances_under(state: SilhouetteState, part: Part, pixels: ArrayLike, camer
     scene = Scene((Layer("part", (Shaded(mesh),)),))
     hits = cast_rays(scene, Rays(back.points(rays.origins), back.directions(rays.directions)))
     return hits.distance / back.scale
-
-
-def part_under(state: SilhouetteState, pixel: ArrayLike, camera: Camera) -> Part | None:
-    """The part whose surface is nearest to the eye under a canvas position; None beside all."""
-    nearest, found = np.inf, None
-    for part in reversed(shown_parts(state)):
-        distance = float(distances_under(state, part, np.reshape(pixel, (1, 2)), camera)[0])
-        if distance < nearest:
-            nearest, found = distance, part
-    return found

@@ -33,7 +33,7 @@ REACH = 0.06
 FINEST = 0.012
 """Least breadth of a rub, share of the size: that of a hand that follows the line."""
 
-STRENGTH = 2.0
+STRENGTH = 3.0
 """Standard deviation of the Gaussian over the breadth of the rub: bends as wide as the rub go."""
 
 COARSEST = 0.1
