@@ -77,11 +77,14 @@ class Armature:
         Of the ball around each joint, mm.
     limbs : tuple of Limbs
         In the order of their joints.
+    rigid : frozenset of str
+        Ids of parts that add to the shape and have no joints.
     """
 
     rig: Rig
     radii: Points
     limbs: tuple[Limbs, ...]
+    rigid: frozenset[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +160,8 @@ def armature_of(state: SilhouetteState, solids: Mapping[str, SilhouetteSolid]) -
         _names([(piece.part.name, len(limbs.nodes)) for piece, limbs in hung]),
         cuts=cuts.astype(np.int32) if len(cuts) else None,
     )
-    return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs)
+    rigid = frozenset(part.id for part in _adding(state) if part.id not in solids)
+    return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs, rigid)
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
@@ -239,7 +243,7 @@ def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
 
 
 def _names(runs: list[tuple[str, int]]) -> tuple[str, ...]:
-    """ "Part 1", "Part 1.2", "Part 1.3" …: all different, whatever parts are called."""
+    """Names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
     taken: dict[str, None] = {}
     counts: dict[str, int] = {}
     for name, count in runs:

@@ -1,0 +1,152 @@
+"""The bones of one piece of a rig, and how much each of its joints moves a point.
+
+A bone is the stretch between a joint and its parent, and turns with the parent. At a joint a
+point follows the bones on both sides alike; the change takes a radius to either side. Beyond
+a free end it follows the last bone. So all bones at a junction agree there, and which of them
+a point belongs to matters only where limbs have parted: that is told by the ball of a bone that
+comes nearest, with x the point, r the ball's radius and c its centre, by
+
+    (|x - c| - r) / r,
+
+which is 0 for the bone whose skin it is, however near another limb passes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.rig import Limbs
+
+__all__ = ["Bones", "eased", "near_share"]
+
+Array = NDArray[np.floating]
+Floats = NDArray[np.float32]
+Points = NDArray[np.float64]
+
+LEAK = 0.35
+"""How much farther than the nearest, in radii, a bone may be and still have a say: over this
+width points between two limbs change from one to the other."""
+
+THINNEST = 1e-3
+"""Radii and lengths below this share of the largest radius count as that: points have none."""
+
+
+def eased(x: Array) -> Floats:
+    """From 0 to 1 with no slope at either end; beyond them level."""
+    x = np.clip(x, 0.0, 1.0)
+    return np.asarray(x * x * (3.0 - 2.0 * x), np.float32)
+
+
+def near_share(gap: Array, least: Array) -> Floats:
+    """How much of a say a bone has whose ball is at some gap, where the least is another.
+
+    Far outside of all balls, as in a spike that the skeleton left out, gaps differ more.
+    """
+    return eased(1.0 - (gap - least) / (LEAK * (1.0 + np.maximum(least, 0.0))))
+
+
+class Bones:
+    """The bones of one connected piece; those that were cut to open loops count, too.
+
+    Parameters
+    ----------
+    limbs : Limbs
+    """
+
+    def __init__(self, limbs: Limbs) -> None:
+        self.limbs = limbs
+        count = len(limbs.nodes)
+        tree = np.column_stack([limbs.parents[1:], np.arange(1, count)])
+        self._links = np.concatenate([tree, limbs.cuts]).astype(np.intp)
+        least = THINNEST * limbs.nodes[:, 2].max()
+        radii = np.maximum(limbs.nodes[:, 2], least)
+        self._nodes = np.column_stack([limbs.nodes[:, :2], radii]).astype(np.float32)
+        across = self._nodes[self._links[:, 1]] - self._nodes[self._links[:, 0]]
+        self._lengths = np.maximum(np.hypot(across[:, 0], across[:, 1]), np.float32(least))
+        self._degrees = np.bincount(self._links.ravel(), minlength=count)
+
+    def shares(self, points: Points) -> tuple[Floats, Floats]:
+        """How much each joint moves points.
+
+        Parameters
+        ----------
+        points : (n, 3) float array
+            In the model's frame.
+
+        Returns
+        -------
+        shares : (n, k) float32 array
+            Sum 1.
+        gap : (n,) float32 array
+            Of the nearest ball, in its radii: -1 on the skeleton, 0 on the surface.
+        """
+        limbs = self.limbs
+        local = limbs.placement.inverse().points(points)
+        local[:, 2] /= limbs.flatness  # as if it were as thick as a round part
+        x, y, z = local.astype(np.float32).T
+        square = z * z
+        if not len(self._links):
+            x0, y0, radius = self._nodes[0]
+            gap = np.sqrt((x - x0) ** 2 + (y - y0) ** 2 + square) / radius - 1.0
+            return np.ones((len(x), 1), np.float32), gap
+
+        along, gaps = np.empty((2, len(self._links), len(x)), np.float32)
+        for bone, (a, b) in enumerate(self._links):
+            (xa, ya, ra), (xb, yb, rb) = self._nodes[a], self._nodes[b]
+            ux, uy = (xb - xa) / self._lengths[bone] ** 2, (yb - ya) / self._lengths[bone] ** 2
+            t = np.clip((x - xa) * ux + (y - ya) * uy, 0.0, 1.0)
+            away = np.sqrt((x - xa - t * (xb - xa)) ** 2 + (y - ya - t * (yb - ya)) ** 2 + square)
+            along[bone] = t
+            gaps[bone] = away / (ra + t * (rb - ra)) - 1.0
+        least = gaps.min(axis=0)
+        shares = np.zeros((len(self._nodes), len(x)), np.float32)
+        total = np.zeros(len(x), np.float32)
+        for bone in range(len(self._links)):
+            near = np.flatnonzero(gaps[bone] < least + LEAK * (1.0 + np.maximum(least, 0.0)))
+            t = along[bone, near]
+            say = near_share(gaps[bone, near], least[near]) * self._part(bone, t)
+            total[near] += say
+            for joint, share in self._split(bone, t):
+                shares[joint, near] += say * share
+        return np.ascontiguousarray((shares / total).T), least
+
+    def _part(self, bone: int, along: Floats) -> Floats:
+        """The part of a joint's say that each bone has there: together they have one."""
+        part = np.ones_like(along)
+        for joint, away in zip(self._links[bone], (along, 1.0 - along), strict=True):
+            others = 1.0 - 1.0 / self._degrees[joint]
+            reach = away * self._lengths[bone] / self._nodes[joint, 2]
+            part -= others * (1.0 - eased(2.0 * reach))
+        return np.maximum(part, THINNEST)
+
+    def _split(self, bone: int, along: Floats) -> list[tuple[int, Floats]]:
+        """Which joints a bone's places follow, and how much; sum 1."""
+        a, b = (int(joint) for joint in self._links[bone])
+        at_a = self._change(bone, a, along)
+        at_b = self._change(bone, b, 1.0 - along)
+        above_a, above_b = (int(self.limbs.parents[joint]) for joint in (a, b))
+        if bone < len(self._nodes) - 1:
+            if above_a < 0:
+                return [(a, 1.0 - at_b), (b, at_b)]
+            return [(above_a, at_a), (a, 1.0 - at_a - at_b), (b, at_b)]
+        # A loop was cut here: from what its one end follows to what its other end does.
+        there = eased(along)
+        split = []
+        for joint, above, change, say in (
+            (a, above_a, at_a, 1.0 - there),
+            (b, above_b, at_b, there),
+        ):
+            if above >= 0:
+                split += [(joint, say * (1.0 - change)), (above, say * change)]
+            else:
+                split.append((joint, say))
+        return split
+
+    def _change(self, bone: int, joint: int, away: Floats) -> Floats:
+        """How far the change at a joint has come: one half at it, 0 a radius away from it."""
+        if self._degrees[joint] == 1:
+            return np.zeros_like(away)
+        length = self._lengths[bone]
+        width = min(self._nodes[joint, 2], 0.5 * length)
+        return eased(0.5 - 0.5 * away * (length / width))
