@@ -6,13 +6,14 @@ from dataclasses import replace
 from typing import Literal
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Strokes
+from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.closing import is_closed_gesture
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.state import Cut, SilhouetteState
 from bozzetto_silhouette.tools.carving import check_that_it_carves
+from bozzetto_silhouette.touch import shape_seen
 
 __all__ = ["DrawCut"]
 
@@ -43,7 +44,7 @@ class DrawCut:
         if len(gesture.strokes) > 1:
             raise UserError("A cut is one line. Draw it in one stroke, right across the shape.")
         stroke = gesture.strokes[0]
-        if is_closed_gesture(stroke.points):
+        if _is_hole(state, stroke):
             raise UserError(
                 "This line comes back to its start. Draw it right across the shape, or take "
                 "the tunnel for a hole."
@@ -60,3 +61,11 @@ class DrawCut:
         )
         choices = [state.with_node(cut), state.with_node(replace(cut, side="right"))]
         return max(choices, key=lambda choice: check_that_it_carves(state, choice))
+
+
+def _is_hole(state: SilhouetteState, stroke: Stroke) -> bool:
+    """Whether a line comes back to its start on the shape; beside it, it is a slot."""
+    touch = shape_seen(state)
+    if touch is None or not is_closed_gesture(stroke.points):
+        return False
+    return bool(touch.under(stroke.points[[0, -1]], stroke.camera).hit.any())

@@ -111,10 +111,10 @@ def test_a_slab_of_its_own_is_as_thick_as_wide() -> None:
 def test_distances_are_those_from_the_mesh(kind) -> None:
     camera = standard_view(Camera(kind), "three-quarter")
     part = through(Pen(camera).polygon((500, 350), (700, 380), (680, 560), (560, 540)))
-    body = straight_body(part, BOX, 48)
+    body = straight_body(part, BOX, 16)
     random = np.random.default_rng(5)
     low, high = body.bounds
-    points = random.uniform(low - 20.0, high + 20.0, (300, 3))
+    points = random.uniform(low - 20.0, high + 20.0, (150, 3))
     value, gradient = body.implicit.sample(points)
     exact = _distances(points, body.vertices, body.faces)
     inside = value > 0

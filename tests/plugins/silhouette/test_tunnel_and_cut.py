@@ -1,0 +1,162 @@
+"""Tunnels and cuts by pen: what falls away, what is left, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.errors import Unfinished, UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Context, Drag, Ink, Tap
+from bozzetto.plugin.testing import Pen
+from bozzetto.view import Camera
+from bozzetto.view.standard import standard_view
+from bozzetto_silhouette.soundness import as_manifold
+from bozzetto_silhouette.state import Cut, Part, SilhouetteState
+from bozzetto_silhouette.tools.cut import DrawCut
+from bozzetto_silhouette.tools.draw import DrawOutline
+from bozzetto_silhouette.tools.tunnel import DrawTunnel
+from bozzetto_silhouette.touch import shape_seen
+
+FRONT = Camera()
+TUNNEL, CUT = DrawTunnel(), DrawCut()
+
+
+def ball(radius: float = 220.0) -> SilhouetteState:
+    part = Part(id="n1", name="Part 1", strokes=Strokes((Pen(FRONT).circle(600, 450, radius),)))
+    return SilhouetteState().with_node(part)
+
+
+def applied(tool, state: SilhouetteState, *strokes: Stroke) -> SilhouetteState:
+    return tool.apply(state, Ink(strokes, True), Context(camera=strokes[0].camera))
+
+
+def solid(state: SilhouetteState):
+    body = shape_seen(state).body
+    made = as_manifold(body.vertices, body.faces)
+    assert made.status().name == "NoError"
+    assert made.volume() > 0.0
+    return made
+
+
+@pytest.mark.parametrize("kind", ["orthographic", "perspective"])
+@pytest.mark.parametrize("view", ["front", "right", "top", "three-quarter"])
+def test_a_tunnel_from_any_side_is_one_more_handle(view: str, kind) -> None:
+    camera = standard_view(Camera(kind), view)
+    state = applied(TUNNEL, ball(), Pen(camera).circle(600, 450, 60))
+    assert solid(state).genus() == 1
+    tunnel = state.parts[1]
+    assert (tunnel.surface, tunnel.operation, tunnel.blend) == ("straight", "carve", 0.0)
+    # One looks through it: no line of sight inside the outline meets the shape.
+    turn = np.linspace(0, 2 * np.pi, 40)
+    around = np.column_stack([600 + 57 * np.cos(turn), 450 + 57 * np.sin(turn)])
+    seen = shape_seen(state)
+    assert not seen.under(np.vstack([around, [(600, 450)]]), camera).hit.any()
+    beside = np.column_stack([600 + 63 * np.cos(turn), 450 + 63 * np.sin(turn)])
+    assert seen.under(beside, camera).hit.all()
+
+
+def test_two_tunnels_that_meet_are_three_handles() -> None:
+    state = applied(TUNNEL, ball(), Pen(standard_view(FRONT, "right")).circle(600, 450, 60))
+    assert solid(applied(TUNNEL, state, Pen(FRONT).circle(600, 450, 40))).genus() == 3
+
+
+@pytest.mark.parametrize("view", ["front", "right", "three-quarter"])
+def test_the_smaller_side_falls_away_and_the_other_can_be_had(view: str) -> None:
+    camera = standard_view(FRONT, view)
+    whole = solid(ball()).volume()
+    for line in ([(200, 350), (1000, 350)], [(1000, 550), (200, 550)], [(700, 100), (690, 800)]):
+        state = applied(CUT, ball(), Pen(camera).along(line))
+        left = solid(state).volume()
+        cut = state.parts[1]
+        assert isinstance(cut, Cut)
+        other = state.with_node(replace(cut, side="left" if cut.side == "right" else "right"))
+        assert left > solid(other).volume()
+        assert left + solid(other).volume() == pytest.approx(whole, rel=1e-6)
+
+
+def test_a_cut_face_is_as_large_as_the_section() -> None:
+    camera = Camera("orthographic", height=180.0)
+    made = solid(applied(CUT, ball(), Pen(camera).along([(100, 450), (1100, 450)])))
+    mesh = made.to_mesh64()
+    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts)]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+    flat = np.abs(corners[:, :, 2]).max(axis=1) < 1e-4
+    section = solid(ball()).slice(0.0).area()
+    assert np.abs(normal[flat, 2]).sum() == pytest.approx(section, rel=1e-4)
+
+
+def test_a_narrow_slot_is_a_cut() -> None:
+    slot = PEN.along([(580, 100), (580, 500), (620, 500), (620, 100)])
+    state = applied(CUT, ball(), slot)
+    assert solid(state).genus() == 0
+    assert 0.8 < solid(state).volume() / solid(ball()).volume() < 1.0
+
+
+def test_drawing_goes_on_after_a_cut() -> None:
+    state = applied(CUT, ball(), Pen(FRONT).along([(200, 350), (1000, 350)]))
+    holed = applied(DrawOutline(), state, Pen(FRONT).circle(600, 500, 50))
+    assert solid(holed).genus() == 1
+    apart = applied(DrawOutline(), state, Pen(FRONT).circle(150, 150, 50))
+    assert len(apart.nodes) == 3
+
+
+PEN = Pen(FRONT)
+RANDOM = np.random.default_rng(3)
+SCRIBBLE = Stroke(*RANDOM.normal((600, 450), 80, (200, 2)).T, FRONT)
+BEHIND = Camera("perspective", (0.0, -200.0, 0.0), (0.0, -400.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("stroke", "words"),
+    [
+        (PEN.dot(), "dot"),
+        (SCRIBBLE, "crosses itself"),
+        (PEN.circle(150, 150, 60), "passes the shape by"),
+        (PEN.circle(600, 450, 400), "Nothing of the shape would be left"),
+        (PEN.along([(500, 450), (700, 450)]), "encloses nothing"),
+        (Pen(BEHIND).circle(600, 450, 60), "."),
+    ],
+    ids=["dot", "scribble", "beside", "around", "open", "behind"],
+)
+def test_no_tunnel(stroke: Stroke, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        applied(TUNNEL, ball(), stroke)
+
+
+@pytest.mark.parametrize(
+    ("stroke", "words"),
+    [
+        (PEN.dot(), "dot"),
+        (SCRIBBLE, "."),
+        (PEN.along([(100, 100), (1100, 100)]), "passes the shape by"),
+        (PEN.circle(600, 450, 60), "comes back to its start"),
+        (PEN.along([(100, 300), (900, 600), (700, 700), (700, 100)]), "crosses itself"),
+    ],
+    ids=["dot", "scribble", "beside", "closed", "crosses itself"],
+)
+def test_no_cut(stroke: Stroke, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        applied(CUT, ball(), stroke)
+
+
+@pytest.mark.parametrize("tool", [TUNNEL, CUT], ids=["tunnel", "cut"])
+def test_nothing_to_cut(tool) -> None:
+    stroke = PEN.circle() if tool is TUNNEL else PEN.along([(100, 450), (900, 450)])
+    with pytest.raises(UserError, match="Draw a shape first"):
+        applied(tool, SilhouetteState(), stroke)
+
+
+@pytest.mark.parametrize("tool", [TUNNEL, CUT], ids=["tunnel", "cut"])
+@pytest.mark.parametrize("gesture", [Tap(600, 450, FRONT), Drag("x", PEN.circle())])
+def test_other_gestures_are_refused(tool, gesture) -> None:
+    with pytest.raises(UserError, match="with the pen"):
+        tool.apply(ball(), gesture, Context())
+    assert not tool.preview(ball(), gesture, Context()).layers
+
+
+def test_an_open_outline_waits() -> None:
+    with pytest.raises(Unfinished, match="press Enter"):
+        TUNNEL.apply(ball(), Ink((PEN.along([(500, 450), (600, 300), (700, 450)]),)), Context())
