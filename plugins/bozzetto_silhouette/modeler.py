@@ -18,7 +18,7 @@ from bozzetto_silhouette.fidelity import measure
 from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
-from bozzetto_silhouette.painting import painted_mesh
+from bozzetto_silhouette.painting import painted_mesh, texture_of
 from bozzetto_silhouette.places import carried, shown_parts
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
@@ -119,8 +119,9 @@ class Silhouette:
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
         """One solid and the skeleton of each part."""
-        if result.mesh is None:
+        if result.mesh is None or result.body is None:
             return Shapes()
+        texture = texture_of(state, result.body)
         skeletons = []
         for part in state.parts:
             if part.id in result.solids:
@@ -129,7 +130,7 @@ class Silhouette:
                 flat = np.column_stack([nodes[:, :2], np.zeros(len(nodes))])
                 radii = nodes[:, 2] * part.placement.scale
                 skeletons.append(Skeleton(part.placement.points(flat), radii, bones))
-        return Shapes(solids=(Solid(result.mesh),), skeletons=tuple(skeletons))
+        return Shapes(solids=(Solid(result.mesh, texture=texture),), skeletons=tuple(skeletons))
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
         """How truly every part keeps its outline."""

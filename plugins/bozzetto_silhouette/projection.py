@@ -19,7 +19,7 @@ from bozzetto_silhouette.coloring import Coat
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.state import Picture
 
-__all__ = ["Projection", "projection_of"]
+__all__ = ["Projection", "axes_of", "projection_of", "texel_of"]
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.float32]
@@ -35,7 +35,8 @@ drawn out to three times its length."""
 SOFT_SIDE = 256
 """Longest side of the softened picture, pixels: it is smooth, so few tell all."""
 
-_projections: Memory[Projection] = Memory(limit=8)
+_levels: Memory[Level] = Memory(limit=4)
+"""Few, because the finest one of a large picture takes 64 megabytes."""
 
 
 class Level(NamedTuple):
@@ -44,9 +45,10 @@ class Level(NamedTuple):
     Attributes
     ----------
     pixels : (h, w, 4) float32
-        sRGB 0 to 255 multiplied by the alpha, alpha 0 to 1.
+        sRGB 0 to 255 multiplied by the alpha, alpha 0 to 1; with a border of one pixel that
+        repeats the outermost.
     extent : (2,) float array
-        Width and height in these pixels, which need not be whole.
+        Width and height without the border, which need not be whole.
     """
 
     pixels: Pixels
@@ -73,9 +75,8 @@ class Projection:
     def coat(self, points: Array, normals: Array) -> Coat:
         """Colours of surface points (n, 3) with unit normals (n, 3)."""
         picture = self.picture
-        edges = np.column_stack([picture.across, picture.down])
-        towards = np.cross(picture.down, picture.across)
-        towards /= max(float(np.linalg.norm(towards)), 1e-300)
+        edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
+        towards = axes_of(picture)[2]
         facing = normals @ towards
         sideways = normals - facing[:, None] * towards
         places = points - self.inset * sideways - picture.corner
@@ -84,8 +85,8 @@ class Projection:
         values = _sampled(self.sharp, uv)
         sides = np.flatnonzero(steep > 0.0)
         softened = _sampled(self.soft, uv[sides])
-        values[sides] += steep[sides, None] * (softened - values[sides])
-        return Coat(values[:, :3], values[:, 3])
+        values[sides] += steep[sides, None].astype(np.float32) * (softened - values[sides])
+        return Coat(values[:, :3].astype(np.float64), values[:, 3].astype(np.float64))
 
 
 def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
@@ -99,33 +100,49 @@ def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
         Distance between the points at which it will be asked, mm: pixels that are smaller
         are averaged.
     """
-    inset = INSET * radius
-
-    def work() -> Projection:
-        height, width = picture.pixels.shape[:2]
-        sizes = [np.linalg.norm(picture.across) / width, np.linalg.norm(picture.down) / height]
-        texel = max(float(min(sizes)), 1e-300)
-        alpha = picture.pixels[..., 3:].astype(np.float32) / np.float32(255)
-        values = np.concatenate([picture.pixels[..., :3] * alpha, alpha], axis=2)
-        whole = Level(values, np.array([width, height], np.float64))
-        sharp = _reduced(whole, int(np.clip(round(detail / texel), 1, max(height, width))))
-        factor = -(-max(height, width) // SOFT_SIDE)
-        soft = _softened(_reduced(whole, factor), inset / (texel * factor))
-        return Projection(picture, sharp, soft, inset)
-
-    return _projections.recall((picture, radius, detail), work)
+    inset, texel = INSET * radius, texel_of(picture)
+    longest = max(picture.pixels.shape[:2])
+    few = 1 << max(0, (longest - 1) // SOFT_SIDE).bit_length()
+    soft = _softened(_level(picture, few), inset / (texel * few))
+    finest = 1
+    while 2 * finest <= min(detail / texel, longest):
+        finest *= 2
+    return Projection(picture, _level(picture, finest), soft, inset)
 
 
-def _reduced(level: Level, factor: int) -> Level:
-    """The picture with its pixels averaged in squares."""
-    pixels = level.pixels
-    if factor <= 1:
-        return level
-    rows, columns = (-(-size // factor) for size in pixels.shape[:2])
-    shape = (rows * factor - pixels.shape[0], columns * factor - pixels.shape[1])
-    padded = np.pad(pixels, ((0, shape[0]), (0, shape[1]), (0, 0)), "edge")
-    squares = padded.reshape(rows, factor, columns, factor, 4)
-    return Level(np.asarray(squares.mean(axis=(1, 3)), np.float32), level.extent / factor)
+def texel_of(picture: Picture) -> float:
+    """Size of a pixel of the picture, mm."""
+    height, width = picture.pixels.shape[:2]
+    across, down = (float(np.linalg.norm(edge)) for edge in (picture.across, picture.down))
+    return float(max(min(across / width, down / height), 1e-300))
+
+
+def axes_of(picture: Picture) -> Array:
+    """Rows: right and down in the picture, and towards its viewer; orthonormal, (3, 3)."""
+    edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
+    square = np.linalg.qr(edges, mode="complete")[0].T
+    along = np.sign((square[:2] * edges.T).sum(axis=1))
+    square[:2] *= np.where(along == 0.0, 1.0, along)[:, None]
+    square[2] = np.cross(square[1], square[0])
+    return np.asarray(square, np.float64)
+
+
+def _level(picture: Picture, factor: int) -> Level:
+    """The picture with `factor` times `factor` pixels averaged into one."""
+
+    def work() -> Level:
+        pixels = picture.pixels
+        height, width = pixels.shape[:2]
+        short = (-height % factor, -width % factor)
+        whole = np.pad(pixels, ((0, short[0]), (0, short[1]), (0, 0)), "edge").astype(np.float32)
+        whole[..., 3] *= np.float32(1.0 / 255.0)
+        whole[..., :3] *= whole[..., 3:]
+        rows, columns = whole.shape[0] // factor, whole.shape[1] // factor
+        squares = whole.reshape(rows, factor, columns, factor, 4).mean(axis=(1, 3))
+        bordered = np.pad(squares, ((1, 1), (1, 1), (0, 0)), "edge")
+        return Level(bordered, np.array([width, height], np.float64) / factor)
+
+    return _levels.recall((picture, factor), work)
 
 
 def _softened(level: Level, sigma: float) -> Level:
@@ -136,23 +153,20 @@ def _softened(level: Level, sigma: float) -> Level:
     return Level(np.asarray(softened, np.float32), level.extent)
 
 
-def _sampled(level: Level, uv: Array) -> Array:
+def _sampled(level: Level, uv: Array) -> Pixels:
     """Bilinear values (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
-    pixels = level.pixels
-    rows, columns = pixels.shape[:2]
-    x, y = (np.clip(uv, -1.0, 2.0) * level.extent - 0.5).T
-    left, top = np.floor(x), np.floor(y)
-    fx, fy = (x - left)[:, None], (y - top)[:, None]
-    inside = np.asarray((uv >= 0.0) & (uv <= 1.0)).all(axis=1)
-
-    def at(down: int, right: int) -> Array:
-        row = np.clip(top + down, 0, rows - 1).astype(np.intp)
-        column = np.clip(left + right, 0, columns - 1).astype(np.intp)
-        return np.asarray(pixels[row, column], np.float64)
-
-    upper = at(0, 0) * (1.0 - fx) + at(0, 1) * fx
-    lower = at(1, 0) * (1.0 - fx) + at(1, 1) * fx
-    return np.where(np.reshape(inside, (-1, 1)), upper * (1.0 - fy) + lower * fy, 0.0)
+    width = level.pixels.shape[1]
+    places = np.clip(uv, 0.0, 1.0) * level.extent + 0.5
+    corner = places.astype(np.intp)
+    fx, fy = (places - corner).astype(np.float32).T[..., None]
+    first = corner[:, 1] * width + corner[:, 0]
+    flat = level.pixels.reshape(-1, 4)
+    upper, lower = (
+        flat.take(row, 0) * (1 - fx) + flat.take(row + 1, 0) * fx for row in (first, first + width)
+    )
+    values: Pixels = upper * (1 - fy) + lower * fy
+    values[((uv < 0.0) | (uv > 1.0)).any(axis=1)] = 0.0
+    return values
 
 
 def _smooth_step(t: Array) -> Array:
