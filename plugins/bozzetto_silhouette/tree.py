@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
+from bozzetto.errors import UserError
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.combine import combined
 from bozzetto_silhouette.leaf import body_of
@@ -15,15 +17,12 @@ from bozzetto_silhouette.straight import straight_body
 
 __all__ = ["tree_body"]
 
-_prefixes: Memory[Body | None] = Memory(limit=256)
+_joined: Memory[Body | None] = Memory(limit=64)
+"""By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
+give the same body. Each entry may hold a mesh of the whole, hence no more of them."""
 
-
-@dataclass(frozen=True)
-class _Step:
-    """A node to be combined with what comes before it, and the question it answers."""
-
-    node: Part | Group
-    question: Hashable
+_moved: Memory[Body] = Memory(limit=16)
+"""Groups where they were moved to."""
 
 
 def tree_body(
@@ -31,56 +30,72 @@ def tree_body(
 ) -> Body | None:
     """The body of all nodes that are switched on, in the model's frame; None for nothing.
 
+    The first node of a group is the shape that the others act on, whatever its own operation.
+
     Raises
     ------
     UserError
-        If a part's ink is no outline.
+        If a part's ink is no outline; the message begins with the name of the part.
     """
-    total = max(1, len(state.nodes))
-    done = 0
+    return _Fold(state, resolution, checkpoint).of("")
 
-    def folded(within: str) -> tuple[Hashable, Body | None]:
-        """The nodes of one group, put together; and what that hangs on."""
-        nonlocal done
-        so_far: Body | None = None
-        question: tuple[Hashable, ...] = (resolution,)
+
+@dataclass
+class _Fold:
+    """One pass over the tree."""
+
+    state: SilhouetteState
+    resolution: int
+    checkpoint: Checkpoint
+    done: int = 0
+
+    def of(self, within: str) -> Body | None:
+        """The nodes of one group, put together."""
+        before: Body | None = None
         first = True
-        for node in state.nodes:
+        for node in self.state.nodes:
             if node.within != within or not node.visible:
                 continue
-
-            def step(fraction: float, words: str) -> None:
-                checkpoint(min(1.0, (done + fraction) / total), words)
-
-            if isinstance(node, Group):
-                inside, body = folded(node.id)
+            with _naming(node):
+                body = self._alone(node, before)
                 if body is not None:
-                    body = body.placed(node.pose)
-                asked: Hashable = (inside, node.pose)
-            else:
-                through = node.surface == "straight" and node.operation in ("carve", "intersect")
-                if through and so_far is not None:
-                    body = straight_body(node, so_far.bounds, resolution)
-                else:
-                    body = body_of(node, resolution, step)
-                asked = (node.recipe, node.id, node.pose)
-                done += 1
-            if body is None:
-                continue
-            if first:
-                question, so_far, first = (*question, asked), body, False
-                continue
-            question = (*question, (asked, node.operation, node.blend))
-            before = so_far
+                    before = body if first else self._with(before, body, node)
+                    first = False
+            self.done += isinstance(node, Part)
+        return before
 
-            def work(
-                node: Part | Group = node, body: Body = body, before: Body | None = before
-            ) -> Body | None:
-                if before is None:
-                    return body if node.operation in ("add", "merge") else None
-                return combined(before, body, node.operation, node.blend, step)
+    def _alone(self, node: Part | Group, before: Body | None) -> Body | None:
+        """A node by itself, in the frame of its group."""
+        if isinstance(node, Part):
+            acts = node.surface == "straight" and node.operation in ("carve", "intersect")
+            if acts and before is not None:
+                return straight_body(node, before.bounds, self.resolution)
+            return body_of(node, self.resolution, self._step)
+        body = self.of(node.id)
+        if body is None:
+            return None
+        return _moved.recall((body, node.pose), lambda: body.placed(node.pose))
 
-            so_far = _prefixes.recall(question, work)
-        return question, so_far
+    def _with(self, before: Body | None, body: Body, node: Part | Group) -> Body | None:
+        """What a node makes of what comes before it."""
+        if before is None:
+            return body if node.operation in ("add", "merge") else None
+        return _joined.recall(
+            (before, body, node.operation, node.blend),
+            lambda: combined(before, body, node.operation, node.blend, self._step),
+        )
 
-    return folded("")[1]
+    def _step(self, fraction: float, words: str) -> None:
+        parts = max(1, len(self.state.parts))
+        self.checkpoint(min(1.0, (self.done + fraction) / parts), words)
+
+
+@contextmanager
+def _naming(node: Part | Group) -> Iterator[None]:
+    """Let a mistake in a part begin with the part's name."""
+    try:
+        yield
+    except UserError as error:
+        if isinstance(node, Group) or not node.name:
+            raise
+        raise UserError(f"{node.name}: {error.message}", places=error.places) from error
