@@ -3,30 +3,32 @@
 A bone is the stretch between a joint and its parent, and turns with the parent. At a joint a
 point follows the bones on both sides alike; the change takes a radius to either side. Beyond
 a free end it follows the last bone. So all bones at a junction agree there, and which of them
-a point belongs to matters only where limbs have parted: that is told by the ball of a bone that
-comes nearest, with x the point, r the ball's radius and c its centre, by
+a point belongs to matters only where limbs have parted. That is told by the gap to a bone's ball,
+with x the point, c the ball's centre and r its radius,
 
-    (|x - c| - r) / r,
+    |x - c| - r,
 
 which is 0 for the bone whose skin it is, however near another limb passes.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_silhouette.rig import Limbs
 
-__all__ = ["Bones", "eased", "near_share"]
+__all__ = ["Bones", "Gaps", "eased"]
 
 Array = NDArray[np.floating]
 Floats = NDArray[np.float32]
 Points = NDArray[np.float64]
 
 LEAK = 0.35
-"""How much farther than the nearest, in radii, a bone may be and still have a say: over this
-width points between two limbs change from one to the other."""
+"""How much farther than the nearest a bone may be and still have a say, in radii of the thinner
+one of both: over this width points between two limbs change from one to the other."""
 
 THINNEST = 1e-3
 """Radii and lengths below this share of the largest radius count as that: points have none."""
@@ -38,12 +40,30 @@ def eased(x: Array) -> Floats:
     return np.asarray(x * x * (3.0 - 2.0 * x), np.float32)
 
 
-def near_share(gap: Array, least: Array) -> Floats:
-    """How much of a say a bone has whose ball is at some gap, where the least is another.
+class Gaps(NamedTuple):
+    """How far n points are from the nearest ball of each of m bones.
 
-    Far outside of all balls, as in a spike that the skeleton left out, gaps differ more.
+    Attributes
+    ----------
+    gap, radius : (m, n) float32 array
+        From the ball's surface, negative inside it; and the ball's radius.
     """
-    return eased(1.0 - (gap - least) / (LEAK * (1.0 + np.maximum(least, 0.0))))
+
+    gap: Floats
+    radius: Floats
+
+    def nearest(self) -> Gaps:
+        """Of the nearest bone, (n,)."""
+        own, row = self.gap.argmin(axis=0), np.arange(self.gap.shape[1])
+        return Gaps(self.gap[own, row], self.radius[own, row])
+
+    def widths(self, nearest: Gaps) -> Array:
+        """How much farther than the nearest each bone may be.
+
+        Far outside of all balls, as in a spike that the skeleton left out, gaps differ more.
+        """
+        wide: Array = np.minimum(self.radius, nearest.radius) + np.maximum(nearest.gap, 0.0)
+        return LEAK * wide
 
 
 class Bones:
@@ -66,7 +86,7 @@ class Bones:
         self._lengths = np.maximum(np.hypot(across[:, 0], across[:, 1]), np.float32(least))
         self._degrees = np.bincount(self._links.ravel(), minlength=count)
 
-    def shares(self, points: Points) -> tuple[Floats, Floats]:
+    def shares(self, points: Points) -> tuple[Floats, Gaps]:
         """How much each joint moves points.
 
         Parameters
@@ -78,38 +98,44 @@ class Bones:
         -------
         shares : (n, k) float32 array
             Sum 1.
-        gap : (n,) float32 array
-            Of the nearest ball, in its radii: -1 on the skeleton, 0 on the surface.
+        nearest : Gaps
+            Of the nearest bone, in the model's unit.
         """
         limbs = self.limbs
         local = limbs.placement.inverse().points(points)
         local[:, 2] /= limbs.flatness  # as if it were as thick as a round part
         x, y, z = local.astype(np.float32).T
         square = z * z
+        scale = np.float32(limbs.placement.scale)
         if not len(self._links):
             x0, y0, radius = self._nodes[0]
-            gap = np.sqrt((x - x0) ** 2 + (y - y0) ** 2 + square) / radius - 1.0
-            return np.ones((len(x), 1), np.float32), gap
+            gap = np.sqrt((x - x0) ** 2 + (y - y0) ** 2 + square) - radius
+            ball = Gaps(scale * gap, np.full_like(gap, scale * radius))
+            return np.ones((len(x), 1), np.float32), ball
 
-        along, gaps = np.empty((2, len(self._links), len(x)), np.float32)
+        along, gaps, radii = np.empty((3, len(self._links), len(x)), np.float32)
         for bone, (a, b) in enumerate(self._links):
             (xa, ya, ra), (xb, yb, rb) = self._nodes[a], self._nodes[b]
             ux, uy = (xb - xa) / self._lengths[bone] ** 2, (yb - ya) / self._lengths[bone] ** 2
             t = np.clip((x - xa) * ux + (y - ya) * uy, 0.0, 1.0)
             away = np.sqrt((x - xa - t * (xb - xa)) ** 2 + (y - ya - t * (yb - ya)) ** 2 + square)
             along[bone] = t
-            gaps[bone] = away / (ra + t * (rb - ra)) - 1.0
-        least = gaps.min(axis=0)
+            radii[bone] = ra + t * (rb - ra)
+            gaps[bone] = away - radii[bone]
+        found = Gaps(gaps, radii)
+        nearest = found.nearest()
+        says = 1.0 - (gaps - nearest.gap) / found.widths(nearest)
         shares = np.zeros((len(self._nodes), len(x)), np.float32)
         total = np.zeros(len(x), np.float32)
         for bone in range(len(self._links)):
-            near = np.flatnonzero(gaps[bone] < least + LEAK * (1.0 + np.maximum(least, 0.0)))
+            near = np.flatnonzero(says[bone] > 0.0)
             t = along[bone, near]
-            say = near_share(gaps[bone, near], least[near]) * self._part(bone, t)
+            say = eased(says[bone, near]) * self._part(bone, t)
             total[near] += say
             for joint, share in self._split(bone, t):
                 shares[joint, near] += say * share
-        return np.ascontiguousarray((shares / total).T), least
+        shares /= total
+        return np.ascontiguousarray(shares.T), Gaps(scale * nearest.gap, scale * nearest.radius)
 
     def _part(self, bone: int, along: Floats) -> Floats:
         """The part of a joint's say that each bone has there: together they have one."""

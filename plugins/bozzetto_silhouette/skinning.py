@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.bones import Bones, eased, near_share
+from bozzetto_silhouette.bones import Bones, Gaps, eased
 from bozzetto_silhouette.rig import Armature
 from bozzetto_silhouette.solid import Checkpoint, ignore
 
@@ -101,7 +101,7 @@ def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int
     points = body.vertices[body.origins == owner]
     if not len(points):
         return lambda points: Table(np.zeros(1, np.intp), np.ones((len(points), 1), np.float32))
-    gaps = np.min([one.shares(points)[1] for one in bones], axis=0)
+    gaps = np.min([one.shares(points)[1].gap for one in bones], axis=0)
     nearest = _mixed(bones, points[[gaps.argmin()]])
     joint = nearest.joints[[nearest.shares[0].argmax()]]
     return lambda points: Table(joint, np.ones((len(points), 1), np.float32))
@@ -113,8 +113,9 @@ def _mixed(bones: Sequence[Bones], points: Points) -> Table:
     joints = [one.limbs.first + np.arange(len(one.limbs.nodes)) for one in bones]
     if len(found) == 1:
         return Table(joints[0], found[0][0])
-    gaps = np.stack([gap for _, gap in found])
-    says = near_share(gaps, gaps.min(axis=0))
+    gaps = Gaps(*(np.stack(rows) for rows in zip(*(nearest for _, nearest in found), strict=True)))
+    nearest = gaps.nearest()
+    says = eased(1.0 - (gaps.gap - nearest.gap) / gaps.widths(nearest))
     says /= says.sum(axis=0)
     shares = [share * say[:, None] for (share, _), say in zip(found, says, strict=True)]
     return Table(np.concatenate(joints), np.concatenate(shares, axis=1))
