@@ -39,6 +39,9 @@ class ObjectEdits:
         @property
         def selected_model(self) -> Model | None: ...
 
+        @property
+        def part_parameters(self) -> tuple[tuple[Field, Any], ...]: ...
+
         def commit(self, label: str, document: Document, merge_key: str | None = None) -> None: ...
 
         def complain(self, problem: BaseException) -> None: ...
@@ -79,9 +82,8 @@ class ObjectEdits:
         except (UserError, PluginFault) as problem:
             self.complain(problem)
             return
-        label = next(
-            (field.parameter.label for field, _ in self.parameters if field.name == name), name
-        )
+        known = (*self.parameters, *self.part_parameters)
+        label = next((field.parameter.label for field, _ in known if field.name == name), name)
         key = f"parameter {model.id} {name}" if dragging else None
         self.commit(label, self.document.with_model(changed), key)
 

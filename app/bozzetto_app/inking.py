@@ -46,6 +46,7 @@ class _Answer:
     model: Model
     label: str
     tool: str
+    only_chosen: bool
 
 
 class Inking(QObject):
@@ -65,6 +66,7 @@ class Inking(QObject):
         self.pending: tuple[Stroke, ...] = ()
         self.live = Scene()
         self._pen_is_down = False
+        self._awaited = ""
         self._unpreviewable: set[tuple[str, str]] = set()
         self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
@@ -78,6 +80,7 @@ class Inking(QObject):
 
     def moved(self, stroke: Stroke) -> None:
         """Show what the stroke so far would make."""
+        self._awaited = ""
         self._pen_is_down = True
         self._preview(Ink((*self.pending, stroke)))
 
@@ -111,6 +114,7 @@ class Inking(QObject):
     def go_on(self) -> None:
         """The person jumped in the history: only the ink that waits is still meant."""
         self._edits.cancel()
+        self._awaited = ""
         if self.pending:
             self._apply_ink(until=self.pending[-1], committed=False)
 
@@ -124,6 +128,7 @@ class Inking(QObject):
 
     def handle_moved(self, drag: Drag) -> None:
         """Show what a handle dragged so far would make."""
+        self._awaited = ""
         self._pen_is_down = True
         self._preview(drag)
 
@@ -147,12 +152,19 @@ class Inking(QObject):
             self.live = scene
             self._session.live_changed.emit()
 
-    def shape_shown(self) -> None:
-        """A solved shape is on the sheet: the preview of that stroke has done its work."""
+    def shape_shown(self, model_id: str) -> None:
+        """A solved shape is on the sheet: the preview of its last gesture has done its work."""
+        if self._pen_is_down or self._edits.busy or self._awaited not in ("", model_id):
+            return
+        self._show_nothing()
+
+    def no_shape_comes(self) -> None:
+        """A model has no solution: nothing will take the place of a preview."""
         if not self._pen_is_down:
             self._show_nothing()
 
     def _show_nothing(self) -> None:
+        self._awaited = ""
         self._previews.cancel()
         self.show_live(Scene())
 
@@ -260,7 +272,13 @@ class Inking(QObject):
             used = answer.gesture.strokes if isinstance(answer.gesture, Ink) else ()
             self.pending = self._without(used)
             self._previews.cancel()
-            session.take_drawn(answer.label, answer.model, is_new=base is None)
+            self._awaited = answer.model.id
+            session.take_drawn(
+                answer.label,
+                answer.model,
+                is_new=base is None,
+                only_chosen=answer.only_chosen,
+            )
             if used:
                 session.pending_changed.emit()
             hint = session.toolbox.hint_of(answer.tool)
@@ -293,7 +311,8 @@ class Inking(QObject):
                 )  # fmt: skip
             tool = tools[0]
         changed = bench.apply(model, tool, gesture, context)
-        return _Answer(gesture, base, changed, tool.title, tool.id)
+        only_chosen = base is not None and bench.parts.only_choice_differs(base, changed)
+        return _Answer(gesture, base, changed, tool.title, tool.id, only_chosen)
 
 
 def _warning(strokes: tuple[Stroke, ...]) -> Scene:

@@ -5,7 +5,8 @@ way. Widgets read it, call its methods and listen to its signals; they never cha
 document themselves. Everything that enters a plugin runs in a worker
 (`bozzetto_app.jobs`), so that no plugin can hold up the window. Its parts have modules of
 their own: `looking` the view, `toolbox` the modelers and tools, `pen_calls` and
-`inking` the gestures, `editing` the objects, `showing` the pictures, `files` the disk.
+`inking` the gestures, `editing` the objects and `part_editing` what they are made of,
+`showing` the pictures, `files` the disk.
 """
 
 from __future__ import annotations
@@ -23,12 +24,13 @@ from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
-from bozzetto.scene.display_list import Scene
+from bozzetto.scene.display_list import Image, Scene
 from bozzetto.workbench import Workbench
 from bozzetto_app.editing import ObjectEdits
 from bozzetto_app.files import Files
 from bozzetto_app.inking import Inking
 from bozzetto_app.looking import Looking, Shading
+from bozzetto_app.part_editing import PartEditing
 from bozzetto_app.pen_calls import PenCalls
 from bozzetto_app.saying import Notice, notice_of
 from bozzetto_app.showing import Showing
@@ -45,7 +47,7 @@ def _at_once(then: Callable[[], None]) -> None:
     then()
 
 
-class Session(ObjectEdits, PenCalls, Looking):
+class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     """The one object that every widget talks to.
 
     Attributes
@@ -112,7 +114,7 @@ class Session(ObjectEdits, PenCalls, Looking):
         self.showing.changed.connect(self._model_shown)
         self.showing.settled.connect(self.settled)
         self.showing.reported.connect(self._take_report)
-        self.showing.failed.connect(self.complain)
+        self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
         self.showing.busy_changed.connect(self._look_who_is_busy)
         self.files.progressed.connect(self.progressed)
@@ -182,7 +184,10 @@ class Session(ObjectEdits, PenCalls, Looking):
 
     def context(self) -> Context:
         """The world around a gesture made now."""
-        return Context(camera=self.camera, scene=self.scene)
+        shown = self.workbench.underlay_layers(self.document)
+        images = (item for layer in shown for item in layer.items if isinstance(item, Image))
+        underlay = next(images, None)
+        return Context(camera=self.camera, scene=self.scene, underlay=underlay)
 
     @property
     def busy(self) -> bool:
@@ -208,8 +213,21 @@ class Session(ObjectEdits, PenCalls, Looking):
         self.history.apply(label, document, merge_key)
         self._document_replaced()
 
-    def take_drawn(self, label: str, model: Model, *, is_new: bool) -> None:
-        """Take what came of a gesture into the document, and select it."""
+    def amend(self, document: Document) -> None:
+        """Put another snapshot in the place of the document, without an undo step."""
+        self.history.amend(document)
+        self._document_replaced()
+
+    def take_drawn(
+        self, label: str, model: Model, *, is_new: bool, only_chosen: bool = False
+    ) -> None:
+        """Take what came of a gesture into the document, and select it.
+
+        A gesture that only chose another part is no step of the history.
+        """
+        if only_chosen:
+            self.amend(self.document.with_model(model))
+            return
         if is_new:
             model = replace(model, name=self.document.unused_name(model.name))
         self.showing.await_final(model.id)
@@ -345,11 +363,15 @@ class Session(ObjectEdits, PenCalls, Looking):
             self._was_busy = busy
             self.busy_changed.emit(busy)
 
-    def _model_shown(self, solved: bool) -> None:
+    def _model_shown(self, model_id: str, solved: bool) -> None:
         self._scene = None
         if solved:
-            self.inking.shape_shown()
+            self.inking.shape_shown(model_id)
         self.scene_changed.emit()
+
+    def _unsolved(self, problem: BaseException) -> None:
+        self.inking.no_shape_comes()
+        self.complain(problem)
 
     def _style_changed(self) -> None:
         if self.show_ghost_ink != self._ghosts_in_scene:

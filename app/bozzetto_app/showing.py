@@ -37,8 +37,8 @@ class Showing(QObject):
 
     Signals
     -------
-    changed : bool
-        Some model's picture is another one; True if it shows a solved shape.
+    changed : str, bool
+        A model's (id) picture is another one; True if it shows a solved shape.
     settled : str
         A model (id) that was waiting for it has its final picture.
     reported : Model, dict
@@ -48,7 +48,7 @@ class Showing(QObject):
     progressed : float, str; busy_changed : bool
     """
 
-    changed = Signal(bool)
+    changed = Signal(str, bool)
     settled = Signal(str)
     reported = Signal(object, object)
     failed = Signal(object)
@@ -192,7 +192,7 @@ class Showing(QObject):
         if all(model is not known for known in self._document):
             return
         self._shown[model.id] = (model, result, answer)
-        self.changed.emit(result is not UNSOLVED)
+        self.changed.emit(model.id, result is not UNSOLVED)
         if model.id in self._awaited and result is self._workbench.result(model, "final"):
             self._awaited.discard(model.id)
             self.settled.emit(model.id)

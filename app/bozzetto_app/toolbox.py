@@ -94,11 +94,15 @@ class Toolbox(QObject):
                 self._session.say_hint(tool.hint)
 
     def tool_for(self, gesture: Literal["ink", "tap", "drag"]) -> str:
-        """The tool that gets a gesture: drags of handles go to the one that takes drags."""
+        """The tool that gets a gesture.
+
+        Drags of handles go to a tool that takes drags, the one in the hand before others;
+        everything else to the tool in the hand.
+        """
         if gesture == "drag":
-            for tool in self.tools:
-                if tool.gesture == "drag":
-                    return tool.id
+            takers = [tool.id for tool in self.tools if tool.gesture == "drag"]
+            if takers and self.tool not in takers:
+                return takers[0]
         return self.tool
 
     def hint_of(self, tool_id: str) -> str:

@@ -119,12 +119,15 @@ class Workbench:
         return replace(model, state=state)
 
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
-        """What to show while the pen is down, in the world."""
+        """What to show while the pen is down, in the world, marked as the model's own.
+
+        A layer stands in for the model's layer of the same name; see `Scene.under`.
+        """
         gesture, context = self._in_frame_of(model, gesture, context)
         scene = self.registry.guard.call(
             model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
         )
-        return self.registry.guard.check_scene(model.modeler, scene).placed(model.placement)
+        return _as_shown(self.registry.guard.check_scene(model.modeler, scene), model)
 
     def _in_frame_of(
         self, model: Model, gesture: Gesture, context: Context
@@ -241,9 +244,7 @@ class Workbench:
         modeler = self._modeler_of(model)
         scene = self.registry.guard.call(model.modeler, "scene", modeler.scene, model.state, result)
         scene = self.registry.guard.check_scene(model.modeler, scene)
-        if model.color is not None:
-            scene = _tinted(scene, model.color)
-        return scene.placed(model.placement).owned(model.id)
+        return _as_shown(scene, model)
 
     def scene(self, document: Document, job: Job | None = None) -> Scene:
         """All visible models and underlays of a document.
@@ -316,6 +317,13 @@ class Workbench:
                 f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
                 "installed or switched off. Install it to change this object."
             )
+
+
+def _as_shown(scene: Scene, model: Model) -> Scene:
+    """A modeler's scene in the world: in the model's colour, placed, marked as its own."""
+    if model.color is not None:
+        scene = _tinted(scene, model.color)
+    return scene.placed(model.placement).owned(model.id)
 
 
 def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:

@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.plugin.parameters import Parameter, parameter_fields, set_parameters
+from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.registry import ModelerInfo, PluginInfo
 from bozzetto.view.camera import Camera
 
@@ -58,6 +59,35 @@ class State:
     tolerance: Annotated[float, Parameter("Tolerance", 0.001, None, 0.001, "mm", advanced=True)] = (
         0.05
     )
+
+
+@dataclass(frozen=True)
+class Piece:
+    id: str
+    name: str
+    visible: bool = True
+    within: str = ""
+    operation: Annotated[
+        Literal["add", "merge", "carve", "intersect"],
+        Parameter("Operation", choices=(("add", "Add"), ("carve", "Carve"))),
+    ] = "add"
+    color: Annotated[tuple[int, int, int] | None, Parameter("Colour", help="Of this part.")] = None
+    softness: Annotated[float, Parameter("Softness", 0.0, 2.0, 0.05)] = 0.5
+    kernel: Annotated[Literal["fine", "coarse"], Parameter("Kernel", advanced=True)] = "fine"
+
+
+def horse_parts() -> PartTree:
+    """Six parts and a group of two in them."""
+    parts = (
+        Piece("n1", "Body"),
+        Piece("n2", "Head", operation="merge"),
+        Piece("g1", "Legs"),
+        Piece("n3", "Left leg", within="g1"),
+        Piece("n4", "Right leg", within="g1", visible=False),
+        Piece("n5", "Saddle pit", operation="carve"),
+        Piece("n6", "Flank", operation="intersect"),
+    )
+    return PartTree(parts, frozenset({"g1"}), "n2")
 
 
 class FakeHistory:
@@ -129,6 +159,7 @@ class _Calls:
 RECORDED = frozenset(
     "undo redo go_to select activate_modeler activate_tool end_drag rename set_visible "
     "set_locked set_color delete duplicate move_to set_underlay_opacity set_underlay_visible "
+    "select_part rename_part set_part_visible delete_part duplicate_part move_part group_parts "
     "delete_underlay cancel_work commit_pending clear_pending "
     "open import_file set_shading".split()
 )
@@ -175,6 +206,8 @@ class FakeSession(QObject):
             ),
         )
         self.selected: str | None = "m1"
+        self.trees: dict[str, PartTree] = {}
+        """Parts by the id of their model; all of one kind of `Piece`."""
         self.modelers = tuple(
             ModelerInfo(
                 f"bozzetto.{name.lower()}",
@@ -217,6 +250,27 @@ class FakeSession(QObject):
         if self.selected is None:
             return ()
         return tuple((f, getattr(self.state, f.name)) for f in parameter_fields(State))
+
+    def parts_of(self, model_id: str) -> PartTree | None:
+        return self.trees.get(model_id)
+
+    @property
+    def chosen_part(self) -> Any:
+        tree = self.trees.get(self.selected or "")
+        return tree.part(tree.selected) if tree is not None and tree.selected else None
+
+    @property
+    def part_parameters(self) -> tuple:
+        part = self.chosen_part
+        if part is None:
+            return ()
+        return tuple((f, getattr(part, f.name)) for f in parameter_fields(type(part)))
+
+    def set_part_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
+        self.calls.made.append(("set_part_parameter", (name, value), {"dragging": dragging}))
+        tree = self.trees[self.selected]
+        self.trees[self.selected] = tree.valued(tree.selected, {name: value})
+        self.parameters_changed.emit()
 
     def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
         self.calls.made.append(("set_parameter", (name, value), {"dragging": dragging}))

@@ -16,6 +16,7 @@ def test_arguments_agree():
     for name, keywords in (
         ("set_parameter", {"dragging"}),
         ("set_underlay_opacity", {"dragging"}),
+        ("set_part_parameter", {"dragging"}),
     ):
         assert keywords <= set(inspect.signature(getattr(Session, name)).parameters), name
 

@@ -49,7 +49,10 @@ class ViewportBackend(Protocol):
         ...
 
     def set_live(self, scene: Scene) -> None:
-        """Show this on top, for as long as the pen is down."""
+        """Show this on top, or in place of layers, for as long as the pen is down.
+
+        See `Scene.under`.
+        """
         ...
 
     def set_camera(self, camera: Camera) -> None:

@@ -260,6 +260,4 @@ class GestureMachine:
             return Mode.ERASING
         if press.handle:
             return Mode.DRAGGING
-        if press.takes == "tap":
-            return Mode.TAPPING
-        return Mode.INKING if press.takes == "ink" else Mode.IDLE
+        return Mode.INKING if press.takes == "ink" else Mode.TAPPING

@@ -138,7 +138,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._changed()
 
     def set_live(self, scene: Scene) -> None:
-        """Show this on top, for as long as the pen is down."""
+        """Show this on top, or in place of layers, for as long as the pen is down."""
         if scene is not self._live:
             self._live = scene
             self._changed()
@@ -167,7 +167,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         image.setDevicePixelRatio(self.devicePixelRatioF())
         painter = QPainter(image)
         painter.setFont(self.font())
-        paint_marks(painter, self._scene + self._live, self._seen(), self._palette)
+        paint_marks(painter, self._scene.under(self._live), self._seen(), self._palette)
         painter.end()
         return image
 
@@ -181,7 +181,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return self._camera.with_viewport(max(self.width(), 1), max(self.height(), 1))
 
     def _changed(self) -> None:
-        both = self._scene + self._live
+        both = self._scene.under(self._live)
         self._bounds = both.bounds()
         wanted = {
             (layer.revision, self._palette.name, self._shading): layer for layer in both.layers
@@ -227,7 +227,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
             self.doneCurrent()
 
     def _show_marks(self) -> None:
-        self._marks.show_marks(self._scene + self._live, self._seen(), self._palette)
+        self._marks.show_marks(self._scene.under(self._live), self._seen(), self._palette)
 
     # -- pyqtgraph ----------------------------------------------------------------------------
 

@@ -88,7 +88,7 @@ class SoftwareViewport(QWidget):
         self._ask()
 
     def set_live(self, scene: Scene) -> None:
-        """Show this on top, for as long as the pen is down."""
+        """Show this on top, or in place of layers, for as long as the pen is down."""
         if scene is not self._live:
             self._live = scene
             self._ask()
@@ -168,7 +168,7 @@ class SoftwareViewport(QWidget):
         palette, shading = self._palette, self._shading
 
         def work(job: Job) -> NDArray[np.uint8]:
-            scene = solid + live
+            scene = solid.under(live)
             if grid:
                 ground = ground_grid(camera, ground_height(solid.bounds()))
                 scene = Scene((ground, *scene.layers))

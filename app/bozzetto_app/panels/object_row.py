@@ -27,10 +27,16 @@ from bozzetto_app.words import tr
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["ModelRow", "UnderlayRow"]
+__all__ = ["FOLD", "GUTTER", "ROW", "Eye", "Fold", "ModelRow", "NamedRow", "UnderlayRow"]
 
 ROW = 32
 """Height of a row, px."""
+
+GUTTER = 4
+"""Room before the arrow of a row, px."""
+
+FOLD = 20
+"""Side of the arrow that folds, px."""
 
 
 class _Name(QLabel):
@@ -74,15 +80,19 @@ def _toned(label: QLabel, tone: str) -> None:
         label.style().polish(label)
 
 
-class ModelRow(QWidget):
-    """Colour, name, lock and eye of one model."""
+class NamedRow(QWidget):
+    """A row with a name that can be edited in place.
 
-    def __init__(self, session: Session, model: Model) -> None:
+    Signals
+    -------
+    renamed : str
+        A person typed another name.
+    """
+
+    renamed = Signal(str)
+
+    def __init__(self) -> None:
         super().__init__()
-        self._session = session
-        self._model = model
-        self.swatch = Swatch()
-        self.swatch.chosen.connect(lambda color: session.set_color(self._model.id, color))
         self.name = _Name()
         self.name.rename.connect(self.edit_name)
         self.editor = _Editor()
@@ -90,50 +100,19 @@ class ModelRow(QWidget):
         self.editor.hide()
         self.editor.editingFinished.connect(self._take_name)
         self.editor.given_up.connect(self._stop_editing)
-        self.lock = IconButton("unlock", "", on="lock", side=24, glyph=16, faint=True)
-        self.lock.clicked.connect(lambda on: session.set_locked(self._model.id, bool(on)))
-        self.eye = IconButton("eye", "", on="eye-off", side=24, glyph=16, faint=True)
-        self.eye.clicked.connect(lambda off: session.set_visible(self._model.id, not off))
-        policy = self.lock.sizePolicy()
-        policy.setRetainSizeWhenHidden(True)
-        self.lock.setSizePolicy(policy)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(8, 0, 8, 0)
-        row.setSpacing(4)
-        row.addWidget(self.swatch)
-        row.addWidget(self.name, 1)
-        row.addWidget(self.editor, 1)
-        row.addWidget(self.lock)
-        row.addWidget(self.eye)
-        self.show_model(model)
 
     def sizeHint(self) -> QSize:
         return QSize(200, ROW)
 
-    def show_model(self, model: Model) -> None:
-        """Show the model as it is now."""
-        self._model = model
-        self.name.setText(model.name)
-        self.name.setToolTip(tr("Objects", "{name}. Double-click renames.", name=model.name))
-        _toned(self.name, "" if model.visible else "quiet")
-        self.swatch.show_color(model.color, model.name)
-        self.lock.setChecked(model.locked)
-        self.lock.rename(
-            tr("Objects", "Unlock {name}", name=model.name)
-            if model.locked
-            else tr("Objects", "Lock {name}", name=model.name)
-        )
-        self.lock.setVisible(model.locked or self.underMouse())
-        self.eye.setChecked(not model.visible)
-        self.eye.rename(
-            tr("Objects", "Hide {name}", name=model.name)
-            if model.visible
-            else tr("Objects", "Show {name}", name=model.name)
-        )
+    def show_name(self, name: str, *, visible: bool) -> None:
+        """Show how it is called; quietly if it is hidden."""
+        self.name.setText(name)
+        self.name.setToolTip(tr("Objects", "{name}. Double-click renames.", name=name))
+        _toned(self.name, "" if visible else "quiet")
 
     def edit_name(self) -> None:
         """Type another name in place."""
-        self.editor.setText(self._model.name)
+        self.editor.setText(self.name.text())
         self.name.hide()
         self.editor.show()
         self.editor.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -144,12 +123,104 @@ class ModelRow(QWidget):
             return
         name = self.editor.text().strip()
         self._stop_editing()
-        if name and name != self._model.name:
-            self._session.rename(self._model.id, name)
+        if name and name != self.name.text():
+            self.renamed.emit(name)
 
     def _stop_editing(self) -> None:
         self.editor.hide()
         self.name.show()
+
+
+class Fold(IconButton):
+    """The arrow that shows or hides what is under a row; it keeps its room when there is none."""
+
+    def __init__(self) -> None:
+        super().__init__("chevron-right", "", on="chevron-down", side=FOLD, glyph=14, faint=True)
+        policy = self.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)
+        self.setSizePolicy(policy)
+
+    def show_fold(self, is_open: bool | None, owner: str) -> None:
+        """Show whether it is open; None where there is nothing to fold."""
+        self.setVisible(is_open is not None)
+        self.setChecked(bool(is_open))
+        self.rename(
+            tr("Objects", "Fold the parts of {name}", name=owner)
+            if is_open
+            else tr("Objects", "Unfold the parts of {name}", name=owner)
+        )
+
+
+class Eye(IconButton):
+    """Shows or hides what a row stands for."""
+
+    def __init__(self) -> None:
+        super().__init__("eye", "", on="eye-off", side=24, glyph=16, faint=True)
+
+    def show_visible(self, visible: bool, owner: str) -> None:
+        """Show whether it is visible, and say whose it is."""
+        self.setChecked(not visible)
+        self.rename(
+            tr("Objects", "Hide {name}", name=owner)
+            if visible
+            else tr("Objects", "Show {name}", name=owner)
+        )
+
+
+class ModelRow(NamedRow):
+    """Arrow, colour, name, lock and eye of one model.
+
+    Signals
+    -------
+    folded : bool
+        A person unfolded (True) or folded its parts.
+    """
+
+    folded = Signal(bool)
+
+    def __init__(self, session: Session, model: Model) -> None:
+        super().__init__()
+        self._model = model
+        self.renamed.connect(lambda name: session.rename(self._model.id, name))
+        self.fold = Fold()
+        self.fold.clicked.connect(self.folded)
+        self.swatch = Swatch()
+        self.swatch.chosen.connect(lambda color: session.set_color(self._model.id, color))
+        self.lock = IconButton("unlock", "", on="lock", side=24, glyph=16, faint=True)
+        self.lock.clicked.connect(lambda on: session.set_locked(self._model.id, bool(on)))
+        self.eye = Eye()
+        self.eye.clicked.connect(lambda off: session.set_visible(self._model.id, not off))
+        policy = self.lock.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)
+        self.lock.setSizePolicy(policy)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(GUTTER, 0, 8, 0)
+        row.setSpacing(0)
+        row.addWidget(self.fold)
+        row.addWidget(self.swatch)
+        row.addSpacing(4)
+        row.addWidget(self.name, 1)
+        row.addWidget(self.editor, 1)
+        row.addSpacing(4)
+        row.addWidget(self.lock)
+        row.addSpacing(4)
+        row.addWidget(self.eye)
+        self.show_model(model, None)
+
+    def show_model(self, model: Model, is_open: bool | None) -> None:
+        """Show the model as it is now; `is_open` says whether its parts are listed, if any."""
+        self._model = model
+        self.show_name(model.name, visible=model.visible)
+        self.fold.show_fold(is_open, model.name)
+        self.swatch.show_color(model.color, model.name)
+        self.lock.setChecked(model.locked)
+        self.lock.rename(
+            tr("Objects", "Unlock {name}", name=model.name)
+            if model.locked
+            else tr("Objects", "Lock {name}", name=model.name)
+        )
+        self.lock.setVisible(model.locked or self.underMouse())
+        self.eye.show_visible(model.visible, model.name)
 
     def enterEvent(self, event: QEnterEvent) -> None:
         self.lock.show()
@@ -206,10 +277,10 @@ class UnderlayRow(QWidget):
             lambda value, going: session.set_underlay_opacity(self._id, value, dragging=going)
         )
         self.opacity.drag_ended.connect(session.end_drag)
-        self.eye = IconButton("eye", "", on="eye-off", side=24, glyph=16, faint=True)
+        self.eye = Eye()
         self.eye.clicked.connect(lambda off: session.set_underlay_visible(self._id, not off))
         row = QHBoxLayout(self)
-        row.setContentsMargins(8, 0, 8, 0)
+        row.setContentsMargins(GUTTER + FOLD, 0, 8, 0)
         row.setSpacing(4)
         row.addWidget(_Thumbnail(underlay))
         row.addWidget(self.name, 1)
@@ -230,9 +301,4 @@ class UnderlayRow(QWidget):
         self.opacity.setAccessibleName(said)
         self.opacity.setToolTip(said)
         self.opacity.set_silently(underlay.opacity)
-        self.eye.setChecked(not underlay.visible)
-        self.eye.rename(
-            tr("Objects", "Hide {name}", name=underlay.name)
-            if underlay.visible
-            else tr("Objects", "Show {name}", name=underlay.name)
-        )
+        self.eye.show_visible(underlay.visible, underlay.name)

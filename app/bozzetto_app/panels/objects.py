@@ -1,131 +1,66 @@
-"""Objects: the models in their order, and under their own heading the underlays."""
+"""Objects: the models in their order with what they are made of, and below them the underlays."""
 
 from __future__ import annotations
 
+from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QPoint, QRectF, QSize, Qt
-from PySide6.QtGui import QDropEvent, QKeyEvent, QPainter, QPaintEvent
+from PySide6.QtCore import QPoint, QSize, Qt
 from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QFrame,
     QHBoxLayout,
     QLabel,
-    QListWidget,
     QListWidgetItem,
     QMenu,
-    QStyle,
-    QStyledItemDelegate,
-    QStyleOptionViewItem,
     QVBoxLayout,
     QWidget,
 )
 
-from bozzetto_app.panels.icon_button import RADIUS, IconButton
-from bozzetto_app.panels.object_row import ROW, ModelRow, UnderlayRow
+from bozzetto_app.panels.icon_button import IconButton
+from bozzetto_app.panels.object_entries import Entry, entries_of, place_of_drop
+from bozzetto_app.panels.object_list import GROUP_KEY, KIND, ObjectList
+from bozzetto_app.panels.object_row import ROW, ModelRow, NamedRow, UnderlayRow
+from bozzetto_app.panels.part_row import PartRow
 from bozzetto_app.panels.tab_order import put_in_tab_order
-from bozzetto_app.theme import qcolor, tones
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.part_tree import PartTree
     from bozzetto_app.session import Session
 
 __all__ = ["ObjectsPanel"]
 
-KIND = Qt.ItemDataRole.UserRole
-ID = Qt.ItemDataRole.UserRole + 1
-
-Index = QModelIndex | QPersistentModelIndex
-
-
-class _Ground(QStyledItemDelegate):
-    """The ground of a row: chosen rows have a bar besides their colour."""
-
-    def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        return QSize(80, ROW)
-
-    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
-        if index.data(KIND) == "heading":
-            return
-        colors = tones()
-        place = QRectF(option.rect).adjusted(4, 1, -4, -1)
-        state: QStyle.StateFlag = option.state
-        painter.save()
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(Qt.PenStyle.NoPen)
-        if state & QStyle.StateFlag.State_Selected:
-            painter.setBrush(qcolor(colors.chosen))
-            painter.drawRoundedRect(place, RADIUS, RADIUS)
-            painter.setBrush(qcolor(colors.accent))
-            painter.drawRoundedRect(
-                QRectF(place.left(), place.top() + 6, 3, place.height() - 12), 1.5, 1.5
-            )
-        elif state & QStyle.StateFlag.State_MouseOver:
-            painter.setBrush(qcolor(colors.hover))
-            painter.drawRoundedRect(place, RADIUS, RADIUS)
-        painter.restore()
-
-
-class _List(QListWidget):
-    """The list itself: rows are moved by dragging, but only the session moves models."""
-
-    def __init__(self, panel: ObjectsPanel) -> None:
-        super().__init__(panel)
-        self._panel = panel
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setItemDelegate(_Ground(self))
-        self.setMouseTracking(True)
-        self.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
-        self.setDefaultDropAction(Qt.DropAction.MoveAction)
-        self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-
-    def dropEvent(self, event: QDropEvent) -> None:
-        item = self.currentItem()
-        target = self.indexAt(event.position().toPoint()).row()
-        if self.dropIndicatorPosition() == QAbstractItemView.DropIndicatorPosition.BelowItem:
-            target += 1
-        event.setDropAction(Qt.DropAction.IgnoreAction)
-        event.accept()
-        if item is not None and item.data(KIND) == "model":
-            self._panel.drop_at(str(item.data(ID)), target if target >= 0 else self.count())
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_F2:
-            self._panel.rename_current()
-        elif event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
-            self._panel.delete_current()
-        else:
-            super().keyPressEvent(event)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        super().paintEvent(event)
-        if self.hasFocus() and self.currentItem() is not None:
-            place = QRectF(self.visualItemRect(self.currentItem())).adjusted(4, 1, -4, -1)
-            painter = QPainter(self.viewport())
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setPen(qcolor(tones().second))
-            painter.drawRoundedRect(place.adjusted(0.5, 0.5, -0.5, -0.5), RADIUS, RADIUS)
+FLAGS = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
 
 
 class ObjectsPanel(QWidget):
-    """The list, and under it what can be done with the chosen object."""
+    """The list, and under it what can be done with the chosen row.
+
+    The parts of a model are listed while it is selected and has several, or while a person
+    has unfolded it.
+    """
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._session = session
         self._filling = False
-        self._shape: tuple[str, ...] = ()
+        self._entries: list[Entry] = []
+        self._unfolded: dict[str, bool] = {}
+        self._folded_groups: set[tuple[str, str]] = set()
         self.setObjectName("objects")
         self.setWindowTitle(tr("Objects", "Objects"))
         self.setAccessibleName(self.windowTitle())
         self.setMinimumSize(240, 4 * ROW)
-        self.list = _List(self)
+        self.list = ObjectList(self)
         self.list.setAccessibleName(self.windowTitle())
         self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         self.list.customContextMenuRequested.connect(self._open_menu)
         self.list.currentItemChanged.connect(self._chosen)
+        self.list.dropped.connect(self.drop)
+        self.list.rename_asked.connect(self.rename_current)
+        self.list.delete_asked.connect(self.delete_current)
+        self.list.group_asked.connect(self.group_chosen)
+        self.list.fold_asked.connect(self._fold_current)
         self._empty = QLabel(tr("Objects", "Nothing drawn yet."))
         self._empty.setProperty("tone", "quiet")
         self._empty.setContentsMargins(12, 4, 12, 4)
@@ -147,119 +82,220 @@ class ObjectsPanel(QWidget):
         column.addWidget(self.list, 1)
         column.addLayout(foot)
         session.document_changed.connect(self.refresh)
-        session.selection_changed.connect(self._mark)
+        session.selection_changed.connect(self.refresh)
         self.refresh()
 
     def refresh(self) -> None:
         """Show the document as it is now; rows are only made anew where the list differs."""
         document = self._session.document
-        shape = (*(m.id for m in document), "", *(u.id for u in document.underlays))
-        if shape != self._shape:
-            self._shape = shape
-            self._rebuild()
-        for row in range(self.list.count()):
+        wanted = list(
+            entries_of(document, self._session.parts_of, self._is_open, self._folded_groups)
+        )
+        if wanted != self._entries:
+            self._exchange(wanted)
+        trees = {model.id: self._session.parts_of(model.id) for model in document}
+        depths = {
+            Entry("part", part.id, model_id): (part, depth)
+            for model_id, tree in trees.items()
+            if tree is not None
+            for part, depth in tree.rows()
+        }
+        for row, entry in enumerate(self._entries):
             item = self.list.item(row)
             widget = self.list.itemWidget(item)
+            name = ""
             if isinstance(widget, ModelRow):
-                model = document.model(item.data(ID))
-                widget.show_model(model)
-                item.setData(Qt.ItemDataRole.AccessibleTextRole, model.name)
+                model, tree = document.model(entry.id), trees[entry.id]
+                folds = tree is not None and bool(tree.parts)
+                widget.show_model(model, self._is_open(entry.id) if folds else None)
+                name = model.name
+            elif isinstance(widget, PartRow):
+                part, depth = depths[entry]
+                tree = trees[entry.model]
+                group = tree is not None and part.id in tree.groups
+                is_open = (entry.model, part.id) not in self._folded_groups
+                widget.show_part(part, depth, is_open if group else None)
+                flags = FLAGS | Qt.ItemFlag.ItemIsDragEnabled
+                item.setFlags(flags | Qt.ItemFlag.ItemIsDropEnabled if group else flags)
+                name = ", ".join(word for word in (part.name, widget.sign.accessibleName()) if word)
             elif isinstance(widget, UnderlayRow):
-                underlay = next(u for u in document.underlays if u.id == item.data(ID))
+                underlay = next(u for u in document.underlays if u.id == entry.id)
                 widget.show_underlay(underlay)
-                item.setData(Qt.ItemDataRole.AccessibleTextRole, underlay.name)
+                name = underlay.name
+            item.setData(Qt.ItemDataRole.AccessibleTextRole, name)
         empty = not document.models and not document.underlays
         self._empty.setVisible(empty)
         self.list.setVisible(not empty)
         self._mark()
 
+    # -- what a person can do --
+
     def rename_current(self) -> None:
-        """Edit the chosen model's name in place."""
+        """Edit the name of what is chosen in place."""
         widget = self.list.itemWidget(self.list.currentItem())
-        if isinstance(widget, ModelRow):
+        if isinstance(widget, NamedRow):
             widget.edit_name()
 
     def delete_current(self) -> None:
-        """Take the chosen model or underlay out."""
-        kind, name = self._current()
-        if kind == "model":
-            self._session.delete(name)
-        elif kind == "underlay":
-            self._session.delete_underlay(name)
+        """Take what is chosen out."""
+        entry = self._current()
+        if entry.kind == "model":
+            self._session.delete(entry.id)
+        elif entry.kind == "part":
+            self._session.delete_part(entry.model, entry.id)
+        elif entry.kind == "underlay":
+            self._session.delete_underlay(entry.id)
 
-    def drop_at(self, model_id: str, row: int) -> None:
-        """Move a model to the gap above a row of the list."""
-        order = [model.id for model in self._session.document]
-        place = order.index(model_id)
-        target = min(row, len(order))
-        target = target - 1 if target > place else target
-        if target != place:
-            self._session.move_to(model_id, target)
+    def group_chosen(self) -> None:
+        """Put the chosen parts into a group of their own."""
+        entry = self._current()
+        if entry.kind == "part":
+            rows = sorted(self.list.row(item) for item in self.list.selectedItems())
+            chosen = [self._entries[row] for row in rows]
+            ids = [other.id for other in chosen if other.model == entry.model]
+            self._session.group_parts(entry.model, ids)
 
-    def _current(self) -> tuple[str, str]:
-        item = self.list.currentItem()
-        return ("", "") if item is None else (str(item.data(KIND)), str(item.data(ID)))
+    def drop(self, source: int, target: int, on: bool) -> None:
+        """Move what was dragged from one row to the gap above another, or onto it."""
+        entry = self._entries[source]
+        if entry.kind == "model" and not on:
+            above = [other.id for other in self._entries[:target] if other.kind == "model"]
+            place = len(above) - (entry.id in above)
+            if place != self._session.document.place_of(entry.id):
+                self._session.move_to(entry.id, place)
+        elif entry.kind == "part":
+            tree = self._session.parts_of(entry.model)
+            goal = None if tree is None else place_of_drop(self._entries, tree, source, target, on)
+            if goal is not None:
+                self._session.move_part(entry.model, entry.id, *goal)
+
+    def fold(self, entry: Entry, is_open: bool) -> None:
+        """List what a model or a group is made of, or not."""
+        if entry.kind == "model":
+            self._unfolded[entry.id] = is_open
+        elif is_open:
+            self._folded_groups.discard((entry.model, entry.id))
+        else:
+            self._folded_groups.add((entry.model, entry.id))
+        self.refresh()
+
+    def _fold_current(self, is_open: bool) -> None:
+        widget = self.list.itemWidget(self.list.currentItem())
+        if isinstance(widget, ModelRow | PartRow) and widget.fold.isVisibleTo(widget):
+            self.fold(self._current(), is_open)
 
     def _duplicate_current(self) -> None:
-        kind, name = self._current()
-        if kind == "model":
-            self._session.duplicate(name)
+        entry = self._current()
+        if entry.kind == "model":
+            self._session.duplicate(entry.id)
+        elif entry.kind == "part":
+            self._session.duplicate_part(entry.model, entry.id)
 
-    def _rebuild(self) -> None:
-        document = self._session.document
+    # -- rows --
+
+    def _is_open(self, model_id: str) -> bool:
+        """Whether the parts of a model are listed."""
+        if model_id in self._unfolded:
+            return self._unfolded[model_id]
+        tree = self._session.parts_of(model_id) if model_id == self._session.selected else None
+        return tree is not None and len(tree.parts) > 1
+
+    def _current(self) -> Entry:
+        row = self.list.currentRow()
+        return self._entries[row] if 0 <= row < len(self._entries) else Entry("heading")
+
+    def _exchange(self, wanted: list[Entry]) -> None:
+        """Make the rows those that are wanted; the others stay, with the keyboard on them."""
         self._filling = True
-        self.list.clear()
-        for model in document:
-            self._add("model", model.id, ModelRow(self._session, model))
-        if document.underlays:
+        changes = SequenceMatcher(None, self._entries, wanted, autojunk=False).get_opcodes()
+        for change, low, high, begin, end in reversed(changes):
+            if change == "equal":
+                continue
+            for row in reversed(range(low, high)):
+                self.list.takeItem(row)
+            for place, entry in enumerate(wanted[begin:end]):
+                self._insert(low + place, entry)
+        self._entries = wanted
+        self._filling = False
+        rows = (self.list.itemWidget(self.list.item(row)) for row in range(self.list.count()))
+        put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
+
+    def _insert(self, row: int, entry: Entry) -> None:
+        item = QListWidgetItem()
+        item.setData(KIND, entry.kind)
+        item.setFlags(FLAGS if entry.kind != "heading" else Qt.ItemFlag.NoItemFlags)
+        if entry.kind == "model":
+            # Parts are dropped on their model to leave all groups.
+            drags = Qt.ItemFlag.ItemIsDragEnabled | Qt.ItemFlag.ItemIsDropEnabled
+            item.setFlags(FLAGS | drags)
+        item.setSizeHint(QSize(80, ROW))
+        self.list.insertItem(row, item)
+        self.list.setItemWidget(item, self._widget(entry))
+
+    def _widget(self, entry: Entry) -> QWidget:
+        session = self._session
+        if entry.kind == "underlay":
+            underlay = next(u for u in session.document.underlays if u.id == entry.id)
+            return UnderlayRow(session, underlay)
+        if entry.kind == "heading":
             heading = QLabel(tr("Objects", "Underlays"))
             heading.setProperty("type", "heading")
             heading.setContentsMargins(12, 4, 12, 0)
-            self._add("heading", "", heading)
-            for underlay in document.underlays:
-                self._add("underlay", underlay.id, UnderlayRow(self._session, underlay))
-        self._filling = False
-        put_in_tab_order(self.list, (self.list, self._duplicate, self._delete))
+            return heading
+        row = (
+            ModelRow(session, session.document.model(entry.id))
+            if entry.kind == "model"
+            else PartRow(session, entry.model, entry.id)
+        )
+        row.folded.connect(lambda is_open: self.fold(entry, is_open))
+        return row
 
-    def _add(self, kind: str, name: str, widget: QWidget) -> None:
-        item = QListWidgetItem(self.list)
-        item.setData(KIND, kind)
-        item.setData(ID, name)
-        flags = Qt.ItemFlag.NoItemFlags
-        if kind != "heading":
-            flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
-        if kind == "model":
-            flags |= Qt.ItemFlag.ItemIsDragEnabled
-        item.setFlags(flags)
-        item.setSizeHint(QSize(80, ROW))
-        self.list.setItemWidget(item, widget)
+    # -- what is chosen --
 
     def _mark(self) -> None:
+        """Let the list say what the session says is chosen."""
+        wanted = self._wanted()
+        if wanted is None and self._current().kind not in ("model", "part"):
+            self._enable()
+            return
         self._filling = True
-        selected = self._session.selected
-        for row in range(self.list.count()):
-            item = self.list.item(row)
-            if item.data(KIND) == "model" and item.data(ID) == selected:
-                self.list.setCurrentItem(item)
-                break
-        else:
-            if self._current()[0] == "model":
-                self.list.setCurrentItem(None)  # type: ignore[call-overload]
+        item = None if wanted is None else self.list.item(self._entries.index(wanted))
+        if item is not self.list.currentItem() or (item is not None and not item.isSelected()):
+            self.list.setCurrentItem(item)  # type: ignore[arg-type]
         self._filling = False
         self._enable()
 
+    def _wanted(self) -> Entry | None:
+        """The row of the chosen part, where it is listed, else that of the selected model."""
+        selected = self._session.selected
+        if selected is None:
+            return None
+        tree = self._session.parts_of(selected)
+        part = None if tree is None else Entry("part", tree.selected, selected)
+        if part is not None and part in self._entries:
+            return part
+        model = Entry("model", selected)
+        return model if model in self._entries else None
+
     def _enable(self) -> None:
-        kind, _ = self._current()
-        self._duplicate.setEnabled(kind == "model")
-        self._delete.setEnabled(bool(kind))
+        kind = self._current().kind
+        self._duplicate.setEnabled(kind in ("model", "part"))
+        self._delete.setEnabled(kind != "heading")
 
     def _chosen(self) -> None:
+        """A person went to a row."""
         if self._filling:
             return
-        kind, name = self._current()
-        if kind == "model":
-            self._session.select(name)
+        entry = self._current()
+        if entry.kind == "part":
+            self._session.select_part(entry.model, entry.id)
+        elif entry.kind == "model":
+            self._session.select(entry.id)
+            if self._is_open(entry.id):
+                self._session.select_part(entry.id, "")
         self._enable()
+
+    # -- the menu --
 
     def _open_menu(self, place: QPoint) -> None:
         menu = self.menu_for_current()
@@ -270,17 +306,36 @@ class ObjectsPanel(QWidget):
         """What can be done with the chosen row."""
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        kind, name = self._current()
-        if kind == "model":
-            model = self._session.document.model(name)
-            hide = tr("Objects", "Hide") if model.visible else tr("Objects", "Show")
-            lock = tr("Objects", "Unlock") if model.locked else tr("Objects", "Lock")
+        entry = self._current()
+        if entry.kind in ("model", "part"):
             menu.addAction(tr("Objects", "Rename"), self.rename_current)
             menu.addAction(tr("Objects", "Duplicate"), self._duplicate_current)
-            menu.addSeparator()
-            menu.addAction(hide, lambda: self._session.set_visible(name, not model.visible))
-            menu.addAction(lock, lambda: self._session.set_locked(name, not model.locked))
-            menu.addSeparator()
-        if kind:
+        if entry.kind == "model":
+            self._add_for_model(menu, self._session.document.model(entry.id))
+        elif entry.kind == "part":
+            self._add_for_part(menu, entry, self._session.parts_of(entry.model))
+        if entry.kind != "heading":
             menu.addAction(tr("Objects", "Delete"), self.delete_current)
         return menu
+
+    def _add_for_model(self, menu: QMenu, model: Model) -> None:
+        hide = tr("Objects", "Hide") if model.visible else tr("Objects", "Show")
+        lock = tr("Objects", "Unlock") if model.locked else tr("Objects", "Lock")
+        menu.addSeparator()
+        menu.addAction(hide, lambda: self._session.set_visible(model.id, not model.visible))
+        menu.addAction(lock, lambda: self._session.set_locked(model.id, not model.locked))
+        menu.addSeparator()
+
+    def _add_for_part(self, menu: QMenu, entry: Entry, tree: PartTree | None) -> None:
+        if tree is None:
+            return
+        part = tree.part(entry.id)
+        group = menu.addAction(tr("Objects", "Group"), self.group_chosen)
+        group.setShortcut(GROUP_KEY)
+        hide = tr("Objects", "Hide") if part.visible else tr("Objects", "Show")
+        menu.addSeparator()
+        menu.addAction(
+            hide,
+            lambda: self._session.set_part_visible(entry.model, entry.id, not part.visible),
+        )
+        menu.addSeparator()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import weakref
+from dataclasses import dataclass, replace
 from typing import Final
 
 from bozzetto.document.difference import difference
@@ -22,7 +23,8 @@ STEP_BYTES: Final = 4096
 class _Step:
     """A change: its name, what it led to, and what lies only on either side of it.
 
-    `revision` is a number no other snapshot has, by which a save is recognised.
+    `revision` is a number no other snapshot has, by which a save is recognised; `before`
+    are the snapshots that `document` took the place of and that somebody still holds.
     """
 
     label: str
@@ -31,6 +33,7 @@ class _Step:
     merge_key: str | None = None
     removed: int = 0
     added: int = 0
+    before: tuple[weakref.ref[Document], ...] = ()
 
 
 class History:
@@ -127,6 +130,17 @@ class History:
             del self._steps[0]
             self._position -= 1
 
+    def amend(self, document: Document) -> None:
+        """Put another snapshot in the place of the present one, without a step of its own.
+
+        For what nobody wants to take back, such as which part is chosen. What was undone
+        can still be done again, and what was saved still counts as saved.
+        """
+        step = self._steps[self._position]
+        before = (*(old for old in step.before if old() is not None), weakref.ref(step.document))
+        self._steps[self._position] = replace(step, document=document, before=before)
+        self._open = False
+
     def end_merge(self) -> None:
         """Let the next step stand by itself, whatever its key."""
         self._open = False
@@ -162,5 +176,5 @@ class History:
         self._open = False
         written = self.document if document is None else document
         for step in self._steps:
-            if step.document is written:
+            if step.document is written or any(old() is written for old in step.before):
                 self._saved = step.revision

@@ -39,8 +39,9 @@ class Tool(Protocol[State]):
     hint : str
         The next expected gesture, in plain words, for the status line.
     gesture : {"ink", "tap", "drag"}
-        The kind of gesture it takes. Drags of handles always reach the tool whose
-        `gesture` is "drag".
+        The kind of gesture it takes. Drags of handles always reach a tool whose `gesture`
+        is "drag": the active one, or else the first. Such a tool gets a `Tap` where a
+        person touches the sheet beside all handles.
     """
 
     id: str
@@ -50,7 +51,11 @@ class Tool(Protocol[State]):
     gesture: Literal["ink", "tap", "drag"]
 
     def preview(self, state: State, gesture: Gesture, context: Context) -> Scene:
-        """What to show while the pen is down: cheap, and never fails on odd ink."""
+        """What to show while the pen is down: cheap, and never fails on odd ink.
+
+        A layer stands in for the layer of that name in the modeler's own scene, until the
+        new state is solved; layers of other names are shown besides.
+        """
         ...
 
     def apply(self, state: State, gesture: Gesture, context: Context) -> State:

@@ -218,6 +218,15 @@ class Scene:
     def __add__(self, other: Scene) -> Scene:
         return Scene(self.layers + other.layers)
 
+    def under(self, live: Scene) -> Scene:
+        """Show this scene with what is there only for a moment.
+
+        A layer of `live` with an owner stands in for the layer of the same name and owner.
+        """
+        hidden = {(layer.owner, layer.name) for layer in live.layers if layer.owner}
+        kept = (layer for layer in self.layers if (layer.owner, layer.name) not in hidden)
+        return Scene((*kept, *live.layers))
+
     def items(self) -> Iterator[tuple[Layer, Item]]:
         """Every item with its layer."""
         for layer in self.layers:

@@ -35,7 +35,7 @@ def press(pointer="pen", button=Button.TIP, t=0.0, **more):
         (press(handle="h"), Mode.DRAGGING),
         (press(takes="tap"), Mode.TAPPING),
         (press(takes="drag", handle="h"), Mode.DRAGGING),
-        (press(takes="drag"), Mode.IDLE),
+        (press(takes="drag"), Mode.TAPPING),
         (press(button=Button.TURN), Mode.NAVIGATING),
         (press(button=Button.MENU), Mode.CHOOSING),
         (press(keys=Keys(alt=True)), Mode.NAVIGATING),

@@ -145,7 +145,7 @@ def test_a_dropped_row_lands_in_its_gap(qapp, fakes, source, gap):
     marked = [*order[:source], None, *order[source + 1 :]]
     marked.insert(min(gap, len(order)), order[source])
     wanted = [name for name in marked if name is not None]
-    panel.drop_at(order[source], gap)
+    panel.drop(source, gap, on=False)
     for (name, index), _ in session.calls.named("move_to"):
         order.remove(name)
         order.insert(index, name)

@@ -14,6 +14,7 @@ from bozzetto.document.edit import change_state
 from bozzetto.document.history import STEP_BYTES, History
 from bozzetto.document.model import Document, Model
 from bozzetto.ink.stroke import Strokes
+from bozzetto.view.camera import Camera
 from tests.document_kit import Ink, full_stroke, rich_document, stroke, underlay
 
 
@@ -208,3 +209,39 @@ def test_an_edit_of_a_large_document_costs_less_than_8_kilobytes(spread):
     tracemalloc.stop()
     assert len(history.entries) == 201
     assert used / len(new) < 8_000
+
+
+def test_a_snapshot_is_amended_without_a_step():
+    first, second, third, other = (Document(camera=Camera(height=h)) for h in (1.0, 2.0, 3.0, 4.0))
+    history = History(first)
+    history.apply("a", second)
+    history.apply("b", third)
+    history.mark_saved()
+    history.undo()
+    history.amend(other)
+    assert history.document is other
+    assert history.entries == ("Start", "a", "b")
+    assert history.redo() is third, "what was undone is still there"
+    assert not history.is_modified
+    assert history.undo() is other
+    assert history.undo() is first
+
+
+def test_what_is_chosen_is_no_unsaved_work():
+    history = History(Document())
+    history.amend(Document())
+    assert not history.is_modified
+    history.apply("a", Document())
+    saving = history.document
+    history.amend(Document())
+    history.amend(Document())
+    history.mark_saved(saving)
+    assert not history.is_modified, "the save began before the choice and ended after it"
+
+
+def test_an_amended_step_is_not_merged_with_the_next():
+    history = History(Document())
+    history.apply("slide", Document(), "slider")
+    history.amend(Document())
+    history.apply("slide", Document(), "slider")
+    assert history.entries == ("Start", "slide", "slide")

@@ -114,6 +114,8 @@ def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gestur
             for x, y in ((600.0, 450.0), (0.0, 0.0), (-1e6, 1e6), (1e-9, 1e7)):
                 yield f"a tap at {x:g}, {y:g} ({camera.kind})", Tap(x, y, camera)
     else:
+        for x, y in ((600.0, 450.0), (-1e6, 1e6)):
+            yield f"a tap at {x:g}, {y:g}", Tap(x, y, Camera())
         handles = [handle.id for handle in shell.handles()][:3]
         for handle in [*handles, "", "no such handle"]:
             for name, stroke in _odd_strokes():

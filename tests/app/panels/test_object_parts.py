@@ -1,0 +1,214 @@
+"""Parts in the object list: rows under their model, and every deed one call to the session."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PySide6.QtCore import QItemSelectionModel, Qt
+from PySide6.QtTest import QTest
+
+from bozzetto.errors import UserError
+from bozzetto_app.panels.object_entries import entries_of, place_of_drop
+from bozzetto_app.panels.objects import ObjectsPanel
+
+
+@pytest.fixture
+def panel(qtbot, fakes, fake_session):
+    fake_session.trees["m1"] = fakes.horse_parts()
+    made = ObjectsPanel(fake_session)
+    qtbot.addWidget(made)
+    made.resize(264, 500)
+    made.show()
+    return made
+
+
+def names(panel):
+    widgets = (panel.list.itemWidget(panel.list.item(i)) for i in range(panel.list.count()))
+    return [widget.name.text() if hasattr(widget, "name") else widget.text() for widget in widgets]
+
+
+def row_of(panel, name):
+    return names(panel).index(name)
+
+
+def widget(panel, name):
+    return panel.list.itemWidget(panel.list.item(row_of(panel, name)))
+
+
+HORSE = ["Horse", "Body", "Head", "Legs", "Left leg", "Right leg", "Saddle pit", "Flank"]
+OTHERS = ["Saddle", "Rider", "Plinth", "Underlays", "Side view.jpg", "Front.png"]
+
+
+def test_the_selected_models_parts_stand_under_it(panel, fake_session):
+    assert names(panel) == HORSE + OTHERS
+    assert panel.list.currentRow() == row_of(panel, "Head")
+    fake_session.selected = "m2"
+    fake_session.selection_changed.emit()
+    assert names(panel) == ["Horse", *OTHERS]
+    assert panel.list.currentRow() == row_of(panel, "Saddle")
+
+
+def test_a_lone_part_is_listed_only_when_asked_for(panel, fake_session):
+    tree = fake_session.trees["m1"]
+    fake_session.trees["m1"] = replace(tree, parts=tree.parts[:1], selected="n1")
+    fake_session.document_changed.emit()
+    assert names(panel) == ["Horse", *OTHERS]
+    widget(panel, "Horse").fold.click()
+    assert names(panel) == ["Horse", "Body", *OTHERS]
+
+
+def test_folding(panel, fake_session):
+    widget(panel, "Legs").fold.click()
+    assert names(panel) == [n for n in HORSE if n not in ("Left leg", "Right leg")] + OTHERS
+    widget(panel, "Horse").fold.click()
+    assert names(panel) == ["Horse", *OTHERS]
+    assert panel.list.currentRow() == 0, "the chosen part is not listed: its model is"
+    QTest.keyClick(panel.list, Qt.Key.Key_Right)
+    assert names(panel)[1:3] == ["Body", "Head"]
+    fake_session.trees["m1"] = fake_session.trees["m1"].chosen("g1")
+    fake_session.document_changed.emit()
+    QTest.keyClick(panel.list, Qt.Key.Key_Right)
+    assert "Left leg" in names(panel)
+    QTest.keyClick(panel.list, Qt.Key.Key_Left)
+    assert "Left leg" not in names(panel)
+
+
+def test_arrows_are_only_where_something_is_folded(panel):
+    shown = [name for name in HORSE + OTHERS[:3] if widget(panel, name).fold.isVisible()]
+    assert shown == ["Horse", "Legs"]
+
+
+def test_choosing(panel, fake_session):
+    place = panel.list.visualItemRect(panel.list.item(row_of(panel, "Flank"))).center()
+    QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert set(map(str, fake_session.calls.named("select_part"))) == {str((("m1", "n6"), {}))}
+    fake_session.calls.made.clear()
+    place = panel.list.visualItemRect(panel.list.item(0)).center()
+    QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert (("m1", ""), {}) in fake_session.calls.named("select_part"), "the model as a whole"
+
+
+def test_rows_say_what_their_parts_do(panel):
+    texts = [panel.list.item(row).data(Qt.ItemDataRole.AccessibleTextRole) for row in range(8)]
+    assert texts == ["Horse", "Body, Add", "Head, merge", "Legs, Add", "Left leg, Add",
+                     "Right leg, Add", "Saddle pit, Carve", "Flank, intersect"]  # fmt: skip
+    assert widget(panel, "Right leg").eye.accessibleName() == "Show Right leg"
+    assert widget(panel, "Legs").fold.accessibleName() == "Fold the parts of Legs"
+
+
+def test_deeds(panel, fake_session):
+    calls = fake_session.calls
+    widget(panel, "Right leg").eye.click()
+    assert calls.named("set_part_visible") == [(("m1", "n4", True), {})]
+    panel.rename_current()
+    editor = widget(panel, "Head").editor
+    editor.setText("Skull")
+    QTest.keyClick(editor, Qt.Key.Key_Return)
+    assert calls.named("rename_part") == [(("m1", "n2", "Skull"), {})]
+    panel._duplicate.click()
+    assert calls.named("duplicate_part") == [(("m1", "n2"), {})]
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert calls.named("delete_part") == [(("m1", "n2"), {})]
+    assert calls.named("delete") == []
+
+
+def test_several_rows_become_a_group(panel, fake_session):
+    select = QItemSelectionModel.SelectionFlag.Select
+    for name in ("Body", "Saddle"):
+        panel.list.setCurrentItem(panel.list.item(row_of(panel, name)), select)
+    panel.list.setCurrentItem(panel.list.item(row_of(panel, "Flank")), select)
+    QTest.keyClick(panel.list, Qt.Key.Key_G, Qt.KeyboardModifier.ControlModifier)
+    assert fake_session.calls.named("group_parts") == [(("m1", ["n1", "n2", "n6"]), {})]
+
+
+def test_the_menu_of_a_part(panel, fake_session):
+    menu = panel.menu_for_current()
+    titles = [action.text() for action in menu.actions() if not action.isSeparator()]
+    assert titles == ["Rename", "Duplicate", "Group", "Hide", "Delete"]
+    next(action for action in menu.actions() if action.text() == "Group").trigger()
+    next(action for action in menu.actions() if action.text() == "Hide").trigger()
+    assert fake_session.calls.named("group_parts") == [(("m1", ["n2"]), {})]
+    assert fake_session.calls.named("set_part_visible") == [(("m1", "n2", False), {})]
+
+
+def test_rows_stay_while_others_come_and_go(panel, fake_session):
+    kept = [widget(panel, name) for name in ("Horse", "Body", "Flank", "Plinth")]
+    fake_session.trees["m1"] = fake_session.trees["m1"].without("g1").moved("n6", "", 0)
+    fake_session.document_changed.emit()
+    assert names(panel)[:5] == ["Horse", "Flank", "Body", "Head", "Saddle pit"]
+    assert [widget(panel, name) for name in ("Horse", "Plinth")] == [kept[0], kept[3]]
+
+
+def test_tab_goes_through_the_rows_in_their_order(panel, qapp):
+    """Whatever came in between: eye after eye, downwards."""
+    eyes = [widget(panel, name).eye for name in HORSE]
+    found, here = [], panel.list.nextInFocusChain()
+    while here is not panel.list and len(found) < 500:
+        found.append(here)
+        here = here.nextInFocusChain()
+    assert [eye for eye in found if eye in eyes] == eyes
+
+
+def test_names_are_aligned(panel):
+    """What is one level deeper stands one step to the right; signs stand in one column."""
+
+    def left(name):
+        label = widget(panel, name).name
+        return label.mapTo(panel.list, label.rect().topLeft()).x()
+
+    steps = [left("Body") - left("Horse"), left("Left leg") - left("Legs")]
+    assert steps[0] == steps[1] > 0
+    assert left("Body") == left("Head") == left("Legs") == left("Flank")
+    right = {widget(panel, n).eye.mapTo(panel.list, widget(panel, n).eye.rect().topRight()).x()
+             for n in HORSE}  # fmt: skip
+    assert len(right) == 1
+
+
+# -- where a part lands -------------------------------------------------------------------------
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(1, 7), st.integers(0, 14), st.booleans())
+def test_a_dropped_part_lands_where_it_was_let_go(fakes, source, target, on):
+    """Against the list itself: after the move the row stands in the gap it was put into."""
+    tree = fakes.horse_parts()
+    session_of = {"m1": tree}
+    document = fakes.FakeSession.__new__(fakes.FakeSession)  # only its document is wanted
+    fakes.FakeSession.__init__(document, fakes.Path())
+    entries = list(entries_of(document.document, session_of.get, lambda _: True, ()))
+    if target >= len(entries) and on:
+        return
+    part = entries[source].id
+    goal = place_of_drop(entries, tree, source, target, on)
+    if goal is None:
+        return
+    group, at = goal
+    inside = {inner.id for inner in tree.family(part)}
+    if group in inside:
+        with pytest.raises(UserError):
+            tree.moved(part, group, at)
+        return
+    moved = tree.moved(part, group, at)
+    if on:
+        where = "" if entries[target].kind == "model" else entries[target].id
+        assert moved.part(part).within == where
+        assert moved.within(where)[-1].id == part
+        return
+    before = [entry.id for entry in entries[1:8]]
+    rows = [other.id for other, _ in moved.rows()]
+    above = [i for i in before[: target - 1] if i not in inside]
+    below = [i for i in before[target - 1 :] if i not in inside]
+    assert [i for i in rows if i not in inside] == above + below
+    assert rows.index(part) == len(above)
+
+
+def test_nothing_is_moved_that_is_dropped_where_it_is(fakes, fake_session):
+    tree = fakes.horse_parts()
+    entries = list(entries_of(fake_session.document, {"m1": tree}.get, lambda _: True, ()))
+    gaps = ((1, 1), (1, 2), (2, 3), (4, 4), (1, 12))
+    rows = ((1, 9), (3, 3), (1, 2))
+    for source, target, on in (*((*g, False) for g in gaps), *((*r, True) for r in rows)):
+        assert place_of_drop(entries, tree, source, target, on) is None, (source, target, on)
