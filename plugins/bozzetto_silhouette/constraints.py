@@ -32,7 +32,7 @@ Indices = NDArray[np.intp]
 OUTLINE_POINTS = 120
 """Boundary constraints of a drawing that needs no more."""
 
-MOST_OUTLINE_POINTS = 320
+MOST_OUTLINE_POINTS = 200
 """Boundary constraints of the most intricate drawing: beyond it the system takes too long."""
 
 LEAST_OF_A_RING = 6
@@ -44,7 +44,7 @@ FIRST_SHARE = 0.5
 GROWTH = 0.35
 """Boundary constraints added in one round, as a share of those there are."""
 
-TOLERANCE = 4e-4
+TOLERANCE = 5e-4
 """Miss on the outline, as a share of the size, below which no constraint is added."""
 
 OFFSET = 0.004

@@ -104,10 +104,10 @@ class VariationalSurface:
 
     def level(self, points: Points) -> Points:
         """The function itself at points (n, 3), in units of length."""
-        return self.level_and_slope(points).value
+        return self.level_and_slope(points)[0]
 
-    def level_and_slope(self, points: Points) -> Sample:
-        """The function itself and its gradient at points (n, 3)."""
+    def level_and_slope(self, points: Points) -> tuple[Points, Points]:
+        """The function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
         value, gradient = np.empty(len(points)), np.empty((len(points), 3))
         square = (self.centres**2).sum(axis=1)
         ahead = np.column_stack([-2.0 * self.centres, square]).T
@@ -124,7 +124,7 @@ class VariationalSurface:
             value[part] = p2 * plain - 2.0 * (p * turned).sum(axis=1) + sums[:, 4]
             value[part] += self.tail[0] + p @ self.tail[1:]
             gradient[part] = 3.0 * (p * plain[:, None] - turned) + self.tail[1:]
-        return Sample(value * self.size, gradient)
+        return value * self.size, gradient
 
     def value(self, points: Points) -> Points:
         """About the signed distance to the surface at points (n, 3), positive inside."""
