@@ -20,7 +20,7 @@ ROOM = 1.12
 
 RING_STEPS = 96
 
-ANGLES = np.deg2rad([-25.0, 50.0])
+ANGLES = np.deg2rad([-30.0, 70.0])
 """Where on the ring the handles for turning and for the size stand: apart from each other and
 from the middle also where the ring is seen edge-on."""
 
