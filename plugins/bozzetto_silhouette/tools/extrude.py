@@ -44,6 +44,9 @@ NEAR = 0.5
 NARROWEST = 0.2
 """Least width of the second stroke at its base, in widths of the ring."""
 
+FLATTEST = 0.1
+"""Least distance that the second stroke goes away from its base, in widths of that."""
+
 ROOT = 0.5
 """How far what grows reaches back into the shape, as a share of its width; but never more
 than this share of the way to the other side."""
@@ -162,7 +165,10 @@ def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
     width = float(np.ptp(across))
     _check_ends(line, ring, width)
     middle, chord = 0.5 * (line[0] + line[-1]), float(np.hypot(*(line[-1] - line[0])))
-    inwards = float(((line - middle) @ upright).mean()) < 0.0
+    reach = (line - middle) @ upright
+    if np.abs(reach).max() < FLATTEST * chord:
+        raise UserError("This line goes neither out nor in. Draw it away from the ring and back.")
+    inwards = float(reach.mean()) < 0.0
     if inwards:
         rise = float(((ring - middle) @ upright).max())
         root = (max(rise, 0.0) + ROOT * chord) * upright
