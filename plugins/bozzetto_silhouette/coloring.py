@@ -17,13 +17,20 @@ from bozzetto_silhouette.composite import Composite, box_distance
 from bozzetto_silhouette.implicit import Implicit, Placed
 from bozzetto_silhouette.state import Color, Part, SilhouetteState
 
-__all__ = ["Coat", "bare", "color_of", "part_coat"]
+__all__ = ["Coat", "Creases", "bare", "color_of", "creases_between", "part_coat"]
 
 Array = NDArray[np.float64]
 
-TIE = 0.1
+TIE = 0.02
 """Share of the mesh's step by which the later of two parts wins where both surfaces coincide:
 what is drawn later lies on top, and rounding does not decide."""
+
+CONTRAST = 12.0
+"""Difference of colours, of 255, below which an edge between them is not seen."""
+
+PULL = 0.25
+"""How far the corners of a face are moved towards its middle, to tell on which side of a crease
+they are: well off the crease, and near enough not to see a blend."""
 
 _FALL = 0.5
 """Outside its box the value of every implicit solid falls at least at this rate."""
@@ -59,12 +66,36 @@ class Coat:
             kept * self.cover + share * other.cover,
         )
 
+    def at(self, index: NDArray[np.intp]) -> Coat:
+        """The coat of some of the points."""
+        return Coat(self.rgb[index], self.cover[index])
+
+    def joined(self, more: Coat) -> Coat:
+        """The coat of these points and then of more."""
+        return Coat(np.concatenate([self.rgb, more.rgb]), np.concatenate([self.cover, more.cover]))
+
     def bytes(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
         """RGBA (n, 4) and cover (n,) as meshes have them."""
         rgba = np.full((len(self.cover), 4), 255, np.uint8)
         own = self.rgb / np.maximum(self.cover, 1e-9)[:, None]
         rgba[:, :3] = np.rint(np.clip(own, 0.0, 255.0))
         return rgba, np.asarray(np.rint(255.0 * np.clip(self.cover, 0.0, 1.0)), np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class Creases:
+    """Corners of faces whose colour is not that of their vertex, because a crease runs there.
+
+    Attributes
+    ----------
+    face, corner : (k,) int arrays
+    coat : Coat
+        Of the corners.
+    """
+
+    face: NDArray[np.intp]
+    corner: NDArray[np.intp]
+    coat: Coat
 
 
 def bare(count: int) -> Coat:
@@ -79,8 +110,8 @@ def color_of(part: Part) -> Color | None:
     return next((stroke.color for stroke in part.strokes if stroke.color is not None), None)
 
 
-def part_coat(state: SilhouetteState, body: Body) -> Coat | None:
-    """The colours of a body's vertices; None where no part of it has one.
+def part_coat(state: SilhouetteState, body: Body, points: Array | None = None) -> Coat | None:
+    """The colours of a body's vertices, or of other points on it; None where it has none.
 
     A part that carves or intersects gives its colour to the walls that it makes; without a
     colour it leaves them that of what it acts on.
@@ -89,10 +120,35 @@ def part_coat(state: SilhouetteState, body: Body) -> Coat | None:
     if all(colors.get(source) is None for source in body.sources):
         return None
     counted = sum(1 for _ in _leaves(body.implicit))
-    if counted != len(body.sources):  # several parts solved as one: each vertex has its nearest
-        return _coat_of_origins(body, colors)
+    if counted != len(body.sources):  # several parts solved as one
+        return None if points is not None else _coat_of_origins(body, colors)
     painted = _Painted([colors.get(source) for source in body.sources], TIE * body.step)
-    return painted.at(body.implicit, body.vertices, body.step)[1]
+    return painted.at(body.implicit, body.vertices if points is None else points, body.step)[1]
+
+
+def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases | None:
+    """Where the colours of the vertices would run over a sharp edge; None where nowhere.
+
+    Parameters
+    ----------
+    coat : Coat
+        Of the body's vertices.
+    """
+    at_vertices = np.column_stack([coat.rgb, 255.0 * coat.cover])
+    of_corners = at_vertices[body.faces]
+    crossed = np.flatnonzero(np.ptp(of_corners, axis=1).max(axis=1) > CONTRAST)
+    corners = body.vertices[body.faces[crossed]]
+    inside = corners + PULL * (corners.mean(axis=1, keepdims=True) - corners)
+    own = part_coat(state, body, inside.reshape(-1, 3)) if len(crossed) else None
+    if own is None:
+        return None
+    there = np.column_stack([own.rgb, 255.0 * own.cover]).reshape(-1, 3, 4)
+    wrong = np.abs(there - of_corners[crossed]).max(axis=2) > CONTRAST
+    if not wrong.any():
+        return None
+    row, corner = np.nonzero(wrong)
+    chosen = 3 * row + corner
+    return Creases(crossed[row], corner, own.at(chosen))
 
 
 def _leaves(solid: Implicit) -> Iterator[Implicit]:

@@ -18,7 +18,7 @@ from bozzetto_silhouette.fidelity import measure
 from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
-from bozzetto_silhouette.painting import painted_mesh, texture_of
+from bozzetto_silhouette.painting import painted, texture_of
 from bozzetto_silhouette.places import carried, shown_parts
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
@@ -43,14 +43,15 @@ class SilhouetteResult:
     ----------
     body : Body or None
         None where nothing is left.
-    mesh : Mesh or None
-        The same for the screen and for files.
+    mesh, shown : Mesh or None
+        The same for files, and for the screen: `Painted`.
     solids : dict of str to SilhouetteSolid
         By the id of the part; without those that go straight through.
     """
 
     body: Body | None
     mesh: Mesh | None
+    shown: Mesh | None
     solids: Mapping[str, SilhouetteSolid]
 
 
@@ -96,19 +97,21 @@ class Silhouette:
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
         body = tree_body(state, resolution, job.checkpoint)
-        mesh = None if body is None else painted_mesh(state, body)
+        look = None if body is None else painted(state, body)
         solids = {
             part.id: solid_of(part, resolution)
             for part in state.parts
             if part.visible and part.surface != "straight"
         }
-        return SilhouetteResult(body, mesh, solids)
+        if look is None:
+            return SilhouetteResult(None, None, None, solids)
+        return SilhouetteResult(body, look.mesh, look.shown, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
         """The solids in clay and the ink that made them, as a ghost."""
         layers = []
-        if result is not None and result.mesh is not None:
-            layers.append(Layer("shape", (Shaded(result.mesh),)))
+        if result is not None and result.shown is not None:
+            layers.append(Layer("shape", (Shaded(result.shown),)))
         if state.nodes:
             ghosts = (_ghost(state, part) for part in shown_parts(state) if len(part.strokes))
             layers.append(Layer("ink", tuple(ghosts)))

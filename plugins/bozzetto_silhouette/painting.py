@@ -2,30 +2,79 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh, Texture
 from bozzetto_silhouette.baking import baked
 from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.coloring import Coat, bare, part_coat
+from bozzetto_silhouette.coloring import Coat, Creases, bare, creases_between, part_coat
 from bozzetto_silhouette.projection import axes_of, projection_of, texel_of
 from bozzetto_silhouette.state import SilhouetteState
 
-__all__ = ["painted_mesh", "texture_of"]
+__all__ = ["Painted", "painted", "texture_of"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-def painted_mesh(state: SilhouetteState, body: Body) -> Mesh:
-    """A body for the screen and for files, with colours at its vertices where it has any."""
-    vertices, normals = body.vertices.astype(np.float32), body.normals.astype(np.float32)
-    coat = _coat(state, body)
-    if coat is None:
-        return Mesh(vertices, body.faces, normals)
+class Painted(NamedTuple):
+    """A body's mesh with the colours of its vertices.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Closed, for files.
+    shown : Mesh
+        For the screen: where colours meet at a crease it has a vertex for each.
+    """
+
+    mesh: Mesh
+    shown: Mesh
+
+
+def painted(state: SilhouetteState, body: Body) -> Painted:
+    """A body for the screen and for files."""
+    plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
+    parts = part_coat(state, body)
+    picture = _picture_coat(state, body)
+    if parts is None and picture is None:
+        return Painted(plain, plain)
+    coat = parts or bare(len(body.vertices))
+    mesh = _colored(plain, coat if picture is None else picture.over(coat))
+    creases = None if parts is None else creases_between(state, body, parts)
+    if creases is None:
+        return Painted(mesh, mesh)
+    return Painted(mesh, _split(plain, coat, creases, picture))
+
+
+def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> Mesh:
+    """The mesh with a vertex more for every corner that has a colour of its own."""
+    count = len(plain.vertices)
+    faces = plain.faces.copy()
+    copied = faces[creases.face, creases.corner]
+    faces[creases.face, creases.corner] = count + np.arange(len(copied))
+    order = np.concatenate([np.arange(count), copied])
+    whole = coat.joined(creases.coat)
+    if picture is not None:
+        whole = picture.at(order).over(whole)
+    normals = plain.vertex_normals()[order]
+    return _colored(Mesh(plain.vertices[order], faces, normals), whole)
+
+
+def _colored(mesh: Mesh, coat: Coat) -> Mesh:
     colors, cover = coat.bytes()
-    return Mesh(vertices, body.faces, normals, colors, None if (cover == 255).all() else cover)
+    return replace(mesh, colors=colors, cover=None if (cover == 255).all() else cover)
+
+
+def _picture_coat(state: SilhouetteState, body: Body) -> Coat | None:
+    if state.picture is None:
+        return None
+    projection = projection_of(state.picture, body.radius, body.step)
+    return projection.coat(body.vertices, body.normals)
 
 
 def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
@@ -36,27 +85,31 @@ def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
     picture = state.picture
     if picture is None:
         return None
-    under = part_coat(state, body) or bare(len(body.vertices))
+    under = _corner_coat(state, body)
+    places = np.concatenate([body.vertices, body.normals], axis=1)
 
     def paint(face: Index, weights: Array, detail: float) -> Coat:
-        corners = body.faces[face]
-
-        def between(values: Array) -> Array:
-            return np.asarray(np.einsum("nk,nkd->nd", weights, values[corners]))
-
-        normals = between(body.normals)
-        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-        projection = projection_of(picture, body.radius, detail)
-        below = Coat(between(under.rgb), between(under.cover[:, None])[:, 0])
-        return projection.coat(between(body.vertices), normals).over(below)
+        spread = weights[:, :, None]
+        there = (places[body.faces[face]] * spread).sum(axis=1)
+        points, normals = there[:, :3], there[:, 3:]
+        normals /= np.maximum(np.sqrt((normals**2).sum(axis=1)), 1e-300)[:, None]
+        coat = projection_of(picture, body.radius, detail).coat(points, normals)
+        if under is None:
+            return coat
+        below = (under[face] * spread).sum(axis=1)
+        return coat.over(Coat(below[:, :3], below[:, 3]))
 
     return baked(body.vertices, body.faces, axes_of(picture), 1.0 / texel_of(picture), paint)
 
 
-def _coat(state: SilhouetteState, body: Body) -> Coat | None:
-    under = part_coat(state, body)
-    if state.picture is None:
-        return under
-    projection = projection_of(state.picture, body.radius, body.step)
-    upper = projection.coat(body.vertices, body.normals)
-    return upper.over(bare(len(body.vertices)) if under is None else under)
+def _corner_coat(state: SilhouetteState, body: Body) -> Array | None:
+    """Colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
+    coat = part_coat(state, body)
+    if coat is None:
+        return None
+    corners = np.column_stack([coat.rgb, coat.cover])[body.faces]
+    creases = creases_between(state, body, coat)
+    if creases is not None:
+        own = np.column_stack([creases.coat.rgb, creases.coat.cover])
+        corners[creases.face, creases.corner] = own
+    return corners
