@@ -27,8 +27,18 @@ class Memory(Generic[Answer]):
                 self._answers.move_to_end(question)
                 return self._answers[question]
         answer = work()
+        self.put(question, answer)
+        return answer
+
+    def known(self, question: Hashable) -> Answer | None:
+        """The remembered answer, if there is one."""
+        with self._lock:
+            return self._answers.get(question)
+
+    def put(self, question: Hashable, answer: Answer) -> None:
+        """Remember an answer that was found elsewhere."""
         with self._lock:
             self._answers[question] = answer
+            self._answers.move_to_end(question)
             while len(self._answers) > self._limit:
                 self._answers.popitem(last=False)
-        return answer

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement, Rig
+from bozzetto_silhouette.frame import frame_of
+from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.joints import Joints, joints_of
+from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.places import placement_of
 from bozzetto_silhouette.skeleton import Skeleton
-from bozzetto_silhouette.solid import SilhouetteSolid
-from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
 
 __all__ = ["Armature", "Limbs", "armature_of"]
 
@@ -110,7 +112,10 @@ class _Piece:
         return float(self.radii.max())
 
 
-def armature_of(state: SilhouetteState, solids: Mapping[str, SilhouetteSolid]) -> Armature | None:
+_armatures: Memory[Armature | None] = Memory(limit=64)
+
+
+def armature_of(state: SilhouetteState) -> Armature | None:
     """The joints of all parts that add to the shape; None where there are none.
 
     The largest piece has its root at its thickest joint. Every other one hangs on the largest
@@ -120,14 +125,23 @@ def armature_of(state: SilhouetteState, solids: Mapping[str, SilhouetteSolid]) -
     Parameters
     ----------
     state : SilhouetteState
-    solids : dict of str to SilhouetteSolid
-        By the id of the part; parts without one have no joints.
+
+    Raises
+    ------
+    UserError
+        If a part's ink is no outline.
     """
+    return _armatures.recall(state.nodes, lambda: _armature_of(state))
+
+
+def _armature_of(state: SilhouetteState) -> Armature | None:
+    adding = list(_adding(state))
     waiting = [
-        _Piece(part, placement_of(state, part), joints, solids[part.id].skeleton)
-        for part in _adding(state)
-        if part.id in solids
-        for joints in joints_of(solids[part.id].skeleton)
+        _Piece(part, placement_of(state, part), joints, skeleton)
+        for part in adding
+        if part.surface != "straight"
+        for skeleton in (_skeleton_of(part),)
+        for joints in joints_of(skeleton)
     ]
     waiting.sort(key=lambda piece: -piece.size)  # stable: equals stay in the order of the tree
     hung: list[tuple[_Piece, Limbs]] = []
@@ -160,8 +174,14 @@ def armature_of(state: SilhouetteState, solids: Mapping[str, SilhouetteSolid]) -
         _names([(piece.part.name, len(limbs.nodes)) for piece, limbs in hung]),
         cuts=cuts.astype(np.int32) if len(cuts) else None,
     )
-    rigid = frozenset(part.id for part in _adding(state) if part.id not in solids)
+    rigid = frozenset(part.id for part in adding if part.surface == "straight")
     return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs, rigid)
+
+
+def _skeleton_of(part: Part) -> Skeleton:
+    """The skeleton of a part's solid, in the object frame."""
+    frame = frame_of(outline_of(part), part.skeleton)
+    return frame.skeleton.transformed(frame.scale, frame.origin)
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
@@ -175,7 +195,7 @@ def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
             continue
         if isinstance(node, Group):
             yield from _adding(state, node.id)
-        else:
+        elif not isinstance(node, Cut):
             yield node
 
 

@@ -1,0 +1,220 @@
+"""Posing: joints that were turned, joints that are dragged, and the skin that follows.
+
+A free end draws its whole limb along, up to where that leaves the body (`kinematics`). Any
+other joint turns the bone that it ends, and with it all that hangs on the joint before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Mesh, Rig, Skin
+from bozzetto.plugin import Context, Drag
+from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
+from bozzetto_silhouette.body import Body
+from bozzetto_silhouette.kinematics import least_turn, limb_of, reached
+from bozzetto_silhouette.memory import Memory
+from bozzetto_silhouette.rig import Armature, armature_of
+from bozzetto_silhouette.sheet import Point
+from bozzetto_silhouette.skinning import followed
+from bozzetto_silhouette.solid import Checkpoint, ignore
+from bozzetto_silhouette.state import SilhouetteState, Turn
+
+__all__ = ["JOINT", "joints_layer", "posed", "posed_scene", "rig_of", "skinned"]
+
+Array = NDArray[np.float64]
+
+JOINT = "joint:"
+"""What the handles of joints begin with; their number in the rig follows."""
+
+SAME = 0.5
+"""A turn belongs to a joint that is nearer to its place than this share of the radius there:
+after small edits joints are still the same."""
+
+SMALLEST = 0.005
+"""The same as a share of the rig's longest side: at a pointed tip there is no radius."""
+
+PREVIEW_RESOLUTION = 64
+"""Cells along the longest side for an answer within a blink."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Rest:
+    """A mesh before any turn, and what its vertices follow."""
+
+    mesh: Mesh
+    joints: NDArray[np.uint16]
+    weights: NDArray[np.float32]
+
+    def skin(self, rig: Rig) -> Skin:
+        rest = None if rig.turns is None else self.mesh
+        return Skin(rig, self.joints, self.weights, rest)
+
+
+_weights: Memory[tuple[NDArray[np.uint16], NDArray[np.float32]]] = Memory(limit=16)
+"""By the nodes of the state and the body."""
+
+_rests: Memory[_Rest] = Memory(limit=16)
+"""What was shown last, by the nodes of the state and the resolution: a drag changes neither."""
+
+
+def rig_of(state: SilhouetteState) -> Rig | None:
+    """The rig of a state as it was turned; None without joints.
+
+    Turns whose joint is not there (the ink was changed) wait until it is there again.
+    """
+    armature = armature_of(state)
+    return None if armature is None else _turned(armature, state.turns)
+
+
+def skinned(
+    state: SilhouetteState,
+    body: Body,
+    mesh: Mesh,
+    resolution: int,
+    checkpoint: Checkpoint = ignore,
+) -> tuple[Mesh, Skin | None]:
+    """A shape as its joints were turned, and what it hangs on; no skin without joints.
+
+    Parameters
+    ----------
+    state : SilhouetteState
+    body, mesh : Body, Mesh
+        The shape at rest, and the same for the screen.
+    resolution : int
+        Of both.
+    checkpoint : callable
+    """
+    armature = armature_of(state)
+    if armature is None:
+        return mesh, None
+    joints, weights = _weights.recall(
+        (state.nodes, body), lambda: followed(armature, body, checkpoint)
+    )
+    rest = _Rest(mesh, joints, weights)
+    _rests.put((state.nodes, resolution), rest)
+    skin = rest.skin(_turned(armature, state.turns))
+    return skin.posed(mesh), skin
+
+
+def joints_layer(state: SilhouetteState) -> Layer | None:
+    """Bones as lines and joints as handles; None without joints."""
+    rig = rig_of(state)
+    if rig is None:
+        return None
+    _, places = rig.posed()
+    ends = np.flatnonzero(rig.parents >= 0)
+    bones = np.stack([places[rig.parents[ends]], places[ends]], axis=1).reshape(-1, 3)
+    roots = places[rig.parents < 0]
+    handles = tuple(
+        Handle(f"{JOINT}{joint}", _triple(places[joint]), tip=rig.names[joint])
+        for joint in ends.tolist()
+    )
+    dots = Points(roots.astype(np.float32), color="accent", size=9.0, hidden="show")
+    if not handles:
+        return Layer("joints", (dots,))
+    starts = np.arange(0, len(bones), 2, dtype=np.int32)
+    lines = Lines(bones.astype(np.float32), starts, color="accent", width=2.0, hidden="show")
+    return Layer("joints", (lines, dots, *handles))
+
+
+def posed(state: SilhouetteState, drag: Drag, context: Context) -> SilhouetteState:
+    """The state after a joint was dragged parallel to the screen.
+
+    Raises
+    ------
+    UserError
+        If the joint is gone, is a root, or lies behind the eye.
+    """
+    armature = armature_of(state)
+    rig = None if armature is None else _turned(armature, state.turns)
+    digits = drag.handle.removeprefix(JOINT)
+    number = int(digits) if digits.isdecimal() and digits.isascii() else -1
+    if armature is None or rig is None or not 0 <= number < len(rig.joints):
+        raise UserError("This joint is not there any more. Take hold of another one.")
+    if rig.parents[number] < 0:
+        raise UserError("Everything hangs on this joint. Drag another one.")
+    rotations, places = rig.posed()
+    axes = drag.camera.axes
+    target = drag.camera.on_plane(drag.path.points[-1:], places[number], axes[2])[0]
+    if not np.isfinite(target).all():
+        raise UserError("The joint lies behind the eye. Turn the view, then drag.")
+
+    row = limb_of(rig.parents, number)
+    there = reached(places[row], target, axes[0])
+    matched = _matched(armature, state.turns)
+    others = tuple(turn for k, turn in enumerate(state.turns) if k not in matched.values())
+    turns = {joint: state.turns[k] for joint, k in matched.items()}
+    for k, joint in enumerate(row[:-1]):
+        old, new = places[row[k + 1]] - places[joint], there[k + 1] - there[k]
+        rotations[joint] = least_turn(old, new, axes[2]) @ rotations[joint]
+        above = int(rig.parents[joint])
+        own = rotations[joint] if above < 0 else rotations[above].T @ rotations[joint]
+        turns[joint] = Turn(_triple(rig.joints[joint]), _quaternion(own))
+    return replace(state, turns=(*others, *(turns[joint] for joint in sorted(turns))))
+
+
+def posed_scene(state: SilhouetteState, drag: Drag, context: Context) -> Scene:
+    """What `posed` would show: the shape that was there before, moved by its skin alone."""
+    try:
+        after = posed(state, drag, context)
+    except UserError:
+        return Scene()
+    rig, layer = rig_of(after), joints_layer(after)
+    layers = [] if layer is None else [layer]
+    rest = _rests.known((state.nodes, state.resolution)) or _rests.known(
+        (state.nodes, min(state.resolution, PREVIEW_RESOLUTION))
+    )
+    if rest is not None and rig is not None:
+        mesh = rest.skin(rig).posed(rest.mesh)
+        layers.insert(0, Layer("shape", (Shaded(mesh, pickable=False),)))
+    return Scene(tuple(layers))
+
+
+def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
+    """Which joint has which turn: the nearest pairs first, each once."""
+    if not turns:
+        return {}
+    joints = armature.rig.joints
+    asked = np.array([turn.joint for turn in turns])
+    gaps = np.linalg.norm(asked[:, None] - joints, axis=2)
+    reach = np.maximum(SAME * armature.radii, SMALLEST * float(np.ptp(joints, axis=0).max()))
+    found: dict[int, int] = {}
+    taken: set[int] = set()
+    for flat in np.argsort(gaps, axis=None, kind="stable").tolist():
+        turn, joint = divmod(flat, len(joints))
+        if gaps[turn, joint] <= reach[joint] and joint not in found and turn not in taken:
+            found[joint] = turn
+            taken.add(turn)
+    return found
+
+
+def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
+    """The rig with the turns of the joints that are there."""
+    matched = _matched(armature, turns)
+    if not matched:
+        return armature.rig
+    quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (len(armature.rig.joints), 1))
+    for joint, k in matched.items():
+        w, x, y, z = turns[k].rotation
+        length = float(np.linalg.norm((w, x, y, z)))
+        if 0.0 < length < np.inf:  # a file may hold any numbers
+            quaternions[joint] = np.array([x, y, z, w]) / length
+    return replace(armature.rig, turns=quaternions)
+
+
+def _quaternion(matrix: Array) -> tuple[float, float, float, float]:
+    """w, x, y, z."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
+    return w, x, y, z
+
+
+def _triple(values: Array) -> Point:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
