@@ -64,6 +64,14 @@ axis of a tube is then 1.02 radii."""
 DENSEST = 0.5
 """Height constraints closer to a higher one than this share of their height are dropped."""
 
+THIN = 0.04
+"""Height, as a share of the size, below which the axis of a limb gets a constraint of its own:
+above and below lie so close together there that the function may vanish in between."""
+
+AXIS_LEVEL = 0.5
+"""Value of it, in distances to the outline: that of (r^2 - d^2) / 2r, which has slope 1 on the
+surface of a tube."""
+
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
@@ -221,6 +229,9 @@ def _around(
             offset[~true] *= 0.5
         flat.append(place[true])
         values.append(side * depth[true])
+    axis = heights[heights[:, 2] < THIN, :2]
+    flat.append(axis)
+    values.append(AXIS_LEVEL * distance(axis).distance)
     plane = np.concatenate(flat)
     points = np.concatenate([np.column_stack([plane, np.zeros(len(plane))]), heights])
     value = np.concatenate([*values, np.zeros(len(heights))])
