@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Shapes, Skeleton, Solid
+from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Context, Job, Tool
-from bozzetto.scene import Layer, Lines, Scene, Shaded
+from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.fidelity import measure
+from bozzetto_silhouette.ghosts import deviation_layer, ink_layer
 from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
 from bozzetto_silhouette.painting import painted, texture_of
-from bozzetto_silhouette.places import carried, shown_parts
+from bozzetto_silhouette.places import shown_parts
+from bozzetto_silhouette.posing import Posed, joints_layer, skinned
+from bozzetto_silhouette.report import report_of
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
 from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
@@ -31,9 +33,6 @@ __all__ = ["Silhouette", "SilhouetteResult"]
 PREVIEW_RESOLUTION = 64
 """Cells along the longest side for an answer within a blink."""
 
-INK_WIDTH = (1.0, 3.0)
-"""Width of ghost ink at no and at full pressure, pixels."""
-
 
 @dataclass(frozen=True, eq=False)
 class SilhouetteResult:
@@ -44,7 +43,9 @@ class SilhouetteResult:
     body : Body or None
         None where nothing is left.
     mesh, shown : Mesh or None
-        The same for files, and for the screen: `Painted`.
+        The same for files, and for the screen (`Painted`), as its joints were turned.
+    skin : Skin or None
+        What `mesh` hangs on; None without joints, and in previews of what is not posed.
     solids : dict of str to SilhouetteSolid
         By the id of the part; without those that go straight through.
     """
@@ -52,6 +53,7 @@ class SilhouetteResult:
     body: Body | None
     mesh: Mesh | None
     shown: Mesh | None
+    skin: Skin | None
     solids: Mapping[str, SilhouetteSolid]
 
 
@@ -97,15 +99,19 @@ class Silhouette:
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
         body = tree_body(state, resolution, job.checkpoint)
-        look = None if body is None else painted(state, body)
         solids = {
             part.id: solid_of(part, resolution)
             for part in state.parts
             if part.visible and part.surface != "straight"
         }
-        if look is None:
-            return SilhouetteResult(None, None, None, solids)
-        return SilhouetteResult(body, look.mesh, look.shown, solids)
+        if body is None:
+            return SilhouetteResult(None, None, None, None, solids)
+        look = painted(state, body)
+        if job.quality == "final" or state.posing or state.turns:
+            moved = skinned(state, body, look, job.checkpoint)
+        else:
+            moved = Posed(*look, None)
+        return SilhouetteResult(body, *moved, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
         """The solids in clay and the ink that made them, as a ghost."""
@@ -113,11 +119,16 @@ class Silhouette:
         if result is not None and result.shown is not None:
             layers.append(Layer("shape", (Shaded(result.shown),)))
         if state.nodes:
-            ghosts = (_ghost(state, part) for part in shown_parts(state) if len(part.strokes))
-            layers.append(Layer("ink", tuple(ghosts)))
+            layers.append(ink_layer(state))
+        off = None if result is None else _deviation(state, result)
+        if off is not None:
+            layers.append(off)
         handles = handles_layer(state) if state.held and not state.posing else None
         if handles is not None:
             layers.append(handles)
+        joints = joints_layer(state) if state.posing and result is not None else None
+        if joints is not None:
+            layers.append(joints)
         return Scene(tuple(layers))
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
@@ -133,17 +144,14 @@ class Silhouette:
                 flat = np.column_stack([nodes[:, :2], np.zeros(len(nodes))])
                 radii = nodes[:, 2] * part.placement.scale
                 skeletons.append(Skeleton(part.placement.points(flat), radii, bones))
-        return Shapes(solids=(Solid(result.mesh, texture=texture),), skeletons=tuple(skeletons))
+        return Shapes(
+            solids=(Solid(result.mesh, texture=texture, skin=result.skin),),
+            skeletons=tuple(skeletons),
+        )
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
-        """How truly every part keeps its outline."""
-        return {
-            "parts": [
-                asdict(measure(result.solids[part.id], outline_of(part)))
-                for part in state.parts
-                if part.id in result.solids
-            ]
-        }
+        """How truly every part keeps its outline, and how sound the whole is."""
+        return report_of(state, result.body, result.solids)
 
     # -- parts --
 
@@ -185,21 +193,9 @@ class Silhouette:
         return {"nodes": nodes, "selected": "n1" if nodes else "", **kept}
 
 
-def _ghost(state: SilhouetteState, part: Part) -> Lines:
-    """A part's ink where it stands now, as wide as the hand pressed."""
-    pose = carried(state, part)
-    points, starts, widths, count = [], [], [], 0
-    thin, thick = INK_WIDTH
-    for stroke in part.strokes:
-        on_sheet = part.sheet.from_pixels(stroke.points, stroke.camera)
-        points.append(pose.points(part.sheet.to_world(on_sheet)))
-        widths.append(thin + (thick - thin) * np.clip(stroke.pressure, 0.0, 1.0))
-        starts.append(count)
-        count += len(on_sheet)
-    return Lines(
-        np.concatenate(points),
-        np.array(starts),
-        color="accent" if part.id == state.selected else "ghost",
-        width=np.concatenate(widths),
-        hidden="faint",
-    )
+def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:
+    """Where the chosen part's silhouette is not the one that was drawn."""
+    chosen = [part for part in shown_parts(state) if part.id == state.selected]
+    if not chosen or chosen[0].id not in result.solids:
+        return None
+    return deviation_layer(state, chosen[0], result.solids[chosen[0].id])

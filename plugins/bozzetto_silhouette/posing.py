@@ -6,25 +6,27 @@ other joint turns the bone that it ends, and with it all that hangs on the joint
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Rig, Skin
-from bozzetto.plugin import Context, Drag
+from bozzetto.plugin import Drag
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.kinematics import least_turn, limb_of, reached
 from bozzetto_silhouette.memory import Memory
+from bozzetto_silhouette.painting import Painted
 from bozzetto_silhouette.rig import Armature, armature_of
 from bozzetto_silhouette.sheet import Point
 from bozzetto_silhouette.skinning import followed
 from bozzetto_silhouette.solid import Checkpoint, ignore
 from bozzetto_silhouette.state import SilhouetteState, Turn
 
-__all__ = ["JOINT", "joints_layer", "posed", "posed_scene", "rig_of", "skinned"]
+__all__ = ["JOINT", "Posed", "joints_layer", "posed", "posed_scene", "rig_of", "skinned"]
 
 Array = NDArray[np.float64]
 
@@ -38,28 +40,39 @@ after small edits joints are still the same."""
 SMALLEST = 0.005
 """The same as a share of the rig's longest side: at a pointed tip there is no radius."""
 
-PREVIEW_RESOLUTION = 64
-"""Cells along the longest side for an answer within a blink."""
+
+class Posed(NamedTuple):
+    """A shape as its joints were turned.
+
+    Attributes
+    ----------
+    mesh, shown : Mesh
+        For files and for the screen.
+    skin : Skin or None
+        What `mesh` hangs on; None without joints.
+    """
+
+    mesh: Mesh
+    shown: Mesh
+    skin: Skin | None
 
 
-@dataclass(frozen=True, eq=False)
-class _Rest:
-    """A mesh before any turn, and what its vertices follow."""
+class _Rest(NamedTuple):
+    """A mesh for the screen before any turn, and what its vertices follow."""
 
     mesh: Mesh
     joints: NDArray[np.uint16]
     weights: NDArray[np.float32]
 
-    def skin(self, rig: Rig) -> Skin:
-        rest = None if rig.turns is None else self.mesh
-        return Skin(rig, self.joints, self.weights, rest)
+    def posed(self, rig: Rig) -> Mesh:
+        return Skin(rig, self.joints, self.weights).posed(self.mesh)
 
 
 _weights: Memory[tuple[NDArray[np.uint16], NDArray[np.float32]]] = Memory(limit=16)
 """By the nodes of the state and the body."""
 
 _rests: Memory[_Rest] = Memory(limit=16)
-"""What was shown last, by the nodes of the state and the resolution: a drag changes neither."""
+"""What was shown last, by the nodes of the state: a drag does not change them."""
 
 
 def rig_of(state: SilhouetteState) -> Rig | None:
@@ -74,31 +87,33 @@ def rig_of(state: SilhouetteState) -> Rig | None:
 def skinned(
     state: SilhouetteState,
     body: Body,
-    mesh: Mesh,
-    resolution: int,
+    look: Painted,
     checkpoint: Checkpoint = ignore,
-) -> tuple[Mesh, Skin | None]:
-    """A shape as its joints were turned, and what it hangs on; no skin without joints.
+) -> Posed:
+    """A shape as its joints were turned, and what it hangs on.
 
     Parameters
     ----------
     state : SilhouetteState
-    body, mesh : Body, Mesh
-        The shape at rest, and the same for the screen.
-    resolution : int
-        Of both.
+    body, look : Body, Painted
+        The shape at rest.
     checkpoint : callable
     """
     armature = armature_of(state)
     if armature is None:
-        return mesh, None
+        return Posed(look.mesh, look.shown, None)
     joints, weights = _weights.recall(
         (state.nodes, body), lambda: followed(armature, body, checkpoint)
     )
-    rest = _Rest(mesh, joints, weights)
-    _rests.put((state.nodes, resolution), rest)
-    skin = rest.skin(_turned(armature, state.turns))
-    return skin.posed(mesh), skin
+    # What is shown has the same faces; where colours meet some of its vertices are copies.
+    original = np.zeros(len(look.shown.vertices), np.intp)
+    original[look.shown.faces] = look.mesh.faces
+    rest = _Rest(look.shown, joints[original], weights[original])
+    _rests.put(state.nodes, rest)
+    rig = _turned(armature, state.turns)
+    skin = Skin(rig, joints, weights, None if rig.turns is None else look.mesh)
+    mesh = skin.posed(look.mesh)
+    return Posed(mesh, mesh if look.shown is look.mesh else rest.posed(rig), skin)
 
 
 def joints_layer(state: SilhouetteState) -> Layer | None:
@@ -122,7 +137,7 @@ def joints_layer(state: SilhouetteState) -> Layer | None:
     return Layer("joints", (lines, dots, *handles))
 
 
-def posed(state: SilhouetteState, drag: Drag, context: Context) -> SilhouetteState:
+def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
     """The state after a joint was dragged parallel to the screen.
 
     Raises
@@ -158,20 +173,17 @@ def posed(state: SilhouetteState, drag: Drag, context: Context) -> SilhouetteSta
     return replace(state, turns=(*others, *(turns[joint] for joint in sorted(turns))))
 
 
-def posed_scene(state: SilhouetteState, drag: Drag, context: Context) -> Scene:
+def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
     """What `posed` would show: the shape that was there before, moved by its skin alone."""
     try:
-        after = posed(state, drag, context)
+        after = posed(state, drag)
     except UserError:
         return Scene()
     rig, layer = rig_of(after), joints_layer(after)
     layers = [] if layer is None else [layer]
-    rest = _rests.known((state.nodes, state.resolution)) or _rests.known(
-        (state.nodes, min(state.resolution, PREVIEW_RESOLUTION))
-    )
+    rest = _rests.known(state.nodes)
     if rest is not None and rig is not None:
-        mesh = rest.skin(rig).posed(rest.mesh)
-        layers.insert(0, Layer("shape", (Shaded(mesh, pickable=False),)))
+        layers.insert(0, Layer("shape", (Shaded(rest.posed(rig), pickable=False),)))
     return Scene(tuple(layers))
 
 

@@ -14,6 +14,7 @@ from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.handles import grip_of
 from bozzetto_silhouette.motion import moved, resized, settled, turned
 from bozzetto_silhouette.places import carried, groups_around
+from bozzetto_silhouette.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.touch import touched_part
 from bozzetto_silhouette.tree import tree_body
@@ -39,6 +40,8 @@ class Arrange:
         """The whole shape as it would be, coarse; it stands in for the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
+        if gesture.handle.startswith(JOINT):
+            return posed_scene(state, gesture)
         try:
             body = tree_body(self.apply(state, gesture, context), LIVE_CELLS)
         except UserError:
@@ -62,6 +65,8 @@ class Arrange:
             return replace(state, selected=chosen, held=part is not None)
         if not isinstance(gesture, Drag):
             raise UserError("Tap a part to choose it, then drag its handles.")
+        if gesture.handle.startswith(JOINT):
+            return posed(state, gesture)
         kind, _, node_id = gesture.handle.partition(":")
         node = next((node for node in state.nodes if node.id == node_id), None)
         grip = None if node is None else grip_of(state, node)
