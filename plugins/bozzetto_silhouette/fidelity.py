@@ -12,7 +12,7 @@ from bozzetto_silhouette.shadow import shadow_of
 from bozzetto_silhouette.solid import SilhouetteSolid
 from bozzetto_silhouette.soundness import soundness_of
 
-__all__ = ["Fidelity", "measure"]
+__all__ = ["Fidelity", "area_of", "deviation_along", "measure"]
 
 DENSIFY = 2.5e-3
 """Spacing of the Hausdorff distance's samples, as a share of the diagonal."""
@@ -97,7 +97,7 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
         status=sound.status,
         watertight=sound.watertight,
         volume=sound.volume,
-        area=_area(solid.vertices, solid.faces),
+        area=area_of(solid.vertices, solid.faces),
         genus=sound.genus,
         expected_genus=sound.expected_genus,
         components=sound.components,
@@ -107,7 +107,32 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
     )
 
 
-def _area(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+def deviation_along(
+    solid: SilhouetteSolid, ring: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far a solid's silhouette is from a drawn ring, along the ring.
+
+    Returns
+    -------
+    points : (n, 2) float array
+        Closely along the ring; the last is the first.
+    distance : (n,) float array
+        From each to the silhouette, in outline units.
+    """
+    import shapely
+
+    border = shadow_of(solid.vertices, solid.faces).boundary
+    spacing = DENSIFY * solid.outline.diagonal
+    points = shapely.get_coordinates(shapely.segmentize(shapely.LinearRing(ring), spacing))
+    if shapely.is_empty(border):
+        return points, np.full(len(points), np.inf)
+    tree = shapely.STRtree(_pieces(border))
+    _, gap = tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+    return points, np.asarray(gap, np.float64)
+
+
+def area_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+    """Area of a mesh (v, 3), (f, 3)."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 

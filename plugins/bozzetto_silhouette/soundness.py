@@ -13,12 +13,12 @@ from bozzetto_silhouette.outline import Outline
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["Soundness", "as_manifold", "soundness_of", "volume_of"]
+__all__ = ["Soundness", "Topology", "as_manifold", "soundness_of", "topology_of", "volume_of"]
 
 
 @dataclass(frozen=True)
-class Soundness:
-    """What was found and what was expected.
+class Topology:
+    """What a mesh is.
 
     Attributes
     ----------
@@ -26,24 +26,41 @@ class Soundness:
         In the words of manifold3d: ``"NoError"`` when every edge joins two faces that run
         along it in opposite directions.
     volume : float
-        In cubed outline units; negative means inside out.
-    genus, expected_genus : int
-        Handles of the solid and holes of the drawing.
-    components, expected_components : int
-        Bodies of the solid and outer rings of the drawing.
+        In cubed units of the mesh; negative means inside out.
+    genus : int
+        Handles, of all its surfaces together.
+    components : int
+        Closed surfaces that do not touch.
+    bodies : int
+        Those of them that enclose something; the others bound hollows.
     """
 
     status: str
     volume: float
     genus: int
-    expected_genus: int
     components: int
-    expected_components: int
+    bodies: int
 
     @property
     def watertight(self) -> bool:
         """Whether the mesh bounds a solid."""
         return self.status == "NoError"
+
+
+@dataclass(frozen=True)
+class Soundness(Topology):
+    """What was found and what was expected.
+
+    Attributes
+    ----------
+    expected_genus : int
+        Holes of the drawing.
+    expected_components : int
+        Outer rings of the drawing.
+    """
+
+    expected_genus: int
+    expected_components: int
 
     @property
     def ok(self) -> bool:
@@ -72,7 +89,16 @@ def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mani
 def soundness_of(
     vertices: NDArray[np.float64], faces: NDArray[np.int32], outline: Outline
 ) -> Soundness:
-    """Check a mesh (v, 3), (f, 3) against the outline it was made from.
+    """Check a mesh (v, 3), (f, 3) against the outline it was made from."""
+    return Soundness(
+        **vars(topology_of(vertices, faces)),
+        expected_genus=outline.genus,
+        expected_components=outline.components,
+    )
+
+
+def topology_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Topology:
+    """Look at a mesh (v, 3), (f, 3).
 
     Notes
     -----
@@ -86,17 +112,17 @@ def soundness_of(
     a, b = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
     links = coo_array((np.ones(len(a), dtype=np.int32), (a, b)), shape=(len(vertices),) * 2)
     used = np.bincount(faces.ravel(), minlength=len(vertices)) > 0
-    pieces, _ = connected_components(links, directed=False)
+    pieces, label = connected_components(links, directed=False)
     components = pieces - int((~used).sum())
     # Euler's formula, summed over the bodies; of three half edges each face owns one and a half.
     euler = int(used.sum()) - 3 * len(faces) // 2 + len(faces)
-    return Soundness(
+    volumes = np.bincount(label[faces[:, 0]], _wedges(vertices, faces), minlength=pieces)
+    return Topology(
         _status(vertices, faces),
         volume_of(vertices, faces),
         components - euler // 2,
-        outline.genus,
         components,
-        outline.components,
+        int((volumes > 0.0).sum()),
     )
 
 
@@ -112,6 +138,11 @@ def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
 
 
 def volume_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
-    """Volume by the divergence theorem, about a vertex so that far away no digits are lost."""
+    """Volume by the divergence theorem."""
+    return float(_wedges(vertices, faces).sum())
+
+
+def _wedges(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.float64]:
+    """What each face adds to the volume, about a vertex so that far away no digits are lost."""
     a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, np.float64)

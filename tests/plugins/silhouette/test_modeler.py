@@ -24,7 +24,7 @@ PEN, MODELER = Pen(), Silhouette()
 
 def drawn(*circles: tuple[float, float, float], **parameters: object) -> SilhouetteState:
     state = SilhouetteState(**parameters)
-    (tool,) = MODELER.tools()
+    tool = MODELER.tools()[0]
     for circle in circles:
         state = tool.apply(state, Ink((PEN.circle(*circle),), True), Context())
     return state
@@ -39,7 +39,8 @@ def forgetful(monkeypatch: pytest.MonkeyPatch) -> None:
 def forget(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(leaf, "_solids", Memory(limit=8))
     monkeypatch.setattr(leaf, "_bodies", Memory(limit=8))
-    monkeypatch.setattr(tree, "_prefixes", Memory(limit=8))
+    monkeypatch.setattr(tree, "_joined", Memory(limit=8))
+    monkeypatch.setattr(tree, "_moved", Memory(limit=8))
 
 
 def body(mesh: Mesh) -> manifold3d.Manifold:
@@ -78,7 +79,7 @@ def test_only_parts_that_changed_are_solved_again(
     monkeypatch.setattr(leaf, "solidify", counting)
     one = drawn((300, 400, 90), resolution=32)
     first = MODELER.solve(one, Job())
-    (tool,) = MODELER.tools()
+    tool = MODELER.tools()[0]
     two = tool.apply(one, Ink((PEN.circle(800, 400, 90),), True), Context())
     assert MODELER.solve(two, Job()).solids["n1"] is first.solids["n1"]
     assert len(solved) == 2
@@ -194,13 +195,13 @@ def test_fifty_parts_remember_their_outlines(monkeypatch: pytest.MonkeyPatch) ->
     from bozzetto_silhouette import ink_to_outline
 
     read: list[int] = []
-    real = ink_to_outline.outline_from_strokes
+    real = ink_to_outline.rings_from_strokes
 
     def counting(strokes, **more):
         read.append(len(strokes))
         return real(strokes, **more)
 
-    monkeypatch.setattr(ink_to_outline, "outline_from_strokes", counting)
+    monkeypatch.setattr(ink_to_outline, "rings_from_strokes", counting)
     places = [(60.0 + 110.0 * (k % 10), 77.0 + 100.0 * (k // 10), 31.0) for k in range(50)]
     assert len(drawn(*places).parts) == 50
     assert len(read) == 50

@@ -1,0 +1,110 @@
+"""How thin a solid gets: what a printer has to hold.
+
+From inside every facet a ray goes straight in, to the facet on the other side; where both are
+about parallel its length is the thickness of a wall (the shape diameter of Shapira, Shamir and
+Cohen-Or, 2008, with one ray). A tip is thin but no wall: a wall is as thin all around, within
+twice its own thickness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Mesh
+from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view import Rays
+
+__all__ = ["Walls", "walls_of"]
+
+Points = NDArray[np.float64]
+
+RAYS = 3000
+"""Facets that are looked at: meshes are finest where they are thin."""
+
+PARALLEL = 0.7
+"""Cosine of the angle between two facets up to which they are sides of one wall."""
+
+AROUND = 2.0
+"""Times its thickness, how far around a wall is looked at."""
+
+ALIKE = 1.25
+"""Times its thickness, how thick a wall may be there."""
+
+SHARE = 0.6
+"""Share of the surface around that must be as thin."""
+
+FINEST = 0.01
+"""Share of the surface that may be thinner than the smallest detail: tips."""
+
+INSIDE = 1e-4
+"""How far inside a facet its ray starts, as a share of the size."""
+
+
+@dataclass(frozen=True)
+class Walls:
+    """How thin a solid is.
+
+    Attributes
+    ----------
+    thinnest : float
+        Of all walls, in the unit of the mesh; of what is no wall nowhere, the size.
+    place : (x, y, z)
+        Where, in the middle of the wall.
+    detail : float
+        What all but `FINEST` of the surface is thicker than, tips included.
+    """
+
+    thinnest: float
+    place: tuple[float, float, float]
+    detail: float
+
+
+def walls_of(vertices: Points, faces: NDArray[np.int32]) -> Walls:
+    """Measure a closed mesh (v, 3), (f, 3), oriented outwards."""
+    low = vertices.min(axis=0)
+    size = float((vertices.max(axis=0) - low).max())
+    unit = (vertices - low) / size
+    if len(faces) > RAYS:
+        chosen = np.random.default_rng(0).choice(len(faces), RAYS, replace=False)
+    else:
+        chosen = np.arange(len(faces))
+    a, b, c = unit[faces[chosen]].transpose(1, 0, 2)
+    across = np.cross(b - a, c - a)
+    area = 0.5 * np.linalg.norm(across, axis=1)
+    flat = area > 0.0
+    middle, area = ((a + b + c) / 3.0)[flat], area[flat]
+    inwards = -across[flat] / (2.0 * area[:, None])
+    scene = Scene((Layer("solid", (Shaded(Mesh(unit.astype(np.float32), faces)),)),))
+    hits = cast_rays(scene, Rays(middle + INSIDE * inwards, inwards))
+    with np.errstate(invalid="ignore"):
+        meets = np.abs((hits.normals * inwards).sum(axis=1)) >= PARALLEL
+    seen = hits.hit & meets
+    thickness = (hits.distance + INSIDE)[seen]
+    middle, inwards, area = middle[seen], inwards[seen], area[seen]
+    if not len(thickness):
+        x, y, z = (float(v) for v in low + 0.5 * size)
+        return Walls(size, (x, y, z), size)
+    order = np.argsort(thickness)
+    below = np.cumsum(area[order]) / area.sum()
+    detail = float(thickness[order[np.searchsorted(below, FINEST)]])
+    thinnest = _first_wall(middle, thickness, area, order)
+    place = low + size * (middle[thinnest] + 0.5 * thickness[thinnest] * inwards[thinnest])
+    x, y, z = (float(v) for v in place)
+    return Walls(size * float(thickness[thinnest]), (x, y, z), size * detail)
+
+
+def _first_wall(middle: Points, thickness: Points, area: Points, order: NDArray[np.intp]) -> int:
+    """The thinnest sample that is no tip; the thickest where all are."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(middle)
+    for k in order.tolist():
+        near = tree.query_ball_point(middle[k], AROUND * thickness[k])
+        thin = thickness[near] < ALIKE * thickness[k]
+        if area[near][thin].sum() >= SHARE * area[near].sum() and thin.sum() > 3:
+            return int(k)
+    return int(order[-1])
