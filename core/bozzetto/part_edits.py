@@ -151,16 +151,12 @@ class PartEdits:
         return replace(model, state=changed)
 
     def only_choice_differs(self, before: Model, after: Model) -> bool:
-        """Whether a model differs from one before in nothing but which part is chosen."""
-        old, new = self.of(before), self.of(after)
-        if old is None or new is None or old.selected == new.selected:
+        """Whether two models are the same once nothing is chosen in either."""
+        if self.of(before) is None or self.of(after) is None:
             return False
-        known = {part.id for part in old.parts}
-        if new.selected and new.selected not in known:
-            return False
-        chosen = self.select(before, new.selected).state
+        one, other = (self.select(model, "").state for model in (before, after))
         return self._registry.guard.call(
-            before.modeler, "its state", lambda one, two: bool(one == two), chosen, after.state
+            before.modeler, "its state", lambda one, two: bool(one == two), one, other
         )
 
     # -- through the lens --

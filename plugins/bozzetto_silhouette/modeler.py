@@ -170,8 +170,8 @@ class Silhouette:
     def with_parts(
         self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
     ) -> SilhouetteState:
-        """The same state with other nodes."""
-        held = state.held or selected != state.selected
+        """The same state with other nodes; what is chosen in the list shows its handles."""
+        held = bool(selected) and (state.held or selected != state.selected)
         return replace(state, nodes=parts, selected=selected, held=held)
 
     def new_group(self, state: SilhouetteState) -> Group:

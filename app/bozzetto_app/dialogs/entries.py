@@ -103,7 +103,7 @@ def entries_of(
             partial(session.activate_modeler, info.id),
             info.icon,
         )
-    for field, _ in session.parameters:
+    for field, _ in (*session.parameters, *session.part_parameters):
         yield Entry(
             f"parameter {field.name}",
             field.parameter.label,

@@ -14,6 +14,7 @@ from bozzetto_app.panels.choice import ChoiceBox, Segments, make_choice
 from bozzetto_app.panels.icon_button import IconButton
 from bozzetto_app.panels.number_field import NumberField, format_number, sensible_step
 from bozzetto_app.panels.slider import Slider
+from bozzetto_app.panels.swatch import Swatch, color_name
 from bozzetto_app.panels.toggle import Toggle
 from bozzetto_app.words import tr
 
@@ -86,6 +87,7 @@ class ParameterRow(QWidget):
             "switch": self._make_switch,
             "choice": self._make_choice,
             "text": self._make_text,
+            "color": self._make_color,
         }[field.kind]()
 
     def show_value(self, value: Any) -> None:
@@ -98,6 +100,8 @@ class ParameterRow(QWidget):
             return tr("Parameters", "on") if value else tr("Parameters", "off")
         if self.field.kind == "choice":
             return dict(self._options()).get(value, str(value))
+        if self.field.kind == "color":
+            return color_name(value)
         if self.field.kind == "text":
             return tr("Parameters", "nothing") if not value else f"“{value}”"
         return f"{format_number(value, self._step())} {self.field.parameter.unit}".strip()
@@ -166,6 +170,13 @@ class ParameterRow(QWidget):
         self._below.addWidget(choice)
         self.words.setBuddy(choice)
         self._show = choice.set_silently
+
+    def _make_color(self) -> None:
+        swatch = Swatch()
+        swatch.chosen.connect(lambda color: self.changed.emit(color, False))
+        self._line.addWidget(swatch)
+        self.words.setBuddy(swatch)
+        self._show = lambda color: swatch.show_color(color, self.field.parameter.label)
 
     def _make_text(self) -> None:
         text = QLineEdit()

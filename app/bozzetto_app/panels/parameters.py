@@ -1,12 +1,14 @@
-"""Parameters: a form made from the annotations of the selected model's state."""
+"""Parameters: a form made from the annotations of the selected model's state and chosen part."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
+from bozzetto.plugin.parameters import Field
 from bozzetto_app.panels.figures import Figures
 from bozzetto_app.panels.parameter_row import ParameterRow
 from bozzetto_app.panels.section import Section, hairline
@@ -21,7 +23,7 @@ __all__ = ["ParametersPanel"]
 
 
 class ParametersPanel(QScrollArea):
-    """The form of the selected model, and the figures of its result."""
+    """The forms of the selected model and of its chosen part, and the figures of its result."""
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -40,7 +42,8 @@ class ParametersPanel(QScrollArea):
             words.setWordWrap(True)
             words.setProperty("tone", "quiet")
         self._form = QWidget()
-        self._rows: dict[str, ParameterRow] = {}
+        self._rows: dict[tuple[str, str], ParameterRow] = {}
+        self._part_section: Section | None = None
         self._shape: tuple[object, ...] = ()
         self._figures = Figures()
         self._figures_section = Section(tr("Parameters", "Figures"), self._figures)
@@ -63,75 +66,104 @@ class ParametersPanel(QScrollArea):
         self._show_report()
 
     def focus_parameter(self, name: str) -> None:
-        """Bring a parameter into sight and give it the keyboard."""
-        row = self._rows.get(name)
+        """Bring a parameter, of the model or of the chosen part, into sight and reach."""
+        row = self._rows.get(("", name)) or self._rows.get(("part", name))
         if row is None:
             return
-        if row.field.parameter.advanced:
-            self._form.findChildren(Section)[0].set_open(True)
+        around = row.parentWidget()
+        while around is not None and around is not self:
+            if isinstance(around, Section):
+                around.set_open(True)
+            around = around.parentWidget()
         self.ensureWidgetVisible(row)
         row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def refresh(self) -> None:
-        """Show the values that the model has now; the form is only rebuilt for other fields."""
-        found = self._session.parameters
-        shape = (self._session.selected, *(field for field, _ in found))
+        """Show the values that there are now; the form is only rebuilt for other fields."""
+        session = self._session
+        own, inner, part = session.parameters, session.part_parameters, session.chosen_part
+        part_id = "" if part is None else part.id
+        fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
+        shape = (session.selected, part_id, *fields)
         if shape != self._shape:
             self._shape = shape
             self._rebuild()
-        for field, value in found:
-            self._rows[field.name].show_value(value)
-        locked = any(
-            model.locked for model in self._session.document if model.id == self._session.selected
-        )
+        if self._part_section is not None and part is not None:
+            self._part_section.rename(part.name)
+        for owner, found in (("", own), ("part", inner)):
+            for field, value in found:
+                self._rows[owner, field.name].show_value(value)
+        locked = any(model.locked for model in session.document if model.id == session.selected)
         self._locked.setVisible(locked)
         self._form.setEnabled(not locked)
         self._empty.setText(
             tr("Parameters", "Draw or choose an object to see its parameters.")
-            if self._session.selected is None
+            if session.selected is None
             else tr("Parameters", "This object has no parameters.")
         )
-        self._empty.setVisible(not found)
-        self._form.setVisible(bool(found))
+        self._empty.setVisible(not own and not inner)
+        self._form.setVisible(bool(own or inner))
 
     def _rebuild(self) -> None:
+        session = self._session
         old, self._form = self._form, QWidget()
         self._rows = {}
+        self._part_section = None
         column = QVBoxLayout(self._form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
-        advanced = QWidget()
-        folded = QVBoxLayout(advanced)
-        folded.setContentsMargins(0, 4, 0, 0)
-        folded.setSpacing(12)
-        for field, _ in self._session.parameters:
-            row = ParameterRow(field)
-            name = field.name
-            row.changed.connect(
-                lambda value, going, name=name: self._session.set_parameter(
-                    name, value, dragging=going
-                )
-            )
-            row.drag_ended.connect(self._session.end_drag)
-            self._rows[name] = row
-            (folded if field.parameter.advanced else column).addWidget(row)
-        if folded.count():
-            section = Section(
-                tr("Parameters", "Advanced"),
-                advanced,
-                open_=bool(settings().value("panels/advanced", False, bool)),
-            )
-            section.folded.connect(lambda shown: settings().setValue("panels/advanced", shown))
-            column.addWidget(section)
-        else:
-            advanced.deleteLater()
+        self._fill(column, session.parameters, "", session.set_parameter)
+        part = session.chosen_part
+        if part is not None and session.part_parameters:
+            inner = QWidget()
+            below = QVBoxLayout(inner)
+            below.setContentsMargins(0, 4, 0, 0)
+            below.setSpacing(12)
+            self._fill(below, session.part_parameters, "part", session.set_part_parameter)
+            if column.count():
+                column.addWidget(hairline())
+            self._part_section = _section(part.name, inner, "panels/part", True)
+            column.addWidget(self._part_section)
         self._column.replaceWidget(old, self._form)
         put_in_tab_order(self, (self._form, self._figures_section))
         old.hide()
         old.deleteLater()
+
+    def _fill(
+        self,
+        column: QVBoxLayout,
+        found: Iterable[tuple[Field, Any]],
+        owner: str,
+        change: Callable[..., None],
+    ) -> None:
+        """Make the rows of a model's or a part's parameters; advanced ones are folded."""
+        advanced = QWidget()
+        folded = QVBoxLayout(advanced)
+        folded.setContentsMargins(0, 4, 0, 0)
+        folded.setSpacing(12)
+        for field, _ in found:
+            row = ParameterRow(field)
+            row.changed.connect(
+                lambda value, going, name=field.name: change(name, value, dragging=going)
+            )
+            row.drag_ended.connect(self._session.end_drag)
+            self._rows[owner, field.name] = row
+            (folded if field.parameter.advanced else column).addWidget(row)
+        if folded.count():
+            words = tr("Parameters", "Advanced")
+            column.addWidget(_section(words, advanced, "panels/advanced", False))
+        else:
+            advanced.deleteLater()
 
     def _show_report(self) -> None:
         report = self._session.report
         self._figures.show_report(report)
         self._figures_section.setVisible(bool(report))
         self._line.setVisible(bool(report))
+
+
+def _section(title: str, content: QWidget, key: str, is_open: bool) -> Section:
+    """A section that stays folded or open as a person left it, under a key of the settings."""
+    section = Section(title, content, open_=bool(settings().value(key, is_open, bool)))
+    section.folded.connect(lambda shown: settings().setValue(key, shown))
+    return section

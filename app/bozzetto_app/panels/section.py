@@ -32,6 +32,9 @@ class _Heading(QAbstractButton):
     def sizeHint(self) -> QSize:
         return QSize(self.fontMetrics().horizontalAdvance(self.text()) + 48, 28)
 
+    def minimumSizeHint(self) -> QSize:
+        return QSize(96, 28)
+
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
         painter = QPainter(self)
@@ -44,9 +47,11 @@ class _Heading(QAbstractButton):
         paint_icon(painter, chevron, QRectF(0, 6, 16, 16), colors.quiet)
         painter.setPen(qcolor(colors.text))
         painter.setFont(strong_font(self.font()))
-        painter.drawText(
-            self.rect().adjusted(20, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, self.text()
+        place = self.rect().adjusted(20, 0, -4, 0)
+        words = painter.fontMetrics().elidedText(
+            self.text(), Qt.TextElideMode.ElideMiddle, place.width()
         )
+        painter.drawText(place, Qt.AlignmentFlag.AlignVCenter, words)
         if self.hasFocus():
             paint_focus(painter, QRectF(self.rect()))
 
@@ -89,6 +94,12 @@ class Section(QWidget):
     def is_open(self) -> bool:
         """Whether the content is shown."""
         return self._heading.isChecked()
+
+    def rename(self, title: str) -> None:
+        """Give it another heading."""
+        self._heading.setText(title)
+        self._heading.setAccessibleName(title)
+        self._heading.updateGeometry()
 
     def set_open(self, shown: bool) -> None:
         """Unfold or fold it."""

@@ -12,7 +12,7 @@ from bozzetto_app.panels.icon_button import RADIUS, paint_focus
 from bozzetto_app.theme import current_palette, qcolor, tones
 from bozzetto_app.words import tr
 
-__all__ = ["Swatch", "chart"]
+__all__ = ["Swatch", "chart", "color_name"]
 
 COLUMNS = 6
 
@@ -32,6 +32,12 @@ def chart() -> tuple[tuple[str, Color | None], ...]:
         (tr("Swatch", "Chalk"), (0xE6, 0xE2, 0xDA)),
         (tr("Swatch", "Graphite"), (0x5A, 0x5A, 0x5C)),
     )
+
+
+def color_name(color: Color | None) -> str:
+    """What the chart calls a colour; its digits where it is none of the chart."""
+    named = {value: name for name, value in chart()}
+    return named.get(color, "#{:02X}{:02X}{:02X}".format(*(color or (0, 0, 0))))
 
 
 class _Disc(QAbstractButton):
@@ -135,9 +141,7 @@ class Swatch(_Disc):
     def show_color(self, color: Color | None, owner: str) -> None:
         """Show an object's colour, and say whose it is."""
         self.color = color
-        named = {value: name for name, value in chart()}
-        said = named.get(color, "#{:02X}{:02X}{:02X}".format(*(color or (0, 0, 0))))
-        words = tr("Swatch", "Colour of {owner}: {name}", owner=owner, name=said)
+        words = tr("Swatch", "Colour of {owner}: {name}", owner=owner, name=color_name(color))
         self.setAccessibleName(words)
         self.setToolTip(words)
         self.update()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit
+from PySide6.QtWidgets import QAbstractButton, QLineEdit
 
 from bozzetto_app.panels.choice import ChoiceBox, Segments
 from bozzetto_app.panels.number_field import NumberField
@@ -15,6 +15,7 @@ from bozzetto_app.panels.parameter_row import ParameterRow
 from bozzetto_app.panels.parameters import ParametersPanel
 from bozzetto_app.panels.section import Section
 from bozzetto_app.panels.slider import Slider
+from bozzetto_app.panels.swatch import chart
 from bozzetto_app.panels.toggle import Toggle
 
 
@@ -27,8 +28,8 @@ def panel(qtbot, fake_session):
     return made
 
 
-def row(panel, name) -> ParameterRow:
-    return panel._rows[name]
+def row(panel, name, owner="") -> ParameterRow:
+    return panel._rows[owner, name]
 
 
 def settings_made(session):
@@ -187,3 +188,71 @@ def test_a_parameter_can_be_brought_under_the_keyboard(qtbot, panel):
         assert panel.focusWidget() is row(panel, name).findChild(kind)
     panel.focus_parameter("ends")
     assert panel.focusWidget().accessibleName() == "Round"
+
+
+# -- the chosen part ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def with_parts(panel, fakes, fake_session):
+    fake_session.trees["m1"] = fakes.horse_parts()
+    fake_session.document_changed.emit()
+    return panel
+
+
+def heading(panel):
+    return panel._part_section.findChildren(QAbstractButton)[0].accessibleName()
+
+
+def test_the_chosen_parts_form_stands_under_its_name(with_parts, fake_session):
+    assert heading(with_parts) == "Head"
+    assert row(with_parts, "inflation").isVisible(), "the model's own come first"
+    softness = row(with_parts, "softness", "part")
+    assert softness.isVisible()
+    kernel = row(with_parts, "kernel", "part")
+    assert not kernel.isVisible(), "advanced ones are folded"
+    top = softness.mapTo(with_parts, softness.rect().topLeft()).y()
+    own = row(with_parts, "note")
+    assert top > own.mapTo(with_parts, own.rect().topLeft()).y()
+    fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "Skull")
+    fake_session.document_changed.emit()
+    assert heading(with_parts) == "Skull"
+    assert row(with_parts, "softness", "part") is softness, "a new name keeps the controls"
+
+
+def test_another_part_has_another_form_and_none_has_none(with_parts, fake_session):
+    fake_session.trees["m1"] = fake_session.trees["m1"].chosen("n5")
+    fake_session.parameters_changed.emit()
+    assert heading(with_parts) == "Saddle pit"
+    fake_session.trees["m1"] = fake_session.trees["m1"].chosen("")
+    fake_session.parameters_changed.emit()
+    assert with_parts._part_section is None
+    assert row(with_parts, "inflation").isVisible()
+
+
+def test_a_colour_is_chosen_from_the_chart_or_taken_back(with_parts, fake_session):
+    color = row(with_parts, "color", "part")
+    swatch = color.words.buddy()
+    assert "Clay" in swatch.accessibleName()
+    popup = swatch.open_chart()
+    wanted = dict(chart())["Slate"]
+    popup._take(wanted)
+    assert fake_session.calls.named("set_part_parameter") == [
+        (("color", wanted), {"dragging": False})
+    ]
+    assert "Slate" in swatch.accessibleName()
+    color.reset.click()
+    assert fake_session.chosen_part.color is None
+
+
+def test_a_parts_parameter_can_be_brought_under_the_keyboard(with_parts):
+    with_parts.focus_parameter("kernel")
+    kernel = row(with_parts, "kernel", "part")
+    assert kernel.isVisible()
+
+
+def test_a_long_name_does_not_widen_the_panel(with_parts, fake_session):
+    before = with_parts.widget().minimumSizeHint().width()
+    fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "n" * 200)
+    fake_session.document_changed.emit()
+    assert with_parts.widget().minimumSizeHint().width() <= max(before, with_parts.width())

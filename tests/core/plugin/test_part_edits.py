@@ -197,7 +197,8 @@ def test_only_the_choice_differs(shell):
     edits, model = shell.workbench.parts, shell.model
     other = edits.select(model, "d")
     assert edits.only_choice_differs(model, other)
-    assert not edits.only_choice_differs(model, model)
+    assert edits.only_choice_differs(model, edits.select(model, ""))
+    assert edits.only_choice_differs(model, model)
     assert not edits.only_choice_differs(model, edits.rename(other, "d", "Q").model)
     assert not edits.only_choice_differs(model, edits.duplicate(model, "a").model)
 
