@@ -11,13 +11,13 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.draft import draft_surface
 from bozzetto_silhouette.handles import grip_of
 from bozzetto_silhouette.motion import moved, resized, settled, turned
 from bozzetto_silhouette.places import carried, groups_around
 from bozzetto_silhouette.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.touch import touched_part
-from bozzetto_silhouette.tree import tree_body
 
 __all__ = ["Arrange", "placed_anew"]
 
@@ -43,12 +43,13 @@ class Arrange:
         if gesture.handle.startswith(JOINT):
             return posed_scene(state, gesture)
         try:
-            body = tree_body(self.apply(state, gesture, context), LIVE_CELLS)
+            draft = draft_surface(self.apply(state, gesture, context), LIVE_CELLS)
         except UserError:
             return Scene()
-        if body is None:
+        if draft is None:
             return Scene((Layer("shape"),))
-        mesh = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
+        vertices, faces, normals = draft
+        mesh = Mesh(vertices.astype(np.float32), faces, normals.astype(np.float32))
         return Scene((Layer("shape", (Shaded(mesh, pickable=False),)),))
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
