@@ -8,17 +8,14 @@ the distance k from it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_silhouette.implicit import Sample
 
-__all__ = ["Blend", "flipped", "smooth_maximum", "summed"]
+__all__ = ["flipped", "smooth_maximum", "summed"]
 
 Points = NDArray[np.float64]
-Blend = Callable[[Sample, Sample, float], Sample]
 
 ORDER = 3.5
 """Power to which the potential of the scale-invariant kernel falls off around a tube (Zanni
@@ -27,10 +24,10 @@ et al. 2013: the compact sextic, integrated along it)."""
 
 def flipped(sample: Sample) -> Sample:
     """The sample of what is outside."""
-    return Sample(-sample.value, -sample.gradient)
+    return Sample(-sample.value, -sample.gradient, sample.curvature)
 
 
-def smooth_maximum(first: Sample, second: Sample, reach: float) -> Sample:
+def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Sample:
     """Union that knows the angle: sides that meet smoothly are not swollen.
 
     The polynomial smooth maximum ``max + (k - |a - b|)^2 / 4k`` with the reach
@@ -54,10 +51,10 @@ def smooth_maximum(first: Sample, second: Sample, reach: float) -> Sample:
     share = np.where(
         excess > 0.0, 0.5 + 0.5 * np.clip((a - b) / k, -1.0, 1.0), (a >= b).astype(np.float64)
     )
-    return Sample(value, _mixed(share, first, 1.0 - share, second))
+    return _mixed(value, share, first, 1.0 - share, second)
 
 
-def summed(first: Sample, second: Sample, reach: float) -> Sample:
+def summed(first: Sample, second: Sample, reach: Points | float) -> Sample:
     """Union as of one field: the potentials of both are added.
 
     Around a tube of radius r the scale-invariant kernel of support r + k makes the potential
@@ -77,11 +74,15 @@ def summed(first: Sample, second: Sample, reach: float) -> Sample:
         np.where(outside, side, (amount / safe) ** (ORDER - 1.0))
         for amount, side in ((a, leads), (b, ~leads))
     )
-    return Sample(value, _mixed(one, first, other, second))
+    return _mixed(value, one, first, other, second)
 
 
-def _mixed(one: Points, first: Sample, other: Points, second: Sample) -> Points:
-    return one[:, None] * first.gradient + other[:, None] * second.gradient
+def _mixed(value: Points, one: Points, first: Sample, other: Points, second: Sample) -> Sample:
+    """A sample whose value grows by so much of the one and so much of the other."""
+    gradient = one[:, None] * first.gradient + other[:, None] * second.gradient
+    total = np.maximum(one + other, 1e-300)
+    curvature = (one * first.curvature + other * second.curvature) / total
+    return Sample(value, gradient, curvature)
 
 
 def _length(vectors: Points) -> Points:

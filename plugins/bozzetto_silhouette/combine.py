@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.composite import Composite
-from bozzetto_silhouette.fillet import Fillet, filleted
-from bozzetto_silhouette.implicit import Implicit
+from bozzetto_silhouette.fillet import Fillet, filleted, scaled
 from bozzetto_silhouette.remeshing import unit
 from bozzetto_silhouette.shell import vertex_normals
 from bozzetto_silhouette.solid import Checkpoint, ignore
@@ -27,9 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["combined"]
 
 Points = NDArray[np.float64]
-
-_RETREATS = (1.0, 0.5, 0.25)
-"""Shares of the blend that are tried in turn; where none is sound the crease stays sharp."""
 
 _DIFFERENCE = 0.04
 """Width of the difference quotients for normals, as a share of the reach."""
@@ -77,15 +73,12 @@ def combined(
     if reach <= 0.0 or len(sharp.creases) == 0:
         return sharp
     checkpoint(0.4, "blend")
-    for share in _RETREATS:
-        solid = Composite(first.implicit, second.implicit, operation, share * reach)
-        fillet = filleted(sharp.vertices, sharp.faces.astype(np.intp), solid, sharp.step)
-        if fillet is None:
-            continue
-        known = as_manifold(fillet.vertices, fillet.faces.astype(np.int32))
-        if not known.is_empty() and known.volume() > 0.0:
-            return _blended(sharp, fillet, solid, known)
-    return sharp
+    solid = Composite(first.implicit, second.implicit, operation, blend, reach)
+    fillet = filleted(sharp.vertices, sharp.faces.astype(np.intp), solid, sharp.step)
+    known = as_manifold(fillet.vertices, fillet.faces.astype(np.int32))
+    if known.is_empty() or not known.volume() > 0.0:
+        return sharp
+    return _blended(sharp, fillet, solid, known)
 
 
 def _near(first: Body, second: Body) -> bool:
@@ -114,7 +107,7 @@ def _apart(first: Body, second: Body, operation: Operation) -> Body | None:
         np.vstack([first.normals, second.normals]),
         np.append(first.origins, second.origins + np.int32(len(first.sources))),
         first.sources + second.sources,
-        Composite(first.implicit, second.implicit, operation, 0.0),
+        Composite(first.implicit, second.implicit, operation, 0.0, 0.0),
         max(first.radius, second.radius),
         min(first.step, second.step),
         np.append(first.creases, second.creases + count),
@@ -142,7 +135,7 @@ def _sharp(first: Body, second: Body, operation: Operation, whole: Manifold) -> 
         normals,
         _spread(origins, new, faces),
         first.sources + second.sources,
-        Composite(first.implicit, second.implicit, operation, 0.0),
+        Composite(first.implicit, second.implicit, operation, 0.0, 0.0),
         max(first.radius, second.radius),
         min(first.step, second.step),
         on_crease,
@@ -152,8 +145,9 @@ def _sharp(first: Body, second: Body, operation: Operation, whole: Manifold) -> 
 
 def _blended(sharp: Body, fillet: Fillet, solid: Composite, known: Manifold) -> Body:
     normals = sharp.normals[fillet.parents]
-    moved = np.flatnonzero(fillet.moved)
-    normals[moved] = _normals_of(solid, fillet.vertices[moved], _DIFFERENCE * solid.reach)
+    for share in np.unique(fillet.shares[fillet.shares > 0.0]):
+        moved = np.flatnonzero(fillet.shares == share)
+        normals[moved] = _normals_of(scaled(solid, float(share)), fillet.vertices[moved])
     sharp_before = np.zeros(len(sharp.vertices), dtype=bool)
     sharp_before[sharp.creases] = True
     return replace(
@@ -163,7 +157,7 @@ def _blended(sharp: Body, fillet: Fillet, solid: Composite, known: Manifold) -> 
         normals=normals,
         origins=sharp.origins[fillet.parents],
         implicit=solid,
-        creases=np.flatnonzero(sharp_before[fillet.parents] & ~fillet.moved),
+        creases=np.flatnonzero(sharp_before[fillet.parents] & (fillet.shares == 0.0)),
         known=known,
     )
 
@@ -199,8 +193,9 @@ def _crease_normals(
     return vertex_normals(vertices, faces[chosen[faces].any(axis=1)])[on_crease]
 
 
-def _normals_of(solid: Implicit, points: Points, width: float) -> Points:
+def _normals_of(solid: Composite, points: Points) -> Points:
     """Unit normals, outwards, by differences of the value at the corners of a tetrahedron."""
+    width = _DIFFERENCE * solid.local_reach(*solid.sides(points))[:, None, None]
     corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
     values = solid.value(corners).reshape(-1, 4)
     return unit(-values @ _TETRAHEDRON)

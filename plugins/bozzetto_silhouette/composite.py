@@ -16,6 +16,12 @@ __all__ = ["Composite", "box_distance"]
 
 Points = NDArray[np.float64]
 
+_NARROWING = 8
+"""Power of the smooth minimum of reaches: three equal ones give 87 % of each."""
+
+_NARROWEST = 1e6
+"""Thinner than this share of the body nothing is blended."""
+
 _FALL = 0.5
 """Outside a box every value falls at least at this rate: the promise of `Implicit`."""
 
@@ -29,13 +35,17 @@ class Composite:
     first, second : Implicit
         In the same frame.
     operation : {"add", "merge", "carve", "intersect"}
+    blend : float
+        Radius of the blend as a share of the local radius of the thinner one; 0 is a sharp
+        crease.
     reach : float
-        Of the blend, as a length; 0 is a sharp crease.
+        The largest radius of the blend, as a length.
     """
 
     first: Implicit
     second: Implicit
     operation: Operation
+    blend: float
     reach: float
 
     @cached_property
@@ -75,13 +85,29 @@ class Composite:
 
     def blended(self, first: Sample, second: Sample) -> Sample:
         """The two samples as one."""
+        reach = self.local_reach(first, second)
         if self.operation == "carve":
-            return flipped(smooth_maximum(flipped(first), second, self.reach))
+            return flipped(smooth_maximum(flipped(first), second, reach))
         if self.operation == "intersect":
-            return flipped(smooth_maximum(flipped(first), flipped(second), self.reach))
-        if self.operation == "merge" and self.reach > 0.0:
-            return summed(first, second, self.reach)
-        return smooth_maximum(first, second, self.reach)
+            return flipped(smooth_maximum(flipped(first), flipped(second), reach))
+        if self.operation == "merge" and self.blend > 0.0:
+            return summed(first, second, reach)
+        return smooth_maximum(first, second, reach)
+
+    def local_reach(self, first: Sample, second: Sample) -> Points:
+        """Reach of the blend (n,): of the thinner of the two there, and nowhere the largest.
+
+        A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and
+        MATISSE (Bernhardt et al., 2008) ask of a blend: not to wash out what is small.
+        """
+        if self.blend <= 0.0:
+            return np.zeros(len(first.value))
+        narrow = self.reach / self.blend
+        one, other = (np.minimum(narrow * s.curvature, _NARROWEST) for s in (first, second))
+        return np.broadcast_to(
+            self.reach * (1.0 + one**_NARROWING + other**_NARROWING) ** (-1.0 / _NARROWING),
+            len(first.value),
+        )
 
 
 def box_distance(points: Points, bounds: Points) -> Points:
@@ -103,7 +129,10 @@ def _where(
         return solid.sample(points)
     if known is None:
         known = Sample(bound.copy(), np.zeros_like(points))
+    curvature = np.broadcast_to(known.curvature, len(points)).copy()
     chosen = np.flatnonzero(wanted)
     if len(chosen):
-        known.value[chosen], known.gradient[chosen] = solid.sample(points[chosen])
-    return known
+        known.value[chosen], known.gradient[chosen], curvature[chosen] = solid.sample(
+            points[chosen]
+        )
+    return known._replace(curvature=curvature)

@@ -22,12 +22,19 @@ from bozzetto_silhouette.remeshing import (
     unit,
 )
 
-__all__ = ["Fillet", "filleted"]
+__all__ = ["Fillet", "filleted", "scaled"]
 
 Points = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+RETREATS = (1.0, 0.5, 0.25)
+"""Shares of the blend that are tried in turn."""
 
 _FINENESS = 0.22
 """Longest edge in the fillet as a share of the reach: a quarter circle gets about seven."""
+
+_FINEST = 0.2
+"""The same as a share of the mesh's spacing, at least: smaller fillets are not seen."""
 
 _SLIVER = 0.45
 """Edges shorter than this share of the shorter of the longest edge and the mesh's own spacing
@@ -68,7 +75,7 @@ _OVERTURNED = -0.2
 
 
 class Fillet(NamedTuple):
-    """A mesh with its fillet.
+    """A mesh with its fillets.
 
     Attributes
     ----------
@@ -76,64 +83,90 @@ class Fillet(NamedTuple):
     faces : (f, 3) int array
     parents : (v,) int array
         The vertex of the sharp mesh that each stands for or came from.
-    moved : (v,) bool array
-        Those of the fillet.
+    shares : (v,) float array
+        Of the blend that was asked for, in the fillets; 0 where the mesh is as it was.
     """
 
     vertices: Points
-    faces: NDArray[np.intp]
-    parents: NDArray[np.intp]
-    moved: NDArray[np.bool_]
+    faces: Indices
+    parents: Indices
+    shares: Points
 
 
-def filleted(
-    vertices: Points, faces: NDArray[np.intp], solid: Composite, step: float
-) -> Fillet | None:
+def filleted(vertices: Points, faces: Indices, solid: Composite, step: float) -> Fillet:
     """The mesh of the sharp operation brought onto the blended solid.
+
+    Every crease is done by itself. One whose fillet finds no place, as where it would be
+    larger than what it joins, is tried with less, and at last stays sharp.
 
     Parameters
     ----------
     vertices, faces : (v, 3) float array, (f, 3) int array
         Of the sharp operation.
     solid : Composite
-        With a reach above 0.
+        With a blend above 0.
     step : float
         Spacing of the finer of the two meshes.
-
-    Returns
-    -------
-    Fillet or None
-        None where the mesh could not be brought there soundly.
     """
-    told = _told(solid, vertices)
-    if not told.any():
-        return Fillet(vertices, faces, np.arange(len(vertices)), told)
-    may = told.copy()
+    crease = _creases(solid, vertices, faces)
+    of_face = crease[faces].max(axis=1)
+    todo = np.unique(of_face[of_face >= 0])
+    meshes = [(vertices, faces, np.arange(len(vertices)), np.zeros(len(vertices)))]
+    for share in RETREATS:
+        if not len(todo):
+            break
+        patch = _rounded(
+            _patch(vertices, faces[np.isin(of_face, todo)]), crease >= 0, scaled(solid, share), step
+        )
+        own = crease[patch.parents]
+        failed = np.intersect1d(todo, _failed(scaled(solid, share), patch, own))
+        done = np.setdiff1d(todo, failed)
+        # What was never free is still the vertex that it was; the others are new.
+        fresh = np.flatnonzero(patch.free)
+        number = patch.parents.copy()
+        number[fresh] = sum(len(mesh[0]) for mesh in meshes) + np.arange(len(fresh))
+        rows = np.isin(own[patch.faces].max(axis=1), done)
+        meshes.append((
+            patch.vertices[fresh], number[patch.faces[rows]], patch.parents[fresh],
+            np.full(len(fresh), share),
+        ))  # fmt: skip
+        todo = failed
+    kept = (of_face < 0) | np.isin(of_face, todo)
+    meshes[0] = (vertices, faces[kept], meshes[0][2], meshes[0][3])
+    return _compact(*(np.concatenate(column) for column in zip(*meshes, strict=True)))
+
+
+def scaled(solid: Composite, share: float) -> Composite:
+    """The same with a share of its blend."""
+    return replace(solid, blend=share * solid.blend, reach=share * solid.reach)
+
+
+def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
+    """For every vertex that the blend may move the number of its crease, else -1."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    may = _told(solid, vertices)
     for _ in range(_RINGS):
         may[faces[may[faces].any(axis=1)]] = True
-    around = may[faces].any(axis=1)
-    numbers = np.unique(faces[around])
-    local = np.zeros(len(vertices), dtype=np.intp)
-    local[numbers] = np.arange(len(numbers))
-    patch = Patch(
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    inner = may[a] & may[b]
+    links = coo_array(
+        (np.ones(inner.sum(), np.int32), (a[inner], b[inner])), shape=(len(vertices),) * 2
+    )
+    _, number = connected_components(links, directed=False)
+    return np.where(may, number, -1)
+
+
+def _patch(vertices: Points, faces: Indices) -> Patch:
+    """Some faces of a mesh by themselves, with no vertex free yet."""
+    numbers, inverse = np.unique(faces, return_inverse=True)
+    return Patch(
         vertices[numbers],
-        local[faces[around]],
+        inverse.reshape(-1, 3),
         np.zeros(len(numbers), dtype=bool),
         numbers,
         np.zeros((len(numbers), 3)),
-    )
-    patch = _rounded(patch, may, solid, step)
-    if not _sound(solid, patch):
-        return None
-    # What was never free is still the vertex that it was; the others are new.
-    fresh = np.flatnonzero(patch.free)
-    number = patch.parents.copy()
-    number[fresh] = len(vertices) + np.arange(len(fresh))
-    return _compact(
-        np.vstack([vertices, patch.vertices[fresh]]),
-        np.concatenate([faces[~around], number[patch.faces]]),
-        np.append(np.arange(len(vertices)), patch.parents[fresh]),
-        len(vertices),
     )
 
 
@@ -142,60 +175,70 @@ def _rounded(patch: Patch, may: NDArray[np.bool_], solid: Composite, step: float
 
     `may` tells of every vertex of the mesh whether it can be set free.
     """
-    longest = _FINENESS * solid.reach
-    shortest = _SLIVER * min(longest, step)
     for share in _STAGES:
-        stage = replace(solid, reach=share * solid.reach)
+        stage = scaled(solid, share)
         free = patch.free | (_told(stage, patch.vertices) & may[patch.parents])
-        patch = split(replace(patch, free=free), longest)
+        patch = replace(patch, free=free)
+        patch = split(patch, _spacing(solid, patch, step))
         for _ in range(_SMOOTHINGS):
-            patch = _projected(stage, patch)
-            patch = flipped_edges(collapsed(patch, shortest), _FLIPS)
-            patch = relaxed(patch)
+            patch = _bettered(stage, patch, step)
         for _ in range(_NEWTON):
             patch = _projected(stage, patch)
     for _ in range(_REPAIRS):
-        if patch.facing().min() > 0.0:
+        if patch.facing().min(initial=1.0) > 0.0:
             break
-        patch = _projected(solid, relaxed(flipped_edges(collapsed(patch, shortest), _FLIPS)))
+        patch = _projected(solid, _bettered(solid, patch, step))
     return patch
+
+
+def _spacing(solid: Composite, patch: Patch, step: float) -> Points:
+    """Longest edge that is wanted at each vertex."""
+    reach = solid.local_reach(*solid.sides(patch.vertices))
+    return np.maximum(_FINENESS * reach, _FINEST * step)
+
+
+def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
+    """Projected, without slivers, and relaxed."""
+    patch = _projected(solid, patch)
+    shortest = _SLIVER * np.minimum(_spacing(solid, patch, step), step)
+    return relaxed(flipped_edges(collapsed(patch, shortest), _FLIPS))
 
 
 def _told(solid: Composite, points: Points) -> NDArray[np.bool_]:
     """Where the blend makes a difference."""
     sides = solid.sides(points)
-    sharp = replace(solid, reach=0.0).blended(*sides).value
-    told: NDArray[np.bool_] = np.abs(solid.blended(*sides).value - sharp) > _TELLING * solid.reach
+    sharp = replace(solid, blend=0.0, reach=0.0).blended(*sides).value
+    told: NDArray[np.bool_] = np.abs(
+        solid.blended(*sides).value - sharp
+    ) > _TELLING * solid.local_reach(*sides)
     return told
 
 
 def _projected(solid: Composite, patch: Patch) -> Patch:
     """Free vertices after a damped step of Newton's method; normals from the gradient."""
-    value, gradient = solid.sample(patch.vertices)
+    sides = solid.sides(patch.vertices)
+    value, gradient, _ = solid.blended(*sides)
     square = np.maximum((gradient**2).sum(axis=1), _FLATTEST**2)
-    most = _STRIDE * solid.reach
+    most = _STRIDE * solid.local_reach(*sides)
     way = np.where(patch.free, np.clip(value, -most, most) / square, 0.0)
     return replace(
         patch, vertices=patch.vertices - way[:, None] * gradient, normals=-unit(gradient)
     )
 
 
-def _sound(solid: Composite, patch: Patch) -> bool:
-    """Whether all vertices arrived and no face was turned over."""
-    if not np.isfinite(patch.vertices).all():
-        return False
-    left = np.abs(solid.value(patch.vertices[patch.free])).max(initial=0.0)
-    inner = patch.free[patch.faces].all(axis=1)
-    facing = patch.facing(patch.faces[inner]).min(initial=1.0)
-    return bool(left <= _LEFT * solid.reach and facing >= _OVERTURNED)
+def _failed(solid: Composite, patch: Patch, own: Indices) -> Indices:
+    """Creases with vertices that did not arrive, or with faces that are turned over."""
+    sides = solid.sides(patch.vertices)
+    reach = np.maximum(solid.local_reach(*sides), _FINEST * _LEFT * solid.reach)
+    lost = patch.free & ~(np.abs(solid.blended(*sides).value) <= _LEFT * reach)
+    inner = patch.faces[patch.free[patch.faces].all(axis=1)]
+    over = inner[~(patch.facing(inner) >= _OVERTURNED)]
+    return np.unique(np.append(own[lost], own[over.ravel()]))
 
 
-def _compact(
-    vertices: Points, faces: NDArray[np.intp], parents: NDArray[np.intp], first_new: int
-) -> Fillet:
+def _compact(vertices: Points, faces: Indices, parents: Indices, shares: Points) -> Fillet:
     """Without the vertices that no face uses any more."""
     used = np.zeros(len(vertices), dtype=bool)
     used[faces] = True
     number = np.cumsum(used) - 1
-    moved = np.arange(len(vertices)) >= first_new
-    return Fillet(vertices[used], number[faces], parents[used], moved[used])
+    return Fillet(vertices[used], number[faces], parents[used], shares[used])

@@ -28,10 +28,14 @@ class Sample(NamedTuple):
         About the distance to the surface, positive inside, in units of length.
     gradient : (n, 3) float array
         Of the value: it points inwards and is about a unit vector near the surface.
+    curvature : (n,) float array or float
+        One over the radius of the ball that fits there, about: how thin the solid is. 0 where
+        it is flat, or nothing is known.
     """
 
     value: Points
     gradient: Points
+    curvature: Points | float = 0.0
 
 
 class Implicit(Protocol):
@@ -84,5 +88,6 @@ class Placed:
 
     def sample(self, points: Points) -> Sample:
         """Values and gradients at points (n, 3)."""
-        value, gradient = self.inner.sample(self.placement.inverse().points(points))
-        return Sample(value * self.placement.scale, self.placement.directions(gradient))
+        value, gradient, curvature = self.inner.sample(self.placement.inverse().points(points))
+        scale = self.placement.scale
+        return Sample(value * scale, self.placement.directions(gradient), curvature / scale)

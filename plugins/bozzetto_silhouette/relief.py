@@ -48,8 +48,25 @@ Applied twice with opposite signs it leaves cubics as they are."""
 _ROUNDS = 6
 """Rounds of averaging the radius along the rim."""
 
-_FAINT = 1e-12
-"""Gradients shorter than this share of the largest height have no direction."""
+_FAINT = 1e-9
+"""Gradients and radii shorter than this share of the largest height count as none."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """Squared heights, and the local radius at the nodes of their lattice."""
+
+    squares: Lattice
+    radii: Points
+
+    def curvature(self, xy: Points) -> Points:
+        """One over the local radius at points (n, 2)."""
+        from scipy.ndimage import map_coordinates
+
+        at = ((xy - self.squares.low) / self.squares.step).T
+        radius = map_coordinates(self.radii, at, order=1, mode="nearest")
+        curvature: Points = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
+        return curvature
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,15 +88,15 @@ class Relief:
     def sample(self, points: Points) -> Sample:
         """Values and gradients at points (n, 3)."""
         front, back = self._sides
-        low, high = front.bounds
+        low, high = front.squares.bounds
         xy = np.clip(points[:, :2], low, high)
         z = points[:, 2]
         if front is back:
-            value, gradient = self._fitted(front, xy, z)
+            value, gradient, curvature = self._fitted(front, xy, z)
         else:
-            value, gradient = np.empty(len(z)), np.empty((len(z), 3))
+            value, gradient, curvature = np.empty(len(z)), np.empty((len(z), 3)), np.empty(len(z))
             for side, mine in ((front, z >= 0.0), (back, z < 0.0)):
-                value[mine], gradient[mine] = self._fitted(side, xy[mine], z[mine])
+                value[mine], gradient[mine], curvature[mine] = self._fitted(side, xy[mine], z[mine])
         beyond = points[:, :2] - xy
         gap = np.hypot(beyond[:, 0], beyond[:, 1])
         far = np.flatnonzero(gap > 0.0)
@@ -92,26 +109,26 @@ class Relief:
             gradient[far, :2] *= beyond[far] == 0.0
             gradient[far, :2] += beyond[far] / total[:, None]
             value[far] = total
-        return Sample(value, gradient)
+        return Sample(value, gradient, curvature)
 
-    def _fitted(self, side: Lattice, xy: Points, z: Points) -> tuple[Points, Points]:
-        """Distance by the fitted ball, and the direction in which it grows."""
-        u, slope = side.sample(xy)
+    def _fitted(self, side: _Side, xy: Points, z: Points) -> tuple[Points, Points, Points]:
+        """Distance by the fitted ball, the direction in which it grows, and its curvature."""
+        u, slope = side.squares.sample(xy)
         half = np.column_stack([0.5 * slope, -z])
         g2 = (half**2).sum(axis=1)
         g = np.sqrt(g2)
         square = u - z * z
         # Around no ball the gradient is shorter; in valleys far outside it vanishes.
         fitted = np.maximum(g2, -square)
-        value = np.sqrt(fitted + square) - np.sqrt(fitted)
-        return value, half / np.maximum(g, _FAINT * self._tallest)[:, None]
+        gradient = half / np.maximum(g, _FAINT * self._tallest)[:, None]
+        return np.sqrt(fitted + square) - np.sqrt(fitted), gradient, side.curvature(xy)
 
     @cached_property
     def _tallest(self) -> float:
         return float(np.sqrt(max(self.solid.front.max(), self.solid.back.max())))
 
     @cached_property
-    def _sides(self) -> tuple[Lattice, Lattice]:
+    def _sides(self) -> tuple[_Side, _Side]:
         """The squared heights of the front and of the back."""
         from scipy.ndimage import gaussian_filter
 
@@ -124,7 +141,7 @@ class Relief:
         nx, ny = (int(n) + 2 * BORDER + 1 for n in np.ceil(extent / step))
         distance = RimDistance(points[:rim], solid.plan.after)
 
-        def side(squares: Points) -> Lattice:
+        def side(squares: Points) -> _Side:
             gradients = plan_gradients(solid.plan, squares)
             values = on_nodes(points, solid.plan.triangles, squares, gradients, low, step, (nx, ny))
             outside = np.isnan(values)
@@ -139,7 +156,11 @@ class Relief:
             calm = 2.0 * gaussian_filter(values, _CALM) - gaussian_filter(values, _CALM * 2**0.5)
             share = np.clip(gap / (_CALM * step) - 0.5, 0.0, 1.0)
             values[outside] += share * (calm - values)[outside]
-            return Lattice.through(low, step, values)
+            lattice = Lattice.through(low, step, values)
+            slope_x, slope_y = np.gradient(values, step)
+            thick = np.sqrt(np.maximum(values + 0.25 * (slope_x**2 + slope_y**2), 0.0))
+            thick[outside] = radius
+            return _Side(lattice, gaussian_filter(thick, _CALM))
 
         front = side(solid.front)
         same = np.array_equal(solid.front, solid.back)

@@ -105,17 +105,20 @@ def halved(triangles: Indices, middles: Indices) -> Indices:
     return np.concatenate(result)
 
 
-def split(patch: Patch, longest: float) -> Patch:
-    """Halve edges between free vertices until none is longer."""
+def split(patch: Patch, longest: Points) -> Patch:
+    """Halve edges between free vertices until none is longer than the mean at its ends (v,)."""
     for _ in range(_ROUNDS):
         a, b = patch.faces, np.roll(patch.faces, -1, axis=1)
         long = patch.free[a] & patch.free[b]
-        long[long] = _length(patch.vertices[b[long]] - patch.vertices[a[long]]) > longest
+        one, other = a[long], b[long]
+        most = 0.5 * (longest[one] + longest[other])
+        long[long] = _length(patch.vertices[other] - patch.vertices[one]) > most
         if not long.any():
             break
         keys = np.minimum(a, b) * len(patch.vertices) + np.maximum(a, b)
         unique = np.unique(keys[long])
         one, other = unique // len(patch.vertices), unique % len(patch.vertices)
+        longest = np.append(longest, 0.5 * (longest[one] + longest[other]))
         middles = np.where(long, len(patch.vertices) + np.searchsorted(unique, keys), -1)
         patch = Patch(
             np.vstack([patch.vertices, 0.5 * (patch.vertices[one] + patch.vertices[other])]),
@@ -127,10 +130,11 @@ def split(patch: Patch, longest: float) -> Patch:
     return patch
 
 
-def collapsed(patch: Patch, shortest: float) -> Patch:
-    """Collapse edges between free vertices that are shorter, and those of faces turned over.
+def collapsed(patch: Patch, shortest: Points) -> Patch:
+    """Collapse edges between free vertices that are shorter than at either end (v,) is wanted.
 
-    None collapses where that would turn another face over or change the topology.
+    Those of faces turned over go, too. None collapses where that would turn another face over
+    or change the topology.
     """
     for _ in range(_ROUNDS):
         over = np.zeros(len(patch.vertices), dtype=bool)
@@ -138,7 +142,7 @@ def collapsed(patch: Patch, shortest: float) -> Patch:
         edges = _edges(patch.faces)
         edges = edges[patch.free[edges].all(axis=1)]
         length = _length(patch.vertices[edges[:, 1]] - patch.vertices[edges[:, 0]])
-        wanted = np.flatnonzero((length < shortest) | over[edges].all(axis=1))
+        wanted = np.flatnonzero((length < shortest[edges].min(axis=1)) | over[edges].all(axis=1))
         edges = edges[wanted[np.argsort(length[wanted], kind="stable")]]
         edges = _apart(patch, edges)
         if len(edges):
@@ -147,7 +151,8 @@ def collapsed(patch: Patch, shortest: float) -> Patch:
             edges = edges[_turns_nothing(patch, edges)]
         if not len(edges):
             break
-        patch = _without(patch, edges)
+        patch, stays = _without(patch, edges)
+        shortest = shortest[stays]
     return patch
 
 
@@ -293,8 +298,8 @@ def _turns_nothing(patch: Patch, edges: Indices) -> Mask:
     return good
 
 
-def _without(patch: Patch, edges: Indices) -> Patch:
-    """With edges collapsed to their middles; they must lie apart."""
+def _without(patch: Patch, edges: Indices) -> tuple[Patch, Mask]:
+    """With edges collapsed to their middles, they must lie apart; and the vertices that stay."""
     target = np.arange(len(patch.vertices))
     target[edges[:, 1]] = edges[:, 0]
     vertices = patch.vertices.copy()
@@ -306,10 +311,11 @@ def _without(patch: Patch, edges: Indices) -> Patch:
     stays = np.ones(len(vertices), dtype=bool)
     stays[edges[:, 1]] = False
     number = np.cumsum(stays) - 1
-    return Patch(
+    patch = Patch(
         vertices[stays],
         number[faces[alive]],
         patch.free[stays],
         patch.parents[stays],
         normals[stays],
     )
+    return patch, stays
