@@ -15,11 +15,14 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from bozzetto.document.codec import decode_state, encode_state, state_digest
+from bozzetto.document.model import Model
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.parameters import Field, parameter_fields
+from bozzetto.plugin.part_tree import PartTree
+from bozzetto.plugin.parts import HasParts
 from bozzetto.plugin.testing.sameness import difference, fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
@@ -237,7 +240,7 @@ def check_parameters(subject: Subject) -> None:
     """Every number can be solved at both ends of its range, everything at its default."""
     with subject.drawn() as shell:
         start = shell.model
-        for field in parameter_fields(type(shell.state)):
+        for field in _all_parameters(shell):
             _check_default(field)
             for value in _allowed(field):
                 model = shell.workbench.set_parameters(start, {field.name: value})
@@ -249,6 +252,14 @@ def check_parameters(subject: Subject) -> None:
                     if refused and field.kind == "choice" and value != field.default:
                         continue  # a choice need not make sense for every drawing
                     raise Broken(f"{field.name} = {value!r}: {problem}") from problem
+
+
+def _all_parameters(shell: Shell) -> tuple[Field, ...]:
+    """The parameters of the state, and those that its parts have."""
+    tree = shell.workbench.parts.of(shell.model)
+    parts = () if tree is None else tree.parts
+    kinds = dict.fromkeys([type(shell.state), *map(type, parts)])
+    return tuple(field for kind in kinds for field in parameter_fields(kind))
 
 
 def _check_default(field: Field) -> None:
@@ -268,10 +279,55 @@ def _allowed(field: Field) -> list[object]:
         return [False, True]
     if field.kind == "choice":
         return list(field.values)
+    if field.kind == "color":
+        return [None, (0, 128, 255)]
     if field.kind == "text":
         return ["", "Ähre 木 \N{GRINNING FACE}", field.default]
     ends = (field.parameter.minimum, field.parameter.maximum)
     return [value for value in ends if value is not None] + [field.default]
+
+
+def check_parts(subject: Subject) -> None:
+    """Parts can be put back as they were read, and edited as the object list does."""
+    with subject.drawn() as shell:
+        modeler = shell.registry.modeler(subject.modeler)
+        edits, model = shell.workbench.parts, shell.model
+        if not isinstance(modeler, HasParts):
+            return
+        tree = edits.of(model)
+        if tree is None or not tree.parts:
+            raise Broken("a drawing must be made of parts")
+        for part in tree.parts:
+            ensure(
+                isinstance(part, modeler.part_types),
+                f"{type(part).__name__} is not among its part_types",
+            )
+        back = modeler.with_parts(model.state, tree.parts, tree.selected)
+        ensure(same(back, model.state), "parts put back as they were read give another state")
+        first = tree.parts[0].id
+        edited = edits.rename(model, first, "Another name").model
+        _check_kept(edits.of(edited), tree.renamed(first, "Another name"))
+        edited = edits.show(edited, first, False).model
+        edited = edits.duplicate(edits.show(edited, first, True).model, first).model
+        _check_kept(edits.of(edits.select(edited, "")), tree.renamed(first, "Another name")
+                    .doubled(first).chosen(""))  # fmt: skip
+        if modeler.new_group(model.state) is not None:
+            edited = edits.group(edited, [part.id for part in tree.parts]).model
+        _solve_or_refuse(shell, edited)
+        while (left := edits.of(edited)) is not None and left.parts:
+            edited = edits.delete(edited, left.parts[0].id).model
+        _solve_or_refuse(shell, edited)
+
+
+def _check_kept(tree: PartTree | None, wanted: PartTree) -> None:
+    ensure(same(tree, wanted), "with_parts changes the parts that it is given")
+
+
+def _solve_or_refuse(shell: Shell, model: Model) -> None:
+    try:
+        shell.workbench.model_scene(model, shell.workbench.solve(model, _job("preview")))
+    except UserError as problem:
+        ensure(bool(problem.message.strip()), "a UserError needs words")
 
 
 def check_preview_time(subject: Subject) -> None:
@@ -353,6 +409,7 @@ CHECKS: Final = tuple(
         check_odd_gestures,
         check_determinism,
         check_parameters,
+        check_parts,
         check_preview_time,
         check_elsewhere,
     )
