@@ -106,7 +106,7 @@ def _labels(corners: Array, beside: Index) -> Index:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     towards = np.stack([normal, -normal], axis=2).reshape(-1, 6)
-    label = towards.argmax(axis=1)
+    label: Index = towards.argmax(axis=1)
     rows = np.arange(len(label))
     for _ in range(ROUNDS):
         around = np.where(beside >= 0, label[beside], label[:, None])

@@ -28,7 +28,7 @@ what is drawn later lies on top, and rounding does not decide."""
 CONTRAST = 12.0
 """Difference of colours, of 255, below which an edge between them is not seen."""
 
-PULL = 0.25
+PULL = 0.5
 """How far the corners of a face are moved towards its middle, to tell on which side of a crease
 they are: well off the crease, and near enough not to see a blend."""
 
@@ -134,6 +134,8 @@ def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases |
     coat : Coat
         Of the body's vertices.
     """
+    if not _has_crease(body.implicit):
+        return None
     at_vertices = np.column_stack([coat.rgb, 255.0 * coat.cover])
     of_corners = at_vertices[body.faces]
     crossed = np.flatnonzero(np.ptp(of_corners, axis=1).max(axis=1) > CONTRAST)
@@ -160,6 +162,14 @@ def _leaves(solid: Implicit) -> Iterator[Implicit]:
         yield from _leaves(solid.second)
     else:
         yield solid
+
+
+def _has_crease(solid: Implicit) -> bool:
+    if isinstance(solid, Placed):
+        return _has_crease(solid.inner)
+    if not isinstance(solid, Composite):
+        return False
+    return solid.reach <= 0.0 or _has_crease(solid.first) or _has_crease(solid.second)
 
 
 def _coat_of_origins(body: Body, colors: dict[str, Color | None]) -> Coat:

@@ -32,6 +32,10 @@ STEEP = 0.35
 """Component of the normal along the projection below which the sides begin: there a pixel is
 drawn out to three times its length."""
 
+SOFTENING = 0.5
+"""Standard deviation by which the picture is softened for the sides, as a share of the inset:
+from there little of what lies beyond the edge is seen."""
+
 SOFT_SIDE = 256
 """Longest side of the softened picture, pixels: it is smooth, so few tell all."""
 
@@ -103,7 +107,7 @@ def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
     inset, texel = INSET * radius, texel_of(picture)
     longest = max(picture.pixels.shape[:2])
     few = 1 << max(0, (longest - 1) // SOFT_SIDE).bit_length()
-    soft = _softened(_level(picture, few), inset / (texel * few))
+    soft = _softened(_level(picture, few), SOFTENING * inset / (texel * few))
     finest = 1
     while 2 * finest <= min(detail / texel, longest):
         finest *= 2
