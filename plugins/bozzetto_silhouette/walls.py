@@ -22,8 +22,8 @@ __all__ = ["Walls", "walls_of"]
 
 Points = NDArray[np.float64]
 
-RAYS = 3000
-"""Facets that are looked at: meshes are finest where they are thin."""
+RAYS = 2000
+"""Facets that are looked at, and places beside: meshes are finest where they are thin."""
 
 PARALLEL = 0.7
 """Cosine of the angle between two facets up to which they are sides of one wall."""
@@ -33,6 +33,9 @@ AROUND = 2.0
 
 ALIKE = 1.25
 """Times its thickness, how thick a wall may be there."""
+
+NEIGHBOURS = 12
+"""Samples that must be looked at around a wall, however far they lie apart."""
 
 SHARE = 0.6
 """Share of the surface around that must be as thin."""
@@ -68,16 +71,24 @@ def walls_of(vertices: Points, faces: NDArray[np.int32]) -> Walls:
     low = vertices.min(axis=0)
     size = float((vertices.max(axis=0) - low).max())
     unit = (vertices - low) / size
-    if len(faces) > RAYS:
-        chosen = np.random.default_rng(0).choice(len(faces), RAYS, replace=False)
-    else:
-        chosen = np.arange(len(faces))
-    a, b, c = unit[faces[chosen]].transpose(1, 0, 2)
+    a, b, c = unit[faces].transpose(1, 0, 2)
     across = np.cross(b - a, c - a)
     area = 0.5 * np.linalg.norm(across, axis=1)
-    flat = area > 0.0
-    middle, area = ((a + b + c) / 3.0)[flat], area[flat]
-    inwards = -across[flat] / (2.0 * area[:, None])
+    # Half of the rays go to facets, which are many where it is thin, half to the surface
+    # evenly; each stands for its share of the surface as the latter would have it.
+    random = np.random.default_rng(0)
+    whole = np.flatnonzero(area > 0.0)
+    facets = random.choice(whole, min(RAYS, len(whole)), replace=False)
+    spread = random.choice(len(faces), RAYS, p=area / area.sum())
+    chosen = np.concatenate([facets, spread])
+    u, v = random.random((2, RAYS))
+    u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))
+    u = np.concatenate([np.full(len(facets), 1.0 / 3.0), u])[:, None]
+    v = np.concatenate([np.full(len(facets), 1.0 / 3.0), v])[:, None]
+    middle = a[chosen] + u * (b - a)[chosen] + v * (c - a)[chosen]
+    inwards = -across[chosen] / (2.0 * area[chosen, None])
+    even = area.sum() / RAYS
+    area = 1.0 / (1.0 / even + np.where(len(whole) > RAYS, RAYS / len(whole), 1.0) / area[chosen])
     scene = Scene((Layer("solid", (Shaded(Mesh(unit.astype(np.float32), faces)),)),))
     hits = cast_rays(scene, Rays(middle + INSIDE * inwards, inwards))
     with np.errstate(invalid="ignore"):
@@ -102,9 +113,11 @@ def _first_wall(middle: Points, thickness: Points, area: Points, order: NDArray[
     from scipy.spatial import cKDTree
 
     tree = cKDTree(middle)
+    spacing = np.asarray(tree.query(middle, [min(NEIGHBOURS, len(middle))])[0])[:, 0]
     for k in order.tolist():
-        near = tree.query_ball_point(middle[k], AROUND * thickness[k])
+        reach = max(AROUND * thickness[k], float(spacing[k]))
+        near = tree.query_ball_point(middle[k], reach)
         thin = thickness[near] < ALIKE * thickness[k]
-        if area[near][thin].sum() >= SHARE * area[near].sum() and thin.sum() > 3:
+        if area[near][thin].sum() >= SHARE * area[near].sum():
             return int(k)
     return int(order[-1])
