@@ -88,7 +88,7 @@ class Sweep:
 
     def sample(self, points: Points) -> Sample:
         """Values and gradients at points (n, 3)."""
-        wall, slope = self._wall(points)
+        wall, slope, _ = self._wall(points)
         z = points[:, 2]
         below_high, above_low = self.high - z, z - self.low
         cap = np.minimum(below_high, above_low)

@@ -115,7 +115,7 @@ def test_distances_are_those_from_the_mesh(kind) -> None:
     random = np.random.default_rng(5)
     low, high = body.bounds
     points = random.uniform(low - 20.0, high + 20.0, (150, 3))
-    value, gradient = body.implicit.sample(points)
+    value, gradient, _ = body.implicit.sample(points)
     exact = _distances(points, body.vertices, body.faces)
     inside = value > 0
     assert np.abs(value[inside]) == pytest.approx(exact[inside], rel=2e-3, abs=1e-6)
@@ -210,6 +210,6 @@ def test_the_eye_inside_what_is_cut() -> None:
     body = straight_body(through(Pen(camera).circle(600, 450, 200)), BOX, 48)
     assert as_manifold(body.vertices, body.faces).volume() > 0.0
     assert body.bounds[0, 1] > -30.0
-    value, gradient = body.implicit.sample(np.random.default_rng(1).uniform(-500, 500, (1000, 3)))
+    value, gradient, _ = body.implicit.sample(np.random.default_rng(1).uniform(-500, 500, (1000, 3)))
     assert np.isfinite(value).all()
     assert np.isfinite(gradient).all()
