@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.skeleton import Skeleton, chains
 
-__all__ = ["Joints", "joints_of"]
+__all__ = ["Joints", "joints_of", "most_central"]
 
 Points = NDArray[np.float64]
 
@@ -38,6 +38,10 @@ SPACING = 1.5
 SHORTEST = 0.12
 """Least distance of joints along a limb, as a share of the part's longest side: a spider's leg
 bends in a few places, not in forty."""
+
+ALIKE = 0.95
+"""Radii that are at least this share of the largest are as good: else the tremor of the hand
+would choose among them."""
 
 SAMPLES = 64
 """Places along a limb at which its thickness is looked at."""
@@ -203,7 +207,8 @@ def _parted(limbs: list[_Limb]) -> list[_Limb]:
     (only,) = limbs if len(limbs) == 1 else (None,)
     if only is None or only.start == only.end:
         return limbs
-    thickest = int(only.path[:, 2].argmax())
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(only.path[:, :2], axis=0).T))])
+    thickest = most_central(only.path[:, 2], np.abs(along - 0.5 * along[-1]))
     if thickest in (0, len(only.path) - 1):
         return limbs
     middle = max(only.start, only.end) + 1
@@ -211,6 +216,11 @@ def _parted(limbs: list[_Limb]) -> list[_Limb]:
         _Limb(only.path[: thickest + 1], only.start, middle),
         _Limb(only.path[thickest:], middle, only.end),
     ]
+
+
+def most_central(radii: Points, away: Points) -> int:
+    """Which of the thickest places, nearly equal ones, is the least far away from the middle."""
+    return int(np.where(radii >= ALIKE * radii.max(), away, np.inf).argmin())
 
 
 def _share(limb: _Limb) -> float:

@@ -213,9 +213,10 @@ def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
     quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (len(armature.rig.joints), 1))
     for joint, k in matched.items():
         w, x, y, z = turns[k].rotation
-        length = float(np.linalg.norm((w, x, y, z)))
-        if 0.0 < length < np.inf:  # a file may hold any numbers
-            quaternions[joint] = np.array([x, y, z, w]) / length
+        largest = max(abs(w), abs(x), abs(y), abs(z))
+        if largest > 0.0:  # a file may hold any finite numbers
+            quaternion = np.array([x, y, z, w]) / largest
+            quaternions[joint] = quaternion / np.linalg.norm(quaternion)
     return replace(armature.rig, turns=quaternions)
 
 

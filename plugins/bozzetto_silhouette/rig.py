@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.geometry import Placement, Rig
 from bozzetto_silhouette.frame import frame_of
 from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.joints import Joints, joints_of
+from bozzetto_silhouette.joints import Joints, joints_of, most_central
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.places import placement_of
 from bozzetto_silhouette.skeleton import Skeleton
@@ -150,7 +150,8 @@ def _armature_of(state: SilhouetteState) -> Armature | None:
     while waiting:
         piece = next((piece for piece in waiting if piece in touched), waiting[0])
         waiting.remove(piece)
-        root, parent = int(piece.radii.argmax()), -1
+        away = np.linalg.norm(piece.places - piece.places.mean(axis=0), axis=1)
+        root, parent = most_central(piece.radii, away), -1
         if piece in touched:
             _, onto = touched[piece]
             gaps = np.linalg.norm(piece.places[:, None] - onto.places, axis=2)
