@@ -89,14 +89,15 @@ def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
     places = np.concatenate([body.vertices, body.normals], axis=1)
 
     def paint(face: Index, weights: Array, detail: float) -> Coat:
-        spread = weights[:, :, None]
-        there = (places[body.faces[face]] * spread).sum(axis=1)
-        points, normals = there[:, :3], there[:, 3:]
-        normals /= np.maximum(np.sqrt((normals**2).sum(axis=1)), 1e-300)[:, None]
+        corners = body.faces[face]
+        there = sum(weights[:, k, None] * places[corners[:, k]] for k in range(3))
+        points, normals = np.hsplit(np.asarray(there), 2)
+        length = np.sqrt(np.einsum("nd,nd->n", normals, normals))
+        normals = normals / np.maximum(length, 1e-300)[:, None]
         coat = projection_of(picture, body.radius, detail).coat(points, normals)
         if under is None:
             return coat
-        below = (under[face] * spread).sum(axis=1)
+        below = np.einsum("nk,nkd->nd", weights, under[face])
         return coat.over(Coat(below[:, :3], below[:, 3]))
 
     return baked(body.vertices, body.faces, axes_of(picture), 1.0 / texel_of(picture), paint)

@@ -80,11 +80,11 @@ class Projection:
         """Colours of surface points (n, 3) with unit normals (n, 3)."""
         picture = self.picture
         edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
-        towards = axes_of(picture)[2]
-        facing = normals @ towards
-        sideways = normals - facing[:, None] * towards
-        places = points - self.inset * sideways - picture.corner
-        uv = places @ np.linalg.pinv(edges).T
+        facing = normals @ axes_of(picture)[2]
+        # What points at the viewer has no part in the plane of the picture, so the normal
+        # itself leads inwards there.
+        in_plane = np.linalg.pinv(edges).T
+        uv = points @ in_plane - self.inset * (normals @ in_plane) - picture.corner @ in_plane
         steep = 1.0 - _smooth_step(np.abs(facing) / STEEP)
         values = _sampled(self.sharp, uv)
         sides = np.flatnonzero(steep > 0.0)
