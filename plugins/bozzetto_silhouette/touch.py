@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +21,8 @@ __all__ = ["Touch", "shape_seen", "touched_part"]
 Array = NDArray[np.float64]
 
 TOUCHED_CELLS = 64
-"""Resolution of the shape that the pen is held against: that of the preview, which has been
-worked out before anybody can point at it."""
+"""Resolution of the shape that the pen is held against: that of the preview, whose parts have
+been worked out before anybody can point at them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,20 +54,24 @@ _shapes: Memory[Touch | None] = Memory(limit=16)
 def shape_seen(state: SilhouetteState) -> Touch | None:
     """The shape of all nodes that are switched on; None where there is nothing.
 
+    It is put together without blends, which would take longer than a pen may wait: what is
+    touched lies under a fillet, not on it.
+
     Raises
     ------
     UserError
         If a part's ink is no outline.
     """
+    sharp = tuple(replace(node, blend=0.0) for node in state.nodes)
 
     def work() -> Touch | None:
-        body = tree_body(state, TOUCHED_CELLS)
+        body = tree_body(SilhouetteState(sharp), TOUCHED_CELLS)
         if body is None:
             return None
         mesh = Mesh(body.vertices.astype(np.float32), body.faces)
         return Touch(body, Scene((Layer("shape", (Shaded(mesh),)),)))
 
-    return _shapes.recall(state.nodes, work)
+    return _shapes.recall(sharp, work)
 
 
 def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> Part | None:
