@@ -30,6 +30,7 @@ def main() -> int:
         os.environ[name] = home
     PICTURES.mkdir(exist_ok=True)
     shapes()
+    comparison()
     window()
     return 0
 
@@ -78,6 +79,51 @@ def shapes() -> None:
             joints = Points(bones.joints, color="accent", size=6.0, hidden="show")
             seen = Scene((Layer("skeleton", (glass, *lines, joints)),))
             save(picture(seen, view="front", size=(800, 600)), "skeleton.png")
+
+
+def comparison() -> None:
+    """Zero lines of fields alone over the outlines: the paper's, the paper's fitted, ours."""
+    sys.path.insert(0, str(HERE.parent))
+    import numpy as np
+
+    from bozzetto.scene import Layer, Lines, Scene
+    from bozzetto.scene.picture import picture
+    from bozzetto_silhouette.field import convolution_field
+    from bozzetto_silhouette.frame import frame_of
+    from bozzetto_silhouette.outline import outline_from_rings
+    from tests.comparison import weights_of, zero_lines
+    from tests.plugins.silhouette.outlines import svg_rings
+
+    def closed(rings: list[np.ndarray], shift: np.ndarray, color: str, width: float) -> Lines:
+        around = [np.vstack((ring, ring[:1])) + shift for ring in rings]
+        flat = np.concatenate(around)
+        starts = np.cumsum([0] + [len(ring) for ring in around[:-1]])
+        points = np.column_stack((flat[:, 0], np.zeros(len(flat)), -flat[:, 1]))
+        return Lines(points, starts, color=color, width=width)
+
+    items = []
+    for row, name in enumerate(("key", "hand-paper", "spider")):
+        rings = svg_rings(OUTLINES / f"{name}.svg")
+        low, high = np.vstack(rings).min(axis=0), np.vstack(rings).max(axis=0)
+        rings = [(ring - 0.5 * (low + high)) / float((high - low).max()) for ring in rings]
+        outline = outline_from_rings(rings)
+        for column, (rule, kernel, weights) in enumerate(
+            (
+                ("paper", "cauchy", "local"),
+                ("paper", "cauchy", "outline"),
+                ("exact", "scalis", "ours"),
+            )
+        ):
+            frame = frame_of(outline, rule)
+            field = convolution_field(frame, kernel=kernel)
+            shift = 1.15 * np.array([column, row])
+            lines = zero_lines(frame, field, weights_of(field))[weights]
+            items += [
+                closed(rings, shift, "ghost", 3.0),
+                closed(lines, shift, "accent", 2.0),
+            ]
+    scene = Scene((Layer("lines", tuple(items)),))
+    save(picture(scene, view="front", size=(900, 900)), "paper-against-default.png")
 
 
 def save(pixels: object, name: str) -> None:
