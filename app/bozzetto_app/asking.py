@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
@@ -16,6 +17,9 @@ from bozzetto_app.words import tr
 __all__ = ["FileQuestions"]
 
 LAST_FOLDER = "files/last_folder"
+
+PRINTED = frozenset({".stl", ".3mf"})
+"""Endings of files that are made for printers."""
 
 
 class FileQuestions:
@@ -82,7 +86,40 @@ class FileQuestions:
         )
         path = self._place(tr("Files", "Export"), kinds, "")
         if path is not None:
-            self._session.files.export(path)
+            self.when_printable(path, lambda: self._session.files.export(path))
+
+    def when_printable(self, path: Path, then: Callable[[], None]) -> None:
+        """Export, after asking where a printer's file would hold what does not print.
+
+        Parameters
+        ----------
+        path : Path
+            Its ending says whether it is for a printer.
+        then : callable
+            Called at once where nothing is known to stand in the way, else after the answer.
+        """
+        problems = _print_problems(self._session.report)
+        if path.suffix.lower() not in PRINTED or not problems or self._box is not None:
+            then()
+            return
+        box = QMessageBox(self._window)
+        box.setObjectName("printable")
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(tr("Files", "This may not print well."))
+        box.setInformativeText("\n\n".join(problems))
+        anyway = box.addButton(tr("Files", "Export anyway"), QMessageBox.ButtonRole.AcceptRole)
+        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(anyway)
+
+        def answered() -> None:
+            self._box = None
+            box.deleteLater()
+            if box.clickedButton() is anyway:
+                then()
+
+        self._box = box
+        box.finished.connect(answered)
+        box.open()
 
     def when_safe(
         self, then: Callable[[], None], refused: Callable[[], None] | None = None
@@ -161,3 +198,10 @@ class FileQuestions:
             return None
         settings().setValue(LAST_FOLDER, str(Path(name).parent))
         return Path(name)
+
+
+def _print_problems(report: Mapping[str, Any]) -> list[str]:
+    """What a report says under ``print``: ``problems`` of a shape that stand in a printer's way."""
+    said = report.get("print")
+    problems = said.get("problems") if isinstance(said, Mapping) else None
+    return [str(problem) for problem in problems] if isinstance(problems, list) else []

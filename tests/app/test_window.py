@@ -224,6 +224,26 @@ def test_saving_at_the_question_saves_and_then_closes(window, draw, qtbot, tmp_p
     assert target.with_name("last.bozz").exists()
 
 
+@pytest.mark.parametrize(("ending", "asks"), [(".stl", True), (".3mf", True), (".obj", False)])
+def test_what_does_not_print_is_asked_about_before_it_is_exported_for_a_printer(
+    window, draw, settle, tmp_path, monkeypatch, ending, asks
+):
+    draw(window)
+    target = tmp_path / f"thing{ending}"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
+    window.session.report = {"print": {"ready": False, "problems": ["It is thin."]}}
+    window.files.ask_export()
+    box = window.findChild(QMessageBox, "printable")
+    assert (box is not None) == asks
+    if box is not None:
+        assert "It is thin." in box.informativeText()
+        settle(window.session)
+        assert not target.exists()
+        next(b for b in box.buttons() if "anyway" in b.text()).click()
+    settle(window.session)
+    assert target.exists()
+
+
 def test_a_save_that_fails_at_the_question_keeps_the_window(
     window, draw, qtbot, settle, tmp_path, monkeypatch
 ):

@@ -31,7 +31,7 @@ UNITS = {
 """What a key may end in, and how it is written behind the value."""
 
 GOOD_WHEN_TRUE = frozenset(
-    {"watertight", "closed", "ok", "sound", "valid", "converged", "manifold"}
+    {"watertight", "closed", "ok", "sound", "valid", "converged", "manifold", "ready"}
 )
 """Last words of keys that are a verdict; other yes and no is only said."""
 

@@ -89,6 +89,34 @@ def known_figures() -> dict[str, KnownFigure]:
         "components": KnownFigure(
             tr("Figures", "Pieces"), tr("Figures", "Pieces that do not touch")
         ),
+        "thinnest_wall": KnownFigure(
+            tr("Figures", "Thinnest wall"),
+            tr("Figures", "Where two sides lie closest together; tips do not count"),
+            unit="mm",
+            digits=2,
+        ),
+        "thinnest_place": KnownFigure(
+            tr("Figures", "Thinnest place"),
+            tr("Figures", "Where the thinnest wall is"),
+            unit="mm",
+            digits=0,
+        ),
+        "smallest_detail": KnownFigure(
+            tr("Figures", "Smallest detail"),
+            tr("Figures", "Nearly all of the shape is thicker than this, tips included"),
+            unit="mm",
+            digits=2,
+        ),
+        "size": KnownFigure(
+            tr("Figures", "Size"),
+            tr("Figures", "Width, depth and height"),
+            unit="mm",
+            digits=1,
+        ),
+        "ready": KnownFigure(
+            tr("Figures", "Can be printed"),
+            tr("Figures", "Closed, in one piece, and no wall is too thin for common printers"),
+        ),
         "thickness_ratio": KnownFigure(
             tr("Figures", "Roundness"),
             tr("Figures", "Half the thickness, as a part of the largest circle in the drawing"),
