@@ -16,6 +16,7 @@ cost anything.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,19 +105,27 @@ class VariationalSurface:
 
     def level(self, points: Points) -> Points:
         """The function itself at points (n, 3), in units of length."""
-        return self.level_and_slope(points)[0]
+        value = np.empty(len(points))
+        weight, ahead = np.ascontiguousarray(self.columns[:, 0]), self._ahead
+        for first in range(0, len(points), CHUNK):
+            part = slice(first, first + CHUNK)
+            p = (points[part] - self.middle) / self.size
+            square = np.column_stack([p, (p * p).sum(axis=1), np.ones(len(p))]) @ ahead
+            np.maximum(square, 0.0, out=square)
+            distance = np.sqrt(square)
+            distance *= square
+            value[part] = distance @ weight + (self.tail[0] + p @ self.tail[1:])
+        return value * self.size
 
     def level_and_slope(self, points: Points) -> tuple[Points, Points]:
         """The function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
         value, gradient = np.empty(len(points)), np.empty((len(points), 3))
-        square = (self.centres**2).sum(axis=1)
-        ahead = np.column_stack([-2.0 * self.centres, square]).T
+        ahead = self._ahead
         for first in range(0, len(points), CHUNK):
             part = slice(first, first + CHUNK)
             p = (points[part] - self.middle) / self.size
             p2 = (p * p).sum(axis=1)
-            r = np.column_stack([p, np.ones(len(p))]) @ ahead
-            r += p2[:, None]
+            r = np.column_stack([p, p2, np.ones(len(p))]) @ ahead
             np.maximum(r, 0.0, out=r)
             np.sqrt(r, out=r)
             sums = r @ self.columns
@@ -126,9 +135,21 @@ class VariationalSurface:
             gradient[part] = 3.0 * (p * plain[:, None] - turned) + self.tail[1:]
         return value * self.size, gradient
 
+    @cached_property
+    def _ahead(self) -> Points:
+        """What ``(p, |p|^2, 1)`` is multiplied by to give the squared distances, (5, n)."""
+        square = (self.centres**2).sum(axis=1)
+        return np.stack([*(-2.0 * self.centres.T), np.ones(len(square)), square])
+
     def value(self, points: Points) -> Points:
-        """About the signed distance to the surface at points (n, 3), positive inside."""
-        return self.sample(points).value
+        """About the signed distance to the surface at points (n, 3), positive inside.
+
+        The level over its typical slope: `sample`, which knows the slope at every point, comes
+        closer, and takes half as long again.
+        """
+        value = self.level(points) / self.slope
+        beyond, gap = self._beyond(points)
+        return np.where(gap > 0.0, np.minimum(value, beyond), value)
 
     def sample(self, points: Points) -> Sample:
         """About the signed distance, and its gradient, at points (n, 3)."""
@@ -136,15 +157,21 @@ class VariationalSurface:
         steepness = np.sqrt((gradient**2).sum(axis=1))
         scale = 1.0 / np.maximum(steepness, FLATTEST * self.slope)
         value, gradient = level * scale, gradient * scale[:, None]
-        low, high = self.bounds
-        margin = MARGIN * float((high - low).max())
-        beyond = points - np.clip(points, low - margin, high + margin)
-        gap = np.sqrt((beyond**2).sum(axis=1))
-        outside = gap > 0.0
-        over = outside & (value > -margin - gap)
-        value = np.where(over, -margin - gap, value)
-        gradient[over] = -beyond[over] / gap[over, None]
-        return Sample(value, gradient)
+        beyond, gap = self._beyond(points)
+        over = (gap > 0.0) & (value > beyond)
+        nearest = np.clip(points[over], *self._box)
+        gradient[over] = (nearest - points[over]) / gap[over, None]
+        return Sample(np.where(over, beyond, value), gradient)
+
+    @cached_property
+    def _box(self) -> Points:
+        margin = MARGIN * float(np.ptp(self.bounds, axis=0).max())
+        return self.bounds + margin * np.array([[-1.0], [1.0]])
+
+    def _beyond(self, points: Points) -> tuple[Points, Points]:
+        """The largest value there may be outside of the wide box; the distance from that."""
+        gap = np.sqrt(((points - np.clip(points, *self._box)) ** 2).sum(axis=1))
+        return -MARGIN * float(np.ptp(self.bounds, axis=0).max()) - gap, gap
 
 
 def interpolated(

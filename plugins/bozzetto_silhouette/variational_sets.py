@@ -128,6 +128,12 @@ def variational_combined(
     held, mesh = _surface(points, value, bounds, step, checkpoint)
     if not len(mesh.faces):
         return None
+    whole = as_manifold(mesh.vertices, mesh.faces)
+    if whole.is_empty() or not whole.volume() > 0.0:
+        raise UserError(
+            "These two variational parts do not join into one sound surface. Move them a little, "
+            "make the blend radius smaller, or choose the round surface for one of them."
+        )
     from scipy.spatial import cKDTree
 
     _, nearest = cKDTree(points).query(mesh.vertices)
@@ -142,6 +148,7 @@ def variational_combined(
         max(first.radius, second.radius) if operation == "merge" else first.radius,
         step,
         constraints=Constraints(points, value, max(one.size, other.size)),
+        known=whole,
     )
 
 
@@ -196,12 +203,6 @@ def _surface(
         gap, _ = cKDTree(points).query(middles)
         points = np.concatenate([points, middles])
         value = np.concatenate([value, -signs * gap])
-    whole = as_manifold(mesh.vertices, mesh.faces)
-    if whole.is_empty() or whole.status().name != "NoError" or not whole.volume() > 0.0:
-        raise UserError(
-            "These two variational parts do not join into one sound surface. Move them a little, "
-            "make the blend radius smaller, or choose the round surface for one of them."
-        )
     return held, mesh
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
 """A quarter turn about x: the outline that lay in z = 0 stands."""
 
 
-def body_of(outline: Outline, name: str, resolution: int = 48) -> Body:
+def body_of(outline: Outline, name: str, resolution: int = 32) -> Body:
     solid = solidify(outline, resolution=resolution, swelling=VariationalSwelling())
     relief = Relief(solid)
     return Body(
@@ -73,7 +74,7 @@ def test_two_balls_merge_and_the_blend_fills_the_crease(ball: Body) -> None:
     sharp = (ball.manifold + other.manifold).volume()
     total = ball.manifold.volume() + other.manifold.volume()
     volumes = []
-    for blend in (0.1, 0.5, 1.0, 2.0):
+    for blend in (0.1, 0.7, 2.0):
         merged = sound(variational_combined(ball, other, "merge", blend))
         assert merged.manifold.genus() == 0
         assert len(merged.manifold.decompose()) == 1
@@ -161,23 +162,23 @@ def test_moving_both_moves_the_result(ball: Body, bar: Body, mirror: float) -> N
 
 def test_several_in_turn(ball: Body) -> None:
     chain = ball
-    for k in range(1, 4):
+    for k in range(1, 3):
         following = renamed(ball, f"ball {k}", offset=(70.0 * k, 0.0, 0.0))
         chain = sound(variational_combined(chain, following, "merge", 0.5))
     assert len(chain.manifold.decompose()) == 1
     assert chain.manifold.genus() == 0
-    assert len(chain.sources) == 4
-    for k in range(4):
+    assert len(chain.sources) == 3
+    for k in range(3):
         tip = chain.vertices[np.abs(chain.vertices[:, 0] - 70.0 * k) < 10.0]
         assert np.hypot(tip[:, 1], tip[:, 2]).max() == pytest.approx(50.0, rel=0.06)
 
 
 @pytest.mark.parametrize("operation", ["merge", "carve"])
-def test_limbs_in_any_pose(operation) -> None:
+def test_limbs_in_any_pose(operation: Literal["merge", "carve"]) -> None:
     rng = np.random.default_rng(11)
     hand = body_of(o.outline("hand-paper"), "hand")
     key = body_of(o.outline("key"), "key")
-    for _ in range(4):
+    for _ in range(2):
         turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
         middle = key.bounds.mean(axis=0)
         target = hand.bounds.mean(axis=0) + rng.uniform(-25, 25, 3)
