@@ -100,7 +100,8 @@ def zero_lines(
     for what, factors in weights.items():
         total = np.maximum(shares @ factors, 1e-5)
         level, _ = field.summation.level(total, np.full(len(total), 0.1))
-        # Outside of all, so that every line closes.
+        # Outside of all, so that every line closes. Fields above the iso-value all over the
+        # raster have no line at all.
         padded = np.pad(level.reshape(xy.shape[:2]), 1, constant_values=level.min() - 1.0)
         lines = [line for line in find_contours(padded, 0.0) if len(line) > 3]
         found[what] = [(start + step * line[:-1]) * frame.scale + frame.origin for line in lines]
@@ -252,7 +253,8 @@ def page(found: dict[str, dict[Row, Found]]) -> str:
         "inscribed balls (95th percentile of each outline). *Local*: each segment by its own "
         "radius, as on an endless line. *Global, paper's*: one factor for each segment, least "
         "squares on the outline. *Global, ours*: with the further rows, which pay for heights "
-        "with the outline, because the correction will make that exact.",
+        "with the outline, because the correction will make that exact. A field that is above the "
+        "iso-value all over the raster has no line, and an IoU of 0.",
         table(("Kernel", "Skeleton", "Weights", *FIGURES), lines),
         "![Outlines in grey; fields alone in colour](pictures/paper-against-default.png)",
         "The drawn outline in grey; in colour the zero line of the field alone. Left: the paper's "
