@@ -390,9 +390,16 @@ def plain(value):
     return [plain(item) for item in value]
 
 
+def told(value):
+    """The JSON values without those that are null: fields that came later are that by default."""
+    if isinstance(value, dict):
+        return {key: told(entry) for key, entry in value.items() if entry is not None}
+    return [told(entry) for entry in value] if isinstance(value, list) else value
+
+
 def test_the_golden_file_of_version_1_opens_for_ever():
     document, report = decode_document((GOLDEN / "v1.bozz").read_bytes(), FakeRegistry())
-    assert plain(document) == json.loads((GOLDEN / "v1.json").read_text())
+    assert told(plain(document)) == told(json.loads((GOLDEN / "v1.json").read_text()))
     assert not report.read_only
     assert isinstance(document.model("m2").state, OpaqueState)
     assert isinstance(document.model("m1").state, Everything)
