@@ -27,13 +27,13 @@ __all__ = ["Fillet", "filleted", "scaled"]
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-RETREATS = (1.0, 0.5, 0.25)
+RETREATS = (1.0, 0.4)
 """Shares of the blend that are tried in turn."""
 
 _FINENESS = 0.22
 """Longest edge in the fillet as a share of the reach: a quarter circle gets about seven."""
 
-_FINEST = 0.2
+_FINEST = 0.4
 """The same as a share of the mesh's spacing, at least: smaller fillets are not seen."""
 
 _SLIVER = 0.45
@@ -43,8 +43,11 @@ are collapsed."""
 _STAGES = (0.4, 0.75, 1.0)
 """The reach grows by stages, so that no vertex has far to go at once."""
 
-_SMOOTHINGS = 3
+_SMOOTHINGS = 2
 """Rounds of relaxation after every stage."""
+
+_COLLAPSES = 3
+"""Rounds of collapsing edges before every relaxation."""
 
 _FLIPS = 2
 """Rounds of flipping edges before every relaxation."""
@@ -63,6 +66,9 @@ _FLATTEST = 0.2
 
 _RINGS = 2
 """Rings of vertices around those that the blend tells on which may be moved, too."""
+
+_HOPELESS = 0.05
+"""Share of faces turned over from which on nothing more is tried."""
 
 _REPAIRS = 6
 """Rounds of mending faces that were turned over."""
@@ -184,6 +190,8 @@ def _rounded(patch: Patch, may: NDArray[np.bool_], solid: Composite, step: float
             patch = _bettered(stage, patch, step)
         for _ in range(_NEWTON):
             patch = _projected(stage, patch)
+        if np.mean(patch.facing() < _OVERTURNED) > _HOPELESS:
+            return patch
     for _ in range(_REPAIRS):
         if patch.facing().min(initial=1.0) > 0.0:
             break
@@ -201,7 +209,7 @@ def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
     """Projected, without slivers, and relaxed."""
     patch = _projected(solid, patch)
     shortest = _SLIVER * np.minimum(_spacing(solid, patch, step), step)
-    return relaxed(flipped_edges(collapsed(patch, shortest), _FLIPS))
+    return relaxed(flipped_edges(collapsed(patch, shortest, _COLLAPSES), _FLIPS))
 
 
 def _told(solid: Composite, points: Points) -> NDArray[np.bool_]:

@@ -18,7 +18,7 @@ Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _ROUNDS = 8
-"""Halvings and rounds of collapses at most."""
+"""Halvings at most."""
 
 _DOUBT = 0.05
 """Edges whose opposite angles sum to hardly more than a half turn are left as they are."""
@@ -130,13 +130,13 @@ def split(patch: Patch, longest: Points) -> Patch:
     return patch
 
 
-def collapsed(patch: Patch, shortest: Points) -> Patch:
+def collapsed(patch: Patch, shortest: Points, rounds: int) -> Patch:
     """Collapse edges between free vertices that are shorter than at either end (v,) is wanted.
 
     Those of faces turned over go, too. None collapses where that would turn another face over
     or change the topology.
     """
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         over = np.zeros(len(patch.vertices), dtype=bool)
         over[patch.faces[patch.facing() < 0.0]] = True
         edges = _edges(patch.faces)
