@@ -20,7 +20,7 @@ from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
 from bozzetto_silhouette.painting import painted, texture_of
 from bozzetto_silhouette.places import shown_parts
-from bozzetto_silhouette.posing import Posed, joints_layer, skinned
+from bozzetto_silhouette.posing import Posed, joints_layer, rig_facts, skinned
 from bozzetto_silhouette.report import report_of
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
@@ -151,7 +151,8 @@ class Silhouette:
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
         """How truly every part keeps its outline, and how sound the whole is."""
-        return report_of(state, result.body, result.solids)
+        told = report_of(state, result.body, result.solids)
+        return told if result.skin is None else {**told, "rig": rig_facts(result.skin.rig)}
 
     # -- parts --
 

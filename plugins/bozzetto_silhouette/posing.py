@@ -7,7 +7,7 @@ other joint turns the bone that it ends, and with it all that hangs on the joint
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,16 @@ from bozzetto_silhouette.skinning import followed
 from bozzetto_silhouette.solid import Checkpoint, ignore
 from bozzetto_silhouette.state import SilhouetteState, Turn
 
-__all__ = ["JOINT", "Posed", "joints_layer", "posed", "posed_scene", "rig_of", "skinned"]
+__all__ = [
+    "JOINT",
+    "Posed",
+    "joints_layer",
+    "posed",
+    "posed_scene",
+    "rig_facts",
+    "rig_of",
+    "skinned",
+]
 
 Array = NDArray[np.float64]
 
@@ -114,6 +123,12 @@ def skinned(
     skin = Skin(rig, joints, weights, None if rig.turns is None else look.mesh)
     mesh = skin.posed(look.mesh)
     return Posed(mesh, mesh if look.shown is look.mesh else rest.posed(rig), skin)
+
+
+def rig_facts(rig: Rig) -> dict[str, Any]:
+    """How many joints there are, and between which of them loops were cut."""
+    cuts = [] if rig.cuts is None else rig.cuts.tolist()
+    return {"joints": len(rig.joints), "cuts": [[rig.names[a], rig.names[b]] for a, b in cuts]}
 
 
 def joints_layer(state: SilhouetteState) -> Layer | None:

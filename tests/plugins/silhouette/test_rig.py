@@ -193,6 +193,9 @@ def test_a_ring_is_cut_once_and_its_skin_still_closes():
     result = solved(turned(state, 1, (0, 1, 0), 25))
     solid = MODELER.shapes(state, result).solids[0]
     assert check_solid(solid).genus == 1
+    told = MODELER.report(state, result)["rig"]
+    assert told["joints"] == len(rig.joints)
+    assert told["cuts"] == [[rig.names[k] for k in rig.cuts[0]]]
 
 
 def test_a_limb_hangs_on_the_body_that_it_touches():
