@@ -11,6 +11,13 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from bozzetto_app.__main__ import ONE_THREAD
+
+# As the program itself has it, and before numpy is imported: on a busy machine the threads of
+# the linear algebra wait for each other by spinning, and a second becomes half a minute.
+for _name in ONE_THREAD:
+    os.environ.setdefault(_name, "1")
+
 # Before anything imports Qt: the X11 platform aborts the process where no X server is.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
