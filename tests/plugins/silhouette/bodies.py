@@ -77,4 +77,4 @@ def reach_along(shape: Body, origin: Points, direction: Points) -> float:
     hits = as_manifold(shape.vertices, shape.faces).ray_cast(
         tuple(start), tuple(start + length * away)
     )
-    return max(hit.distance for hit in hits)
+    return max(float(np.linalg.norm(np.subtract(hit.position, start))) for hit in hits)
