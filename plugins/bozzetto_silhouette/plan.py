@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_silhouette.distance import RimDistance, scanline_inside
+from bozzetto_silhouette.remeshing import halved
 from bozzetto_silhouette.sampling import Rim
 
 __all__ = ["Plan", "plan_of"]
@@ -219,35 +220,7 @@ def _split_chords(
     unique = np.unique(keys[chord])
     middle = 0.5 * (points[unique // n] + points[unique % n])
     label = np.where(chord, n + np.searchsorted(unique, keys), -1)
-    result = [triangles[~chord.any(axis=1)]]
-    number = chord.sum(axis=1)
-    for count in (1, 2, 3):
-        rows = np.flatnonzero(number == count)
-        if not len(rows):
-            continue
-        # Turn each triangle until its unsplit (or only split) edge comes last.
-        odd = chord[rows] if count == 1 else ~chord[rows]
-        turn = (odd.argmax(axis=1) + 1) % 3 if count < 3 else np.zeros(len(rows), dtype=np.intp)
-        order = (turn[:, None] + np.arange(3)) % 3
-        t = np.take_along_axis(triangles[rows], order, axis=1)
-        e = np.take_along_axis(label[rows], order, axis=1)
-        if count == 1:  # edge t2-t0 split by e2
-            new = [(t[:, 0], t[:, 1], e[:, 2]), (e[:, 2], t[:, 1], t[:, 2])]
-        elif count == 2:  # edges t0-t1 and t1-t2 split
-            new = [
-                (e[:, 0], t[:, 1], e[:, 1]),
-                (t[:, 0], e[:, 0], e[:, 1]),
-                (t[:, 0], e[:, 1], t[:, 2]),
-            ]
-        else:
-            new = [
-                (t[:, 0], e[:, 0], e[:, 2]),
-                (t[:, 1], e[:, 1], e[:, 0]),
-                (t[:, 2], e[:, 2], e[:, 1]),
-                (e[:, 0], e[:, 1], e[:, 2]),
-            ]
-        result += [np.stack(corner, axis=1) for corner in new]
-    return np.vstack([points, middle]), np.concatenate(result), len(unique)
+    return np.vstack([points, middle]), halved(triangles, label), len(unique)
 
 
 def plan_of(rim: Rim, ridge: Points, step: float) -> Plan:
