@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bozzetto.document.codec import decode_state, encode_state, state_digest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
@@ -235,3 +236,13 @@ def test_picture_and_parts_together_solve_and_hand_over_a_texture():
     assert len(solid.texture.corners) == len(solid.mesh.faces)
     plain = replace(state, picture=None)
     assert modeler.shapes(plain, modeler.solve(plain, Job())).solids[0].texture is None
+
+
+def test_a_document_keeps_picture_and_paint():
+    state = SilhouetteState(nodes=(ball("a", 0, 0, 20, RED),), paint=None)
+    state = ProjectPicture().apply(state, Tap(5, 5, CAMERA), underlay(30, 50))
+    kept = decode_state(SilhouetteState, encode_state(state))
+    assert state_digest(kept) == state_digest(state)
+    assert kept.paint is None
+    assert kept.parts[0].color == RED
+    np.testing.assert_array_equal(kept.picture.pixels, state.picture.pixels)
