@@ -37,7 +37,8 @@ CLEARANCE = 0.15
 blends at the far ends must not feel the caps."""
 
 WALL_PITCH = 2.0
-"""Rows of the walls in steps: along a line of sight they are straight."""
+"""Rows of the walls in steps of what is cut: along a line of sight they are straight, however
+small the outline."""
 
 FINEST = 0.2
 """Smallest spacing along the outline, in steps."""
@@ -175,7 +176,7 @@ def _swept(part: Part, around: Points | None, resolution: int) -> Body:
         z = corners[:, 2]
         reach = CLEARANCE * size
         low, high = sight.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
-    vertices, faces = _prism(plan, sight, low, high, WALL_PITCH * step)
+    vertices, faces = _prism(plan, sight, low, high, WALL_PITCH * size / resolution)
     soundness = soundness_of(vertices, faces, outline)
     if not soundness.ok:
         raise UserError(
