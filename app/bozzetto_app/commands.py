@@ -164,7 +164,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.duplicate",
         tr("Object", "&Duplicate"),
-        lambda: session.duplicate(session.selected or ""),
+        session.duplicate_chosen,
         "duplicate",
         ("Ctrl+D",),
         menu,
@@ -173,7 +173,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.delete",
         tr("Object", "De&lete"),
-        lambda: session.delete(session.selected or ""),
+        session.delete_chosen,
         "trash",
         ("Delete",),
         menu,

@@ -51,6 +51,10 @@ class PartEditing:
 
         def select(self, model_id: str | None) -> None: ...
 
+        def delete(self, model_id: str) -> None: ...
+
+        def duplicate(self, model_id: str) -> None: ...
+
     # -- reading --
 
     def parts_of(self, model_id: str) -> PartTree | None:
@@ -126,6 +130,29 @@ class PartEditing:
     def move_part(self, model_id: str, part_id: str, group_id: str, at: int) -> None:
         """Give a part another place, counted from 0 without it in a group or outside all."""
         self._edit_part(model_id, lambda edits, model: edits.move(model, part_id, group_id, at))
+
+    def delete_chosen(self) -> None:
+        """Take out the chosen part, or the selected model where no part among several is."""
+        model_id, part_id = self._chosen_among_several()
+        if part_id:
+            self.delete_part(model_id, part_id)
+        else:
+            self.delete(model_id)
+
+    def duplicate_chosen(self) -> None:
+        """Copy the chosen part, or the selected model where no part among several is."""
+        model_id, part_id = self._chosen_among_several()
+        if part_id:
+            self.duplicate_part(model_id, part_id)
+        else:
+            self.duplicate(model_id)
+
+    def _chosen_among_several(self) -> tuple[str, str]:
+        """Ids of the selected model, and of its chosen part where it has others too."""
+        model = self.selected_model
+        tree = None if model is None else self.parts_of(model.id)
+        several = tree is not None and len(tree.parts) > 1
+        return "" if model is None else model.id, tree.selected if tree and several else ""
 
     def group_parts(self, model_id: str, part_ids: Sequence[str]) -> None:
         """Put parts into a new group."""

@@ -247,3 +247,20 @@ def test_ink_into_a_moved_object_lies_under_the_pen(session, settle):
     pixels, _ = session.camera.project(ghosts)
     gaps = np.linalg.norm(stroke.points[:, None] - pixels[None], axis=-1).min(1)
     assert gaps.max() < 0.5, model.placement
+
+
+def test_the_commands_mean_the_chosen_part_or_else_the_object(session, settle):
+    model, (one, two, three) = session.selected, ids(session)
+    session.select_part(model, one)
+    session.delete_chosen()
+    assert ids(session) == [two, three]
+    session.duplicate_chosen()
+    assert len(ids(session)) == 3
+    session.select_part(model, "")
+    session.duplicate_chosen()
+    assert len(session.document) == 2
+    session.select(model)
+    session.delete_chosen()
+    assert [other.id for other in session.document] != [model]
+    assert len(session.document) == 1
+    settle(session)

@@ -79,6 +79,8 @@ class Shell:
     def tool(self, wish: str | None, gesture: Literal["ink", "tap", "drag"]) -> Tool[Any]:
         """The tool of that id, or the first one for a kind of gesture.
 
+        A tap goes to a tool for drags where there is none for taps.
+
         Raises
         ------
         UserError
@@ -86,9 +88,11 @@ class Shell:
         """
         if wish is not None:
             return self.workbench.tool(self.model.modeler, wish)
-        for tool in self.tools():
-            if tool.gesture == gesture:
-                return tool
+        kinds = ("tap", "drag") if gesture == "tap" else (gesture,)
+        for kind in kinds:
+            for tool in self.tools():
+                if tool.gesture == kind:
+                    return tool
         raise UserError(f"The modeler {self.model.modeler} has no tool for {gesture}.")
 
     def handles(self) -> tuple[Handle, ...]:
