@@ -12,6 +12,7 @@ from bozzetto.geometry import Mesh, Texture
 from bozzetto_silhouette.baking import baked
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.coloring import Coat, Creases, bare, creases_between, part_coat
+from bozzetto_silhouette.creases import creased
 from bozzetto_silhouette.projection import axes_of, projection_of, texel_of
 from bozzetto_silhouette.state import SilhouetteState
 
@@ -42,7 +43,7 @@ def painted(state: SilhouetteState, body: Body) -> Painted:
     parts = part_coat(state, body)
     picture = _picture_coat(state, body)
     if parts is None and picture is None:
-        return Painted(plain, plain)
+        return Painted(plain, creased(body) if len(body.creases) else plain)
     coat = parts or bare(len(body.vertices))
     mesh = _colored(plain, coat if picture is None else picture.over(coat))
     creases = None if parts is None else creases_between(state, body, parts)

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from bozzetto.geometry import Placement
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.combine import combined
+from bozzetto_silhouette.creases import creased
 from bozzetto_silhouette.outline import outline_from_rings
 from tests.plugins.silhouette import bodies as b
 from tests.plugins.silhouette import outlines as o
@@ -105,6 +106,18 @@ class TestSharp:
         cup = np.setdiff1d(np.flatnonzero(carved.origins == 1), carved.creases)
         inward = [70.0, 0.0, 0.0] - carved.vertices[cup]
         assert (carved.normals[cup] * inward).sum(axis=1).min() > 0.0
+
+
+def test_creases_are_shown_sharp(balls: tuple[Body, Body]) -> None:
+    whole = combined(*balls, "add", 0.0)
+    assert whole is not None
+    shown = creased(whole)
+    assert np.array_equal(shown.vertices[shown.faces], whole.vertices.astype("f")[whole.faces])
+    new = shown.vertices[len(whole.vertices) :].astype(float)
+    normals = shown.normals[len(whole.vertices) :]
+    assert len(new) > 3 * len(whole.creases)
+    radial = np.stack([(new - [x, 0.0, 0.0]) / 50.0 for x in (0.0, 70.0)])
+    assert (radial * normals).sum(axis=2).max(axis=0).min() > 0.98
 
 
 class TestBlended:
