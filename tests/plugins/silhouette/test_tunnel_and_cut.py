@@ -17,6 +17,7 @@ from bozzetto_silhouette.soundness import as_manifold
 from bozzetto_silhouette.state import Cut, Part, SilhouetteState
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw import DrawOutline
+from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 from bozzetto_silhouette.touch import shape_seen
 
@@ -160,3 +161,55 @@ def test_other_gestures_are_refused(tool, gesture) -> None:
 def test_an_open_outline_waits() -> None:
     with pytest.raises(Unfinished, match="press Enter"):
         TUNNEL.apply(ball(), Ink((PEN.along([(500, 450), (600, 300), (700, 450)]),)), Context())
+
+
+def test_cuts_and_tunnels_come_back_from_a_file(shell, pen) -> None:
+    shell.open("silhouette")
+    shell.set(resolution=48)
+    shell.draw(pen.circle(600, 450, 220))
+    shell.draw(pen.circle(600, 500, 40), tool="tunnel")
+    shell.draw(pen.along([(200, 350), (1000, 350)]), tool="cut")
+    before = shell.shapes().solids[0].mesh
+    assert not shell.reopen()
+    after = shell.shapes().solids[0].mesh
+    assert np.array_equal(before.vertices, after.vertices)
+    assert isinstance(shell.state.parts[2], Cut)
+    # The other side, as the form sets it.
+    shell.set(side="right" if shell.state.parts[2].side == "left" else "left")
+    assert shell.shapes().solids[0].mesh.bounds[1, 2] > before.bounds[1, 2] + 5.0
+
+
+def _odd() -> list[Stroke]:
+    random = np.random.default_rng(17)
+    edge_on = Camera("orthographic", (0.0, -1e-3, 1000.0), (0.0, 0.0, 0.0))
+    inside = Camera("perspective", (0.0, -20.0, 0.0), (0.0, 0.0, 0.0), fov_y=170.0)
+    lines = [
+        [(5, 5), (5, 5)],
+        [(0, 0), (1, 1)],
+        [(1e30, 0), (0, 1e30), (-1e30, -1e30)],
+        [(3e38, 3e38), (-3e38, 0), (0, -3e38)],
+        [(600, 450), (600.001, 450), (600, 450.001)],
+        [(0, 450), (1e9, 450.5)],
+        [(600, -1e6), (600, 1e6)],
+        np.tile([(400, 300), (800, 450), (500, 700)], (30, 1)),
+        random.normal((600, 450), 150, (200, 2)),
+        random.normal(0, 12, (300, 2)).cumsum(axis=0) + 450.0,
+    ]
+    strokes = [Stroke(*np.array(line, float).T, FRONT) for line in lines]
+    strokes += [Pen(edge_on).circle(), Pen(inside).circle(), PEN.but(tool="eraser").circle()]
+    strokes.append(Pen(inside).along([(0, 440), (1200, 460)]))
+    return strokes
+
+
+@pytest.mark.parametrize("number", range(len(_odd())))
+@pytest.mark.parametrize("tool", [TUNNEL, CUT, Extrude()], ids=["tunnel", "cut", "extrude"])
+def test_odd_ink_makes_a_solid_or_words(tool, number: int) -> None:
+    stroke = _odd()[number]
+    for strokes in ((stroke,), (PEN.circle(600, 450, 60), stroke), (stroke, stroke)):
+        state, words = ball(), "."
+        try:
+            state = applied(tool, state, *strokes)
+        except UserError as refusal:
+            words = refusal.message
+        assert words.endswith(".")
+        assert solid(state).volume() > 0.0
