@@ -62,7 +62,13 @@ class PartEditing:
         model = self.document.model(model_id)
         if model.state is self._unreadable.get(model_id):
             return None
+        edits = self.workbench.parts
+        known = edits.remembered(model)
+        if known is not None:
+            return known
         try:
+            if not edits.may_have(model):
+                return None
             return self._in_time(model, lambda edits: edits.of(model))
         except (UserError, PluginFault) as problem:
             # Asked for at every change of the document: complained about once.

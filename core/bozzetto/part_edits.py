@@ -7,9 +7,9 @@ into the plugin pass the guard, and so does what it says its parts are.
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
+import weakref
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -23,9 +23,6 @@ from bozzetto.plugin.parts import HasParts
 from bozzetto.plugin.registry import Registry
 
 __all__ = ["PartEdit", "PartEdits"]
-
-KEPT_TREES = 64
-"""How many states' parts are remembered; they can always be asked for again."""
 
 
 class PartEdit(NamedTuple):
@@ -51,8 +48,7 @@ class PartEdits:
 
     def __init__(self, registry: Registry) -> None:
         self._registry = registry
-        self._known: OrderedDict[int, tuple[Any, PartTree]] = OrderedDict()
-        self._lock = threading.Lock()
+        self._known: dict[int, tuple[weakref.ref[Any], PartTree]] = {}
 
     # -- reading --
 
@@ -64,24 +60,33 @@ class PartEdits:
         PluginFault
             If they are none that can be listed.
         """
-        if isinstance(model.state, OpaqueState):
+        if not self.may_have(model):
             return None
         modeler = self._registry.modeler(model.modeler)
         return self._read(model, modeler) if isinstance(modeler, HasParts) else None
 
+    def may_have(self, model: Model) -> bool:
+        """Whether a model is made of parts; asks no plugin."""
+        if isinstance(model.state, OpaqueState):
+            return False
+        return isinstance(self._registry.modeler(model.modeler), HasParts)
+
+    def remembered(self, model: Model) -> PartTree | None:
+        """The parts of a model where they have been asked for; asks no plugin."""
+        known = self._known.get(id(model.state))
+        return known[1] if known is not None and known[0]() is model.state else None
+
     def _read(self, model: Model, modeler: HasParts) -> PartTree:
-        with self._lock:
-            known = self._known.get(id(model.state))
-            if known is not None and known[0] is model.state:
-                self._known.move_to_end(id(model.state))
-                return known[1]
-        guard = self._registry.guard
+        known = self.remembered(model)
+        if known is not None:
+            return known
+        guard, key = self._registry.guard, id(model.state)
         told = guard.call(model.modeler, "parts", _tree_of, modeler, model.state)
         tree = guard.check_parts(model.modeler, told)
-        with self._lock:
-            self._known[id(model.state)] = (model.state, tree)
-            while len(self._known) > KEPT_TREES:
-                self._known.popitem(last=False)
+        with suppress(TypeError):  # a state with slots cannot be watched
+            # Kept for as long as the state is: a long list asks for all of them.
+            watched = weakref.ref(model.state, lambda _: self._known.pop(key, None))
+            self._known[key] = (watched, tree)
         return tree
 
     # -- changing --

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 from dataclasses import dataclass, replace
 from typing import Annotated
@@ -250,3 +251,19 @@ def test_models_without_parts_have_none(workshop):
     assert workshop.workbench.parts.of(workshop.model) is None
     with pytest.raises(UserError, match="not made of parts"):
         workshop.workbench.parts.delete(workshop.model, "a")
+
+
+def test_parts_are_asked_for_once_and_forgotten_with_their_state(shell, pieces):
+    asked = []
+    pieces.parts = lambda state: asked.append(1) or state.pieces
+    edits = shell.workbench.parts
+    others = [edits.select(shell.model, name) for name in ("b", "c", "d")]
+    count = len(asked)
+    for _ in range(5):
+        for model in others:
+            assert edits.of(model) is edits.remembered(model)
+    assert len(asked) == count
+    kept = len(edits._known)
+    del others, model
+    gc.collect()
+    assert len(edits._known) == kept - 3
