@@ -25,6 +25,7 @@ from tests.plugins.silhouette.fairness import unfairness
 Points = NDArray[np.float64]
 
 NAMES = sorted(p.stem for p in o.COMMITTED.glob("*.svg"))
+QUICK = ("heart", "key", "spider")
 UNIT_BOX = np.array([[-1.0] * 3, [1.0] * 3])
 
 
@@ -224,7 +225,10 @@ def test_the_constraints_are_met() -> None:
     assert len(apart(held.points, SPACING)) == len(held.points)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in NAMES],
+)
 def test_gates(name: str) -> None:
     solid = varied(name, 96)
     found = measure(solid)
@@ -269,6 +273,7 @@ def test_size_and_place_do_not_matter(scale: float) -> None:
     assert moved.soundness.volume / scale**3 == pytest.approx(plain.soundness.volume, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_how_it_was_drawn_hardly_matters() -> None:
     ring = o.svg_rings(o.COMMITTED / "hand-paper.svg")[0]
     c, s = np.cos(0.65), np.sin(0.65)
@@ -317,7 +322,7 @@ def test_hostile_outlines(rings: list[Points]) -> None:
 def test_random_blobs() -> None:
     rng = np.random.default_rng(7)
     angle = np.linspace(0, 2 * np.pi, 150, endpoint=False)
-    for _ in range(5):
+    for _ in range(3):
         wave = sum(
             rng.normal(scale=0.5 / k) * np.cos(k * angle + rng.uniform(0, 6)) for k in range(1, 9)
         )

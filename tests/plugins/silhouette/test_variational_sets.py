@@ -160,6 +160,7 @@ def test_moving_both_moves_the_result(ball: Body, bar: Body, mirror: float) -> N
     )
 
 
+@pytest.mark.slow
 def test_several_in_turn(ball: Body) -> None:
     chain = ball
     for k in range(1, 3):
@@ -173,6 +174,7 @@ def test_several_in_turn(ball: Body) -> None:
         assert np.hypot(tip[:, 1], tip[:, 2]).max() == pytest.approx(50.0, rel=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("operation", ["merge", "carve"])
 def test_limbs_in_any_pose(operation: Literal["merge", "carve"]) -> None:
     rng = np.random.default_rng(11)
