@@ -40,6 +40,10 @@ WALL_PITCH = 2.0
 """Rows of the walls in steps of what is cut: along a line of sight they are straight, however
 small the outline."""
 
+MOST_ROWS = 400
+"""Rows of the walls at most: a tiny outline drawn far before a tiny shape has walls that are
+a million times as long as either."""
+
 FINEST = 0.2
 """Smallest spacing along the outline, in steps."""
 
@@ -233,7 +237,7 @@ def _prism(
     last of them.
     """
     rim, count = len(plan.after), len(plan.points)
-    rows = max(1, int(np.ceil((high - low) / pitch)))
+    rows = max(1, int(np.ceil(min((high - low) / pitch, MOST_ROWS))))
     heights = np.linspace(low, high, rows + 1)
     rings = [sight.above(plan.points[:rim], z) for z in heights[1:-1]]
     bottom, top = (sight.above(plan.points, z) for z in (low, high))
