@@ -37,6 +37,9 @@ ALIKE = 1.25
 NEIGHBOURS = 12
 """Samples that must be looked at around a wall, however far they lie apart."""
 
+MOST_TIPS = 200
+"""Tips that are passed over; of what has more of them the next one is as thin as a wall."""
+
 SHARE = 0.6
 """Share of the surface around that must be as thin."""
 
@@ -114,10 +117,19 @@ def _first_wall(middle: Points, thickness: Points, area: Points, order: NDArray[
 
     tree = cKDTree(middle)
     spacing = np.asarray(tree.query(middle, [min(NEIGHBOURS, len(middle))])[0])[:, 0]
+    passed = np.zeros(len(middle), bool)
+    looks = 0
     for k in order.tolist():
+        if passed[k]:
+            continue
+        looks += 1
+        if looks > MOST_TIPS:
+            return int(k)
         reach = max(AROUND * thickness[k], float(spacing[k]))
-        near = tree.query_ball_point(middle[k], reach)
+        near = np.array(tree.query_ball_point(middle[k], reach))
         thin = thickness[near] < ALIKE * thickness[k]
         if area[near][thin].sum() >= SHARE * area[near].sum():
             return int(k)
+        # The same tip need not be looked at from every sample on it.
+        passed[tree.query_ball_point(middle[k], 0.5 * reach)] = True
     return int(order[-1])
