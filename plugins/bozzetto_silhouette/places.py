@@ -20,7 +20,7 @@ from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import body_of
 from bozzetto_silhouette.memory import Memory
-from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
 
 __all__ = [
     "carried",
@@ -30,6 +30,7 @@ __all__ = [
     "groups_around",
     "is_shown",
     "on_sheet",
+    "outlined_parts",
     "placement_of",
     "shown_parts",
     "stroke_in",
@@ -78,6 +79,11 @@ def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
 def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:
     """The parts that can be seen and touched, in the order of the tree."""
     return tuple(part for part in state.parts if is_shown(state, part))
+
+
+def outlined_parts(state: SilhouetteState) -> tuple[Part, ...]:
+    """Those of them that have a closed outline; the line of a cut is open."""
+    return tuple(part for part in shown_parts(state) if not isinstance(part, Cut))
 
 
 def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:

@@ -14,7 +14,7 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet, rings_of, surrounds
-from bozzetto_silhouette.places import carried, shown_parts, stroke_in
+from bozzetto_silhouette.places import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.sheet import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.tools.eraser import erased, without
@@ -100,7 +100,7 @@ def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
     """
     if state.inner == "apart":
         return state.with_node(new)
-    alike = [part for part in shown_parts(state) if _faces_as(state, part, new)]
+    alike = [part for part in outlined_parts(state) if _faces_as(state, part, new)]
     for old in alike:
         carried_in = tuple(stroke_in(state, old, stroke) for stroke in new.strokes)
         if _lies_within(carried_in, old):

@@ -10,8 +10,15 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto_silhouette.ink_to_outline import rings_of
-from bozzetto_silhouette.places import distances_under, drawn_profile, on_sheet, shown_parts
-from bozzetto_silhouette.state import Part, Removal, SilhouetteState
+from bozzetto_silhouette.places import (
+    distances_under,
+    drawn_profile,
+    on_sheet,
+    outlined_parts,
+    placement_of,
+    shown_parts,
+)
+from bozzetto_silhouette.state import Cut, Part, Removal, SilhouetteState
 
 __all__ = ["erased", "without"]
 
@@ -30,7 +37,7 @@ PROFILE_REACH = 8.0
 def erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
     """Without what most of the eraser's path lies over.
 
-    That is the profile of the chosen part, if the path runs along it; else the newest part
+    That is a cut or the profile of the chosen part, if the path runs along it; else the newest part
     whose surface is under it; else the hole that it is in. What is switched off stays.
 
     Raises
@@ -40,7 +47,10 @@ def erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
     """
     places = np.linspace(0, len(eraser) - 1, min(len(eraser), LOOKS)).round().astype(int)
     path = Stroke(eraser.x[places], eraser.y[places], eraser.camera)
-    parts = shown_parts(state)
+    for part in reversed(shown_parts(state)):
+        if isinstance(part, Cut) and _runs_along(path, _line_of(state, part)):
+            return without(state, {part.id})
+    parts = outlined_parts(state)
     for part in parts:
         if part.id == state.selected and _along_profile(state, part, path):
             return state.with_node(replace(part, profile=Strokes()))
@@ -66,12 +76,24 @@ def without(state: SilhouetteState, gone: set[str]) -> SilhouetteState:
 
 def _along_profile(state: SilhouetteState, part: Part, path: Stroke) -> bool:
     """Whether a path runs along the line of a part's profile, as it is shown now."""
-    import shapely
-
     try:
         lines = drawn_profile(state, part)
     except UserError:
         return False
+    return _runs_along(path, lines)
+
+
+def _line_of(state: SilhouetteState, cut: Part) -> list[Array]:
+    """The strokes of a cut where it stands now; (n, 3) each."""
+    place = placement_of(state, cut)
+    flat = [cut.sheet.from_pixels(stroke.points, stroke.camera) for stroke in cut.strokes]
+    return [place.points(np.column_stack([line, np.zeros(len(line))])) for line in flat]
+
+
+def _runs_along(path: Stroke, lines: list[Array]) -> bool:
+    """Whether most of a path lies by one of some lines (n, 3), as they are seen."""
+    import shapely
+
     for line in lines:
         pixels, _ = path.camera.project(line)
         if len(pixels) < 2 or not np.isfinite(pixels).all():

@@ -14,7 +14,7 @@ from bozzetto.plugin import Gesture, Ink
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_silhouette.edits import Rings, size_of
 from bozzetto_silhouette.ink_to_outline import outline_of, rings_of
-from bozzetto_silhouette.places import carried, drawn_rings, on_sheet, shown_parts, stroke_in
+from bozzetto_silhouette.places import carried, drawn_rings, on_sheet, outlined_parts, stroke_in
 from bozzetto_silhouette.state import Edit, Part, SilhouetteState
 
 __all__ = ["edited_part", "preview_of"]
@@ -90,7 +90,7 @@ def _likely(state: SilhouetteState, stroke: Stroke) -> list[Part]:
 
     found = []
     ends = shapely.points(stroke.points[[0, -1]])
-    for part in shown_parts(state):
+    for part in outlined_parts(state):
         try:
             rings = drawn_rings(state, part)
         except UserError:

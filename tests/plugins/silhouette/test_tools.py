@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.geometry import Placement
-from bozzetto.ink import Stroke
+from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.closing import signed_area
 from bozzetto.plugin import Context, Drag, Ink, Tap
 from bozzetto.plugin.testing import Pen
@@ -17,7 +17,7 @@ from bozzetto.view import Camera
 from bozzetto.view.standard import standard_view
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.places import drawn_rings
-from bozzetto_silhouette.state import Group, SilhouetteState
+from bozzetto_silhouette.state import Cut, Group, SilhouetteState
 from bozzetto_silhouette.tools import DrawOutline
 from bozzetto_silhouette.tools.oversketch import SketchOver
 
@@ -172,6 +172,20 @@ def test_the_eraser_fills_the_hole_under_it_and_spares_what_is_switched_off() ->
     hidden = state.with_node(replace(state.parts[0], visible=False))
     with pytest.raises(UserError, match="no part under the eraser"):
         TOOL.apply(hidden, Ink((rub.dot(600, 300),)), CONTEXT)
+
+
+def test_a_cut_is_erased_along_its_line_and_takes_no_other_ink() -> None:
+    state = drawn((OUTER,))
+    line = PEN.along([(200, 450), (1000, 470)])
+    cut = Cut(id="c", name="Cut", strokes=Strokes([line]), operation="carve", surface="straight")
+    state = replace(state, nodes=(*state.nodes, cut))
+    rub = PEN.but(tool="eraser")
+    gone = TOOL.apply(state, Ink((rub.along([(500, 456), (700, 462)]),)), CONTEXT)
+    assert [node.id for node in gone.nodes] == ["n1"]
+    # Across the cut's line it is the part that is rubbed.
+    assert TOOL.apply(state, Ink((rub.along([(600, 300), (600, 500)]),)), CONTEXT).nodes == (cut,)
+    with pytest.raises(UserError, match="no outline"):
+        SketchOver().apply(state, Ink((PEN.along([(560, 457), (600, 400), (640, 457)]),)), CONTEXT)
 
 
 def test_a_hole_is_drawn_into_a_part_where_it_stands_now() -> None:
