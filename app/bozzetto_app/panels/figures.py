@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
 from bozzetto_app.icons import paint_icon
 from bozzetto_app.panels.known_figures import KnownFigure, known_figures, known_values
@@ -203,8 +203,12 @@ class Figures(QWidget):
                 widget.deleteLater()
         for row, figure in enumerate(figures_of(report)):
             words = QLabel(figure.key)
+            words.setTextFormat(Qt.TextFormat.PlainText)
             words.setIndent(8 * figure.depth)
             if figure.value is None:
+                # Names of parts may be long: they take more lines, never more room.
+                words.setWordWrap(True)
+                words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
                 words.setProperty("type", "heading")
                 self._grid.addWidget(words, row, 0, 1, 3)
                 continue

@@ -256,3 +256,10 @@ def test_a_long_name_does_not_widen_the_panel(with_parts, fake_session):
     fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "n" * 200)
     fake_session.document_changed.emit()
     assert with_parts.widget().minimumSizeHint().width() <= max(before, with_parts.width())
+
+
+def test_a_part_with_a_long_name_in_the_report_does_not_widen_the_panel(panel, fake_session):
+    long = " ".join(["a nose with a long name"] * 6)
+    fake_session.report = {"parts": [{"name": long, "genus": 0}, {"name": "<b>x</b>", "genus": 1}]}
+    fake_session.report_changed.emit()
+    assert panel.widget().minimumSizeHint().width() <= panel.viewport().width()
