@@ -30,7 +30,8 @@ from bozzetto.scene.display_list import Scene
 from bozzetto.scene.software import render
 from bozzetto.view.navigation import fit
 from bozzetto.workbench import Workbench
-from bozzetto_silhouette.field import ConvolutionField
+from bozzetto_silhouette.field import ConvolutionField, convolution_field
+from bozzetto_silhouette.frame import frame_of
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.solid import SilhouetteSolid
 from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
@@ -80,7 +81,7 @@ class Line:
         strokes = [_nudged(stroke, hair) for stroke in self.drawing.strokes]
         context = Context(camera=self.drawing.camera)
         model = self.bench.create(MODELER, context)
-        (tool,) = self.bench.tools(MODELER)
+        tool = self.bench.tools(MODELER)[0]
         model = self.bench.apply(model, tool, Ink(tuple(strokes), committed=True), context)
         result = self.bench.solve(model, Job(quality=quality))
         return model, result, self.bench.model_scene(model, result)
@@ -121,7 +122,9 @@ def dense_field(field: ConvolutionField, axes: tuple[NDArray[np.float64], ...]) 
     for first in range(0, len(x), SLAB):
         part = slice(first, first + SLAB)
         nodes = np.stack(np.meshgrid(x[part], y, z, indexing="ij"), axis=-1)
-        values[part] = field.value(nodes.reshape(-1, 3)).reshape(nodes.shape[:3])
+        flat = nodes.reshape(-1, 3)
+        level = field.raw_level(flat[:, :2], flat[:, 2] ** 2, np.ones(len(flat)))
+        values[part] = level.reshape(nodes.shape[:3])
     return extracted(values)
 
 
@@ -187,17 +190,25 @@ def rows(drawings: tuple[Path, ...] = DRAWINGS) -> Iterator[Row]:
 
 def _against_lattices(line: Line, name: str) -> Iterator[Row]:
     _, result, _ = line.run("final")
-    solid = result.solids[0]
+    (solid,) = result.solids.values()
+    frame = frame_of(solid.outline)
+    field = convolution_field(frame)
     axes = box_of(solid)
-    ours, field, capsules = in_turn(
+    x, y, z = axes
+    inner = (
+        (x - frame.origin[0]) / frame.scale,
+        (y - frame.origin[1]) / frame.scale,
+        z / frame.scale,
+    )
+    ours, dense, capsules = in_turn(
         lambda: line.run("final"),
-        lambda: dense_field(solid.field, axes),
+        lambda: dense_field(field, inner),
         lambda: dense_capsules(solid.skeleton, axes),
         repeats=3,
     )
     size = "×".join(str(len(axis)) for axis in axes)
     for what, other in (
-        ("the field on a dense lattice", field),
+        ("the field on a dense lattice", dense),
         ("its capsules in a dense distance field", capsules),
     ):
         yield Row(
@@ -210,7 +221,7 @@ def _live(lines: list[Line], count: str) -> Iterator[Row]:
     """A live preview when nearly all of a stroke is drawn."""
     moves, processor = [], []
     for line in lines:
-        (tool,) = line.bench.tools(MODELER)
+        tool = line.bench.tools(MODELER)[0]
         context = Context(camera=line.drawing.camera)
         empty = line.bench.create(MODELER, context)
         gesture = Ink((line.longest(),))
