@@ -18,9 +18,9 @@ from bozzetto_silhouette.ghosts import deviation_layer, ink_layer
 from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
-from bozzetto_silhouette.painting import painted, texture_of
+from bozzetto_silhouette.painting import Painted, painted, texture_of
 from bozzetto_silhouette.places import shown_parts
-from bozzetto_silhouette.posing import Posed, joints_layer, rig_facts, skinned
+from bozzetto_silhouette.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.report import report_of
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
@@ -45,7 +45,9 @@ class SilhouetteResult:
     mesh, shown : Mesh or None
         The same for files, and for the screen (`Painted`), as its joints were turned.
     skin : Skin or None
-        What `mesh` hangs on; None without joints, and in previews of what is not posed.
+        What `mesh` hangs on where it is posed; files get a skin in any case.
+    final : bool
+        Whether this is more than a preview.
     solids : dict of str to SilhouetteSolid
         By the id of the part; without those that go straight through.
     """
@@ -54,6 +56,7 @@ class SilhouetteResult:
     mesh: Mesh | None
     shown: Mesh | None
     skin: Skin | None
+    final: bool
     solids: Mapping[str, SilhouetteSolid]
 
 
@@ -104,14 +107,15 @@ class Silhouette:
             for part in state.parts
             if part.visible and part.surface != "straight"
         }
+        final = job.quality == "final"
         if body is None:
-            return SilhouetteResult(None, None, None, None, solids)
+            return SilhouetteResult(None, None, None, None, final, solids)
         look = painted(state, body)
-        if job.quality == "final" or state.posing or state.turns:
+        if state.posing or state.turns:
             moved = skinned(state, body, look, job.checkpoint)
         else:
             moved = Posed(*look, None)
-        return SilhouetteResult(body, *moved, solids)
+        return SilhouetteResult(body, *moved, final, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
         """The solids in clay and the ink that made them, as a ghost."""
@@ -120,7 +124,7 @@ class Silhouette:
             layers.append(Layer("shape", (Shaded(result.shown),)))
         if state.nodes:
             layers.append(ink_layer(state))
-        off = None if result is None else _deviation(state, result)
+        off = None if result is None or not result.final else _deviation(state, result)
         if off is not None:
             layers.append(off)
         handles = handles_layer(state) if state.held and not state.posing else None
@@ -133,8 +137,11 @@ class Silhouette:
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
         """One solid and the skeleton of each part."""
-        if result.mesh is None or result.body is None:
+        if result.mesh is None or result.shown is None or result.body is None:
             return Shapes()
+        skin = result.skin
+        if skin is None:
+            skin = skinned(state, result.body, Painted(result.mesh, result.shown)).skin
         texture = texture_of(state, result.body)
         skeletons = []
         for part in state.parts:
@@ -145,14 +152,15 @@ class Silhouette:
                 radii = nodes[:, 2] * part.placement.scale
                 skeletons.append(Skeleton(part.placement.points(flat), radii, bones))
         return Shapes(
-            solids=(Solid(result.mesh, texture=texture, skin=result.skin),),
+            solids=(Solid(result.mesh, texture=texture, skin=skin),),
             skeletons=tuple(skeletons),
         )
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
         """How truly every part keeps its outline, and how sound the whole is."""
         told = report_of(state, result.body, result.solids)
-        return told if result.skin is None else {**told, "rig": rig_facts(result.skin.rig)}
+        rig = None if result.body is None else rig_of(state)
+        return told if rig is None else {**told, "rig": rig_facts(rig)}
 
     # -- parts --
 

@@ -57,7 +57,7 @@ def capsule(x, y, length, radius, degrees=0.0):
 
 
 def solved(state, quality="final"):
-    return MODELER.solve(state, Job(quality))
+    return MODELER.solve(replace(state, posing=True), Job(quality))
 
 
 def turned(state, joint, axis, degrees):
