@@ -18,18 +18,25 @@ from bozzetto_silhouette.touch import TOUCHED_CELLS, touched_part
 
 __all__ = ["MirrorCopy"]
 
+UP = (0.0, 0.0, 1.0)
+"""The world's."""
+
 SAME = 0.02
 """Distance between a part and its mirror image below which they are one, as a share of the
 part's size: the meshes of two like halves differ by less."""
 
 
 class MirrorCopy:
-    """A twin across the plane of symmetry, right after the part itself."""
+    """A twin across the plane of symmetry, right after the part itself.
+
+    With Shift, and for a part that is its own mirror image there, across the upright plane
+    that crosses it: what was drawn from the front has its left and its right.
+    """
 
     id = "mirror"
     title = "Mirror copy"
     icon = "icons/mirror.svg"
-    hint = "Tap a part to get its mirror image across the plane of symmetry."
+    hint = "Tap a part for its mirror image across the plane of symmetry; Shift: left and right."
     gesture: Literal["ink", "tap", "drag"] = "tap"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
@@ -49,16 +56,22 @@ class MirrorCopy:
         part = touched_part(state, gesture.x, gesture.y, gesture.camera)
         if part is None:
             raise UserError("There is no part here. Tap the part whose mirror image you want.")
-        motion = mirrored(np.asarray(context.symmetry_point), np.asarray(context.symmetry_normal))
-        twin = replace(
-            placed_anew(state, part, motion),
-            id=state.unused_id(),
-            name=state.unused_name(f"{part.name} mirrored"),
+        point, normal = np.asarray(context.symmetry_point), np.asarray(context.symmetry_normal)
+        across = np.cross(normal, UP)
+        planes = [across] if gesture.shift else [normal, across]
+        twins = (
+            replace(
+                placed_anew(state, part, mirrored(point, plane)),
+                id=state.unused_id(),
+                name=state.unused_name(f"{part.name} mirrored"),
+            )
+            for plane in planes
+            if np.linalg.norm(plane) > 0.0
         )
-        if _is_alike(part, twin):
+        twin = next((twin for twin in twins if not _is_alike(part, twin)), None)
+        if twin is None:
             raise UserError(
-                "This part lies in the plane of symmetry and is its own mirror image. Move it "
-                "to one side, then mirror it."
+                "This part is its own mirror image. Move it to one side, then mirror it."
             )
         place = state.nodes.index(part) + 1
         nodes = (*state.nodes[:place], twin, *state.nodes[place:])

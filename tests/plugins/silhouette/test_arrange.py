@@ -270,6 +270,18 @@ def test_a_twin_in_a_group_is_mirrored_where_it_stands() -> None:
     assert ((one + other) / 2 - plane.symmetry_point) @ normal == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("depth", "shift", "flip"),
+    [(0.0, False, (-1, 1, 1)), (0.0, True, (-1, 1, 1)), (-400.0, True, (-1, 1, 1))],
+)
+def test_what_was_drawn_from_the_front_has_a_left_and_a_right(depth, shift, flip) -> None:
+    drawn = part(1, 300, 300, 80, pose=Placement(offset=(0.0, depth, 0.0)))
+    tap = Tap(300, 300, FRONT, shift=shift)
+    state = MIRROR.apply(SilhouetteState((drawn,)), tap, Context())
+    one, twin = (shape_seen(SilhouetteState((node,))).body for node in state.nodes)
+    assert twin.vertices == pytest.approx(one.vertices * flip, abs=1e-9)
+
+
 def test_what_is_its_own_image_and_nothing_are_refused() -> None:
     state = SilhouetteState((part(1, 600, 450, 200),))
     with pytest.raises(UserError, match="its own mirror image"):
