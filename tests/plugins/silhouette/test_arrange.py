@@ -272,7 +272,7 @@ def test_a_twin_in_a_group_is_mirrored_where_it_stands() -> None:
 
 @pytest.mark.parametrize(
     ("depth", "shift", "flip"),
-    [(0.0, False, (-1, 1, 1)), (0.0, True, (-1, 1, 1)), (-400.0, True, (-1, 1, 1))],
+    [(0.0, False, (-1, 1, 1)), (0.0, True, (-1, 1, 1)), (-20.0, True, (-1, 1, 1))],
 )
 def test_what_was_drawn_from_the_front_has_a_left_and_a_right(depth, shift, flip) -> None:
     drawn = part(1, 300, 300, 80, pose=Placement(offset=(0.0, depth, 0.0)))
