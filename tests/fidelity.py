@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +46,9 @@ INSCRIBED = 1e-3
 """Tolerance of the inscribed circle, as a share of the diagonal."""
 TRIALS = 2
 """Solids timed for each resolution; the faster one counts."""
+
+SURFACES = {"convolution": "", "variational": "Interpolate exactly", "inflation": "Inflate"}
+"""Kinds of surface, and the heading of the summary of those that are not the default."""
 
 _HAIRS = itertools.count(1)
 
@@ -224,13 +227,14 @@ def asymmetry(vertices: Points) -> float:
 # -- measuring -------------------------------------------------------------------------------------
 
 
-def measured(case: Case, folder: Path) -> Found | None:
+def measured(case: Case, folder: Path, surface: str = "convolution") -> Found | None:
     """Build a case by the command line and measure its file; None where it was refused."""
     import shapely
 
     target = folder / "solid.stl"
     target.unlink(missing_ok=True)
-    if cli.main(["build", "silhouette", str(case.drawing), "-o", str(target)]) != 0:
+    kind = ["--set", f"surface={surface}"]
+    if cli.main(["build", "silhouette", str(case.drawing), "-o", str(target), *kind]) != 0:
         return None
     vertices, faces = read_stl(target)
     drawn = even_odd(rings_of(case.outline))
@@ -254,14 +258,15 @@ def measured(case: Case, folder: Path) -> Found | None:
         volume=volume(vertices, faces),
         thickness=0.5 * float(np.ptp(vertices[:, 1])) / inscribed,
         asymmetry=asymmetry(vertices),
-        ms_64=solve_ms(case.drawing, "preview"),
-        ms_128=solve_ms(case.drawing, "final"),
+        ms_64=solve_ms(case.drawing, "preview", surface),
+        ms_128=solve_ms(case.drawing, "final", surface),
     )
 
 
-def solve_ms(drawing: Path, quality: Any) -> float:
+def solve_ms(drawing: Path, quality: Any, surface: str) -> float:
     """Processor time from the outline to the solid, ms: others use this machine, too."""
     from bozzetto.exchange.importing import read_drawing
+    from bozzetto.ink import Stroke, Strokes
     from bozzetto.plugin.job import Job
     from bozzetto.plugin.registry import Registry
     from bozzetto.workbench import Workbench
@@ -270,9 +275,12 @@ def solve_ms(drawing: Path, quality: Any) -> float:
     ink = read_drawing(drawing)
     times = []
     for _ in range(TRIALS):
-        # What was solved before is remembered; a hair softer is another question.
-        values = {"softness": 1.4 + 1e-9 * next(_HAIRS)}
-        model = bench.from_drawing("bozzetto.silhouette", ink, values)
+        # What was solved before is remembered; a hair to the side is another drawing.
+        hair = 1e-3 * next(_HAIRS)
+        aside = Strokes([Stroke(s.x + hair, s.y, s.camera, tool=s.tool) for s in ink.strokes])
+        model = bench.from_drawing(
+            "bozzetto.silhouette", replace(ink, strokes=aside), {"surface": surface}
+        )
         begun = time.process_time()
         bench.solve(model, Job(quality=quality))
         times.append(1000.0 * (time.process_time() - begun))
@@ -319,8 +327,8 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
-def page(found: dict[Case, Found | None]) -> str:
-    """The document."""
+def page(found: dict[str, dict[Case, Found | None]]) -> str:
+    """The document, from what was found for each kind of surface."""
     parts = [
         "# Fidelity",
         "Made by `python -m tests.fidelity --write`; do not edit the tables. Every outline is "
@@ -331,7 +339,7 @@ def page(found: dict[Case, Found | None]) -> str:
         f"to the checked solid, the better of {TRIALS}, of the machine that made this page.",
     ]
     for ink, title in ((False, "Outlines"), (True, "Ink, against the outline it was drawn after")):
-        some = {case: one for case, one in found.items() if case.is_ink == ink}
+        some = {case: one for case, one in found["convolution"].items() if case.is_ink == ink}
         good = [one for one in some.values() if one is not None]
         if not good:
             continue
@@ -343,6 +351,16 @@ def page(found: dict[Case, Found | None]) -> str:
             for case, one in some.items()
         ]
         parts.append(table(HEADINGS, rows))
+    for surface, title in SURFACES.items():
+        outlines = [one for case, one in found.get(surface, {}).items() if not case.is_ink]
+        good = [one for one in outlines if one is not None]
+        if title and good:
+            refused = len(outlines) - len(good)
+            rows = summary(good, ink=False, refused=refused)
+            parts += [
+                f"## Outlines, surface “{title}”",
+                table(("Figure", "Measured", "Wanted"), rows),
+            ]
     return "\n\n".join(parts) + "\n"
 
 
@@ -358,16 +376,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"no outline {', '.join(sorted(unknown))}")
     if options.write and options.names:
         parser.error("--write goes with all outlines")
-    found: dict[Case, Found | None] = {}
+    found: dict[str, dict[Case, Found | None]] = {surface: {} for surface in SURFACES}
     with tempfile.TemporaryDirectory() as folder:
         for name in options.names or known:
-            found[known[name]] = measured(known[name], Path(folder))
+            for surface in SURFACES:
+                found[surface][known[name]] = measured(known[name], Path(folder), surface)
             print(f"… {name}", file=sys.stderr, flush=True)
     text = page(found)
     print(text)
     if options.write:
         DOCUMENT.write_text(text, encoding="utf-8")
-    return 0 if all(one is not None and one.is_right for one in found.values()) else 1
+    every = [one for cases in found.values() for one in cases.values()]
+    return 0 if all(one is not None and one.is_right for one in every) else 1
 
 
 if __name__ == "__main__":
