@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.composite import Composite
-from bozzetto_silhouette.fillet import Fillet, filleted, scaled
+from bozzetto_silhouette.fillet import Fillet, filleted
 from bozzetto_silhouette.remeshing import unit
 from bozzetto_silhouette.shell import vertex_normals
 from bozzetto_silhouette.solid import Checkpoint, ignore
@@ -74,11 +74,11 @@ def combined(
         return sharp
     checkpoint(0.4, "blend")
     solid = Composite(first.implicit, second.implicit, operation, blend, reach)
-    fillet = filleted(sharp.vertices, sharp.faces.astype(np.intp), solid, sharp.step)
+    fillet = filleted(sharp.vertices, sharp.faces.astype(np.intp), solid, sharp.step, checkpoint)
     known = as_manifold(fillet.vertices, fillet.faces.astype(np.int32))
     if known.is_empty() or not known.volume() > 0.0:
         return sharp
-    return _blended(sharp, fillet, solid, known)
+    return _blended(sharp, fillet, known)
 
 
 def _near(first: Body, second: Body) -> bool:
@@ -143,11 +143,9 @@ def _sharp(first: Body, second: Body, operation: Operation, whole: Manifold) -> 
     )
 
 
-def _blended(sharp: Body, fillet: Fillet, solid: Composite, known: Manifold) -> Body:
+def _blended(sharp: Body, fillet: Fillet, known: Manifold) -> Body:
     normals = sharp.normals[fillet.parents]
-    for share in np.unique(fillet.shares[fillet.shares > 0.0]):
-        moved = np.flatnonzero(fillet.shares == share)
-        normals[moved] = _normals_of(scaled(solid, float(share)), fillet.vertices[moved])
+    normals[fillet.moved] = _normals_of(fillet.solid, fillet.vertices[fillet.moved])
     sharp_before = np.zeros(len(sharp.vertices), dtype=bool)
     sharp_before[sharp.creases] = True
     return replace(
@@ -156,8 +154,8 @@ def _blended(sharp: Body, fillet: Fillet, solid: Composite, known: Manifold) -> 
         faces=fillet.faces.astype(np.int32),
         normals=normals,
         origins=sharp.origins[fillet.parents],
-        implicit=solid,
-        creases=np.flatnonzero(sharp_before[fillet.parents] & (fillet.shares == 0.0)),
+        implicit=fillet.solid,
+        creases=np.flatnonzero(sharp_before[fillet.parents] & ~fillet.moved),
         known=known,
     )
 
@@ -195,7 +193,7 @@ def _crease_normals(
 
 def _normals_of(solid: Composite, points: Points) -> Points:
     """Unit normals, outwards, by differences of the value at the corners of a tetrahedron."""
-    width = _DIFFERENCE * solid.local_reach(*solid.sides(points))[:, None, None]
+    width = _DIFFERENCE * solid.sides(points).reach[:, None, None]
     corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
     values = solid.value(corners).reshape(-1, 4)
     return unit(-values @ _TETRAHEDRON)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,9 @@ from numpy.typing import NDArray
 from bozzetto_silhouette.blending import flipped, smooth_maximum, summed
 from bozzetto_silhouette.implicit import Implicit, Sample
 from bozzetto_silhouette.state import Operation
+from bozzetto_silhouette.taming import Taming
 
-__all__ = ["Composite", "box_distance"]
+__all__ = ["Composite", "Sides", "box_distance"]
 
 Points = NDArray[np.float64]
 
@@ -24,6 +26,21 @@ _NARROWEST = 1e6
 
 _FALL = 0.5
 """Outside a box every value falls at least at this rate: the promise of `Implicit`."""
+
+
+class Sides(NamedTuple):
+    """Both solids at n points.
+
+    Attributes
+    ----------
+    first, second : Sample
+    reach : (n,) float array
+        Of the blend of the two there.
+    """
+
+    first: Sample
+    second: Sample
+    reach: Points
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +57,8 @@ class Composite:
         crease.
     reach : float
         The largest radius of the blend, as a length.
+    taming : Taming
+        Where less of it was found to fit.
     """
 
     first: Implicit
@@ -47,6 +66,7 @@ class Composite:
     operation: Operation
     blend: float
     reach: float
+    taming: Taming = field(default_factory=Taming.none)
 
     @cached_property
     def bounds(self) -> Points:
@@ -66,10 +86,39 @@ class Composite:
 
     def sample(self, points: Points) -> Sample:
         """Values and gradients at points (n, 3)."""
-        return self.blended(*self.sides(points))
+        return self.blended(self.sides(points))
 
-    def sides(self, points: Points) -> tuple[Sample, Sample]:
+    def scaled(self, share: float) -> Composite:
+        """The same with a share of its blend."""
+        return replace(self, blend=share * self.blend, reach=share * self.reach)
+
+    def sides(self, points: Points) -> Sides:
         """Samples of both solids; where one cannot matter, only a bound of it."""
+        first, second = self._samples(points)
+        reach = self._local_reach(first, second)
+        if len(self.taming.places):
+            reach = reach * self.taming.share(points)
+        return Sides(first, second, reach)
+
+    def blended(self, sides: Sides) -> Sample:
+        """The two samples as one."""
+        first, second, reach = sides
+        if self.operation == "carve":
+            return flipped(smooth_maximum(flipped(first), second, reach))
+        if self.operation == "intersect":
+            return flipped(smooth_maximum(flipped(first), flipped(second), reach))
+        if self.operation == "merge" and self.blend > 0.0:
+            return summed(first, second, reach)
+        return smooth_maximum(first, second, reach)
+
+    def sharp(self, sides: Sides) -> Points:
+        """Values (n,) without the blend."""
+        one, other = sides.first.value, sides.second.value
+        if self.operation == "carve":
+            return np.minimum(one, -other)
+        return np.minimum(one, other) if self.operation == "intersect" else np.maximum(one, other)
+
+    def _samples(self, points: Points) -> tuple[Sample, Sample]:
         if self.operation == "intersect":
             return self.first.sample(points), self.second.sample(points)
         far = -_FALL * box_distance(points, self.second.bounds)
@@ -83,18 +132,7 @@ class Composite:
         late = ~leads & (near > second.value - self.reach)
         return _where(self.first, points, near, late, first), second
 
-    def blended(self, first: Sample, second: Sample) -> Sample:
-        """The two samples as one."""
-        reach = self.local_reach(first, second)
-        if self.operation == "carve":
-            return flipped(smooth_maximum(flipped(first), second, reach))
-        if self.operation == "intersect":
-            return flipped(smooth_maximum(flipped(first), flipped(second), reach))
-        if self.operation == "merge" and self.blend > 0.0:
-            return summed(first, second, reach)
-        return smooth_maximum(first, second, reach)
-
-    def local_reach(self, first: Sample, second: Sample) -> Points:
+    def _local_reach(self, first: Sample, second: Sample) -> Points:
         """Reach of the blend (n,): of the thinner of the two there, and nowhere the largest.
 
         A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and

@@ -1,18 +1,19 @@
 """The fillet: around the crease of a sharp mesh the surface of the blended solid.
 
 The sharp mesh has the topology and all detail. Only where the blend tells are its triangles
-made anew, fine enough for the fillet, and moved onto the zero set of the blended solid.
+made anew, fine enough for the fillet, and moved onto the zero set of the blended solid. Where
+that fails the blend is held back, in the function as in the mesh, and tried again.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.composite import Composite
+from bozzetto_silhouette.composite import Composite, Sides
 from bozzetto_silhouette.remeshing import (
     Patch,
     collapsed,
@@ -21,24 +22,39 @@ from bozzetto_silhouette.remeshing import (
     split,
     unit,
 )
+from bozzetto_silhouette.solid import Checkpoint, ignore
 
-__all__ = ["Fillet", "filleted", "scaled"]
+__all__ = ["Fillet", "filleted"]
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
-RETREATS = (1.0, 0.4)
-"""Shares of the blend that are tried in turn."""
+_ATTEMPTS = 5
+"""How often a crease is tried, each time with less of the blend where the last one failed."""
 
-_FINENESS = 0.22
-"""Longest edge in the fillet as a share of the reach: a quarter circle gets about seven."""
+_RETREAT = 0.4
+"""What is left of the blend at a place that failed, each time."""
 
-_FINEST = 0.4
+_LEAST = 0.1
+"""Shares of the blend below this are not tried: there the crease stays sharp."""
+
+_NONE = 1e-3
+"""The share of the blend that is left there: none would divide by zero."""
+
+_AROUND = 2.5
+"""How far around a place that failed less is blended, in reaches."""
+
+_FINENESS = 0.35
+"""Longest edge in the fillet as a share of the reach: a quarter circle gets about five, with a
+sag of 1.5 % of its radius."""
+
+_FINEST = 0.6
 """The same as a share of the mesh's spacing, at least: smaller fillets are not seen."""
 
-_SLIVER = 0.45
+_SLIVER = 0.55
 """Edges shorter than this share of the shorter of the longest edge and the mesh's own spacing
-are collapsed."""
+are collapsed. Half of the longest would undo what was just split."""
 
 _STAGES = (0.4, 0.75, 1.0)
 """The reach grows by stages, so that no vertex has far to go at once."""
@@ -58,7 +74,7 @@ _TELLING = 1e-3
 _NEWTON = 3
 """Steps of Newton's method at the end of every stage."""
 
-_STRIDE = 0.25
+_STRIDE = 0.15
 """Longest of these steps, as a share of the reach."""
 
 _FLATTEST = 0.2
@@ -70,7 +86,7 @@ _RINGS = 2
 _HOPELESS = 0.05
 """Share of faces turned over from which on nothing more is tried."""
 
-_REPAIRS = 6
+_REPAIRS = 3
 """Rounds of mending faces that were turned over."""
 
 _LEFT = 0.02
@@ -89,21 +105,40 @@ class Fillet(NamedTuple):
     faces : (f, 3) int array
     parents : (v,) int array
         The vertex of the sharp mesh that each stands for or came from.
-    shares : (v,) float array
-        Of the blend that was asked for, in the fillets; 0 where the mesh is as it was.
+    moved : (v,) bool array
+        Those that lie in fillets; the others are as they were.
+    solid : Composite
+        The blended solid that the mesh is the surface of, with its blend held back where the
+        whole of it found no place.
     """
 
     vertices: Points
     faces: Indices
     parents: Indices
-    shares: Points
+    moved: Mask
+    solid: Composite
 
 
-def filleted(vertices: Points, faces: Indices, solid: Composite, step: float) -> Fillet:
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Some creases that came out well."""
+
+    patch: Patch
+    own: Indices
+    done: Indices
+
+
+def filleted(
+    vertices: Points,
+    faces: Indices,
+    solid: Composite,
+    step: float,
+    checkpoint: Checkpoint = ignore,
+) -> Fillet:
     """The mesh of the sharp operation brought onto the blended solid.
 
-    Every crease is done by itself. One whose fillet finds no place, as where it would be
-    larger than what it joins, is tried with less, and at last stays sharp.
+    Every crease is done by itself. Where its fillet finds no place, as where it would be larger
+    than what it joins, it is tried with less around there, and at last stays sharp there.
 
     Parameters
     ----------
@@ -113,38 +148,27 @@ def filleted(vertices: Points, faces: Indices, solid: Composite, step: float) ->
         With a blend above 0.
     step : float
         Spacing of the finer of the two meshes.
+    checkpoint : callable
     """
     crease = _creases(solid, vertices, faces)
     of_face = crease[faces].max(axis=1)
     todo = np.unique(of_face[of_face >= 0])
-    meshes = [(vertices, faces, np.arange(len(vertices)), np.zeros(len(vertices)))]
-    for share in RETREATS:
+    pieces: list[_Piece] = []
+    for attempt in range(_ATTEMPTS):
         if not len(todo):
             break
-        patch = _rounded(
-            _patch(vertices, faces[np.isin(of_face, todo)]), crease >= 0, scaled(solid, share), step
-        )
+        checkpoint(0.4 + 0.5 * attempt / _ATTEMPTS, "blend")
+        patch = _rounded(_patch(vertices, faces[np.isin(of_face, todo)]), crease >= 0, solid, step)
         own = crease[patch.parents]
-        failed = np.intersect1d(todo, _failed(scaled(solid, share), patch, own))
-        done = np.setdiff1d(todo, failed)
-        # What was never free is still the vertex that it was; the others are new.
-        fresh = np.flatnonzero(patch.free)
-        number = patch.parents.copy()
-        number[fresh] = sum(len(mesh[0]) for mesh in meshes) + np.arange(len(fresh))
-        rows = np.isin(own[patch.faces].max(axis=1), done)
-        meshes.append((
-            patch.vertices[fresh], number[patch.faces[rows]], patch.parents[fresh],
-            np.full(len(fresh), share),
-        ))  # fmt: skip
+        bad = _bad(solid, patch)
+        failed = np.intersect1d(todo, own[bad])
+        pieces.append(_Piece(patch, own, np.setdiff1d(todo, failed)))
         todo = failed
-    kept = (of_face < 0) | np.isin(of_face, todo)
-    meshes[0] = (vertices, faces[kept], meshes[0][2], meshes[0][3])
-    return _compact(*(np.concatenate(column) for column in zip(*meshes, strict=True)))
-
-
-def scaled(solid: Composite, share: float) -> Composite:
-    """The same with a share of its blend."""
-    return replace(solid, blend=share * solid.blend, reach=share * solid.reach)
+        if len(failed):
+            solid = _held_back(solid, patch.vertices[bad], step)
+            pieces, again = _still_true(pieces, solid)
+            todo = np.union1d(todo, again)
+    return _sewn(vertices, faces, of_face, pieces, solid)
 
 
 def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
@@ -152,7 +176,7 @@ def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    may = _told(solid, vertices)
+    may = _told(solid, solid.sides(vertices))
     for _ in range(_RINGS):
         may[faces[may[faces].any(axis=1)]] = True
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -173,19 +197,25 @@ def _patch(vertices: Points, faces: Indices) -> Patch:
         np.zeros(len(numbers), dtype=bool),
         numbers,
         np.zeros((len(numbers), 3)),
+        np.zeros(len(numbers)),
     )
 
 
-def _rounded(patch: Patch, may: NDArray[np.bool_], solid: Composite, step: float) -> Patch:
+def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
     """The patch moved onto the blended solid, by stages.
 
     `may` tells of every vertex of the mesh whether it can be set free.
     """
     for share in _STAGES:
-        stage = scaled(solid, share)
-        free = patch.free | (_told(stage, patch.vertices) & may[patch.parents])
-        patch = replace(patch, free=free)
-        patch = split(patch, _spacing(solid, patch, step))
+        stage = solid.scaled(share)
+        sides = stage.sides(patch.vertices)
+        held = solid.taming.share(patch.vertices) < _LEAST
+        patch = replace(
+            patch,
+            free=patch.free | (_told(stage, sides) & may[patch.parents] & ~held),
+            spacing=np.maximum(_FINENESS / share * sides.reach, _FINEST * step),
+        )
+        patch = split(patch)
         for _ in range(_SMOOTHINGS):
             patch = _bettered(stage, patch, step)
         for _ in range(_NEWTON):
@@ -199,54 +229,88 @@ def _rounded(patch: Patch, may: NDArray[np.bool_], solid: Composite, step: float
     return patch
 
 
-def _spacing(solid: Composite, patch: Patch, step: float) -> Points:
-    """Longest edge that is wanted at each vertex."""
-    reach = solid.local_reach(*solid.sides(patch.vertices))
-    return np.maximum(_FINENESS * reach, _FINEST * step)
-
-
 def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
     """Projected, without slivers, and relaxed."""
-    patch = _projected(solid, patch)
-    shortest = _SLIVER * np.minimum(_spacing(solid, patch, step), step)
-    return relaxed(flipped_edges(collapsed(patch, shortest, _COLLAPSES), _FLIPS))
+    patch = collapsed(_projected(solid, patch), _SLIVER, _SLIVER * step, _COLLAPSES)
+    return relaxed(flipped_edges(patch, _FLIPS))
 
 
-def _told(solid: Composite, points: Points) -> NDArray[np.bool_]:
+def _told(solid: Composite, sides: Sides) -> Mask:
     """Where the blend makes a difference."""
-    sides = solid.sides(points)
-    sharp = replace(solid, blend=0.0, reach=0.0).blended(*sides).value
-    told: NDArray[np.bool_] = np.abs(
-        solid.blended(*sides).value - sharp
-    ) > _TELLING * solid.local_reach(*sides)
+    added = np.abs(solid.blended(sides).value - solid.sharp(sides))
+    told: Mask = added > _TELLING * sides.reach
     return told
 
 
 def _projected(solid: Composite, patch: Patch) -> Patch:
     """Free vertices after a damped step of Newton's method; normals from the gradient."""
     sides = solid.sides(patch.vertices)
-    value, gradient, _ = solid.blended(*sides)
+    value, gradient, _ = solid.blended(sides)
     square = np.maximum((gradient**2).sum(axis=1), _FLATTEST**2)
-    most = _STRIDE * solid.local_reach(*sides)
-    way = np.where(patch.free, np.clip(value, -most, most) / square, 0.0)
+    way = np.where(patch.free, value / square, 0.0)
+    far = np.abs(way) * np.sqrt(square)
+    way *= np.minimum(1.0, _STRIDE * sides.reach / np.maximum(far, 1e-300))
     return replace(
         patch, vertices=patch.vertices - way[:, None] * gradient, normals=-unit(gradient)
     )
 
 
-def _failed(solid: Composite, patch: Patch, own: Indices) -> Indices:
-    """Creases with vertices that did not arrive, or with faces that are turned over."""
+def _bad(solid: Composite, patch: Patch) -> Mask:
+    """Vertices that did not arrive, or of faces that are turned over."""
     sides = solid.sides(patch.vertices)
-    reach = np.maximum(solid.local_reach(*sides), _FINEST * _LEFT * solid.reach)
-    lost = patch.free & ~(np.abs(solid.blended(*sides).value) <= _LEFT * reach)
+    reach = np.maximum(sides.reach, _LEFT * solid.reach)
+    bad = patch.free & ~(np.abs(solid.blended(sides).value) <= _LEFT * reach)
     inner = patch.faces[patch.free[patch.faces].all(axis=1)]
-    over = inner[~(patch.facing(inner) >= _OVERTURNED)]
-    return np.unique(np.append(own[lost], own[over.ravel()]))
+    bad[inner[~(patch.facing(inner) >= _OVERTURNED)]] = True
+    return bad
 
 
-def _compact(vertices: Points, faces: Indices, parents: Indices, shares: Points) -> Fillet:
-    """Without the vertices that no face uses any more."""
-    used = np.zeros(len(vertices), dtype=bool)
-    used[faces] = True
+def _held_back(solid: Composite, places: Points, step: float) -> Composite:
+    """The solid with less of its blend around places (n, 3)."""
+    left = solid.taming.share(places)
+    whole = solid.sides(places).reach / np.maximum(left, 1e-300)
+    share = _RETREAT * left
+    share[share < _LEAST] = _NONE
+    radii = np.maximum(_AROUND * whole, 2.0 * step)
+    return replace(solid, taming=solid.taming.also(places, radii, share))
+
+
+def _still_true(pieces: list[_Piece], solid: Composite) -> tuple[list[_Piece], Indices]:
+    """Pieces without the creases that a blend was held back on since; and these."""
+    kept, again = [], [np.zeros(0, np.intp)]
+    for piece in pieces:
+        moved = np.flatnonzero(piece.patch.free)
+        sides = solid.sides(piece.patch.vertices[moved])
+        off = np.abs(solid.blended(sides).value) > _LEFT * np.maximum(
+            sides.reach, _LEFT * solid.reach
+        )
+        gone = np.intersect1d(piece.done, piece.own[moved[off]])
+        kept.append(replace(piece, done=np.setdiff1d(piece.done, gone)))
+        again.append(gone)
+    return kept, np.concatenate(again)
+
+
+def _sewn(
+    vertices: Points, faces: Indices, of_face: Indices, pieces: list[_Piece], solid: Composite
+) -> Fillet:
+    """The mesh with its pieces in place of what they were made from."""
+    kept = np.ones(len(faces), dtype=bool)
+    columns = [(vertices, np.arange(len(vertices)), np.zeros(len(vertices), dtype=bool))]
+    rows, count = [faces], len(vertices)
+    for piece in pieces:
+        patch = piece.patch
+        kept &= ~np.isin(of_face, piece.done)
+        # What was never free is still the vertex that it was; the others are new.
+        fresh = np.flatnonzero(patch.free)
+        number = patch.parents.copy()
+        number[fresh] = count + np.arange(len(fresh))
+        count += len(fresh)
+        rows.append(number[patch.faces[np.isin(piece.own[patch.faces].max(axis=1), piece.done)]])
+        columns.append((patch.vertices[fresh], patch.parents[fresh], np.ones(len(fresh), bool)))
+    rows[0] = faces[kept]
+    every = np.concatenate(rows)
+    points, parents, moved = (np.concatenate(column) for column in zip(*columns, strict=True))
+    used = np.zeros(len(points), dtype=bool)
+    used[every] = True
     number = np.cumsum(used) - 1
-    return Fillet(vertices[used], number[faces], parents[used], shares[used])
+    return Fillet(points[used], number[every], parents[used], moved[used], solid)

@@ -42,6 +42,8 @@ class Patch:
         The vertex of the mesh at the start that each stands for or came from.
     normals : (v, 3) float array
         Where the surface is to face there: unit vectors, outwards.
+    spacing : (v,) float array
+        How long edges are to be there at most.
     """
 
     vertices: Points
@@ -49,6 +51,7 @@ class Patch:
     free: Mask
     parents: Indices
     normals: Points
+    spacing: Points
 
     def facing(self, corners: Indices | None = None, vertices: Points | None = None) -> Points:
         """Cosine between faces (f, 3), else all, and where the surface is to face there (f,)."""
@@ -105,20 +108,19 @@ def halved(triangles: Indices, middles: Indices) -> Indices:
     return np.concatenate(result)
 
 
-def split(patch: Patch, longest: Points) -> Patch:
-    """Halve edges between free vertices until none is longer than the mean at its ends (v,)."""
+def split(patch: Patch) -> Patch:
+    """Halve edges between free vertices until none is longer than the spacing at its ends."""
     for _ in range(_ROUNDS):
         a, b = patch.faces, np.roll(patch.faces, -1, axis=1)
         long = patch.free[a] & patch.free[b]
         one, other = a[long], b[long]
-        most = 0.5 * (longest[one] + longest[other])
+        most = 0.5 * (patch.spacing[one] + patch.spacing[other])
         long[long] = _length(patch.vertices[other] - patch.vertices[one]) > most
         if not long.any():
             break
         keys = np.minimum(a, b) * len(patch.vertices) + np.maximum(a, b)
         unique = np.unique(keys[long])
         one, other = unique // len(patch.vertices), unique % len(patch.vertices)
-        longest = np.append(longest, 0.5 * (longest[one] + longest[other]))
         middles = np.where(long, len(patch.vertices) + np.searchsorted(unique, keys), -1)
         patch = Patch(
             np.vstack([patch.vertices, 0.5 * (patch.vertices[one] + patch.vertices[other])]),
@@ -126,14 +128,15 @@ def split(patch: Patch, longest: Points) -> Patch:
             np.append(patch.free, np.ones(len(unique), dtype=bool)),
             np.append(patch.parents, patch.parents[one]),
             np.vstack([patch.normals, unit(patch.normals[one] + patch.normals[other])]),
+            np.append(patch.spacing, 0.5 * (patch.spacing[one] + patch.spacing[other])),
         )
     return patch
 
 
-def collapsed(patch: Patch, shortest: Points, rounds: int) -> Patch:
-    """Collapse edges between free vertices that are shorter than at either end (v,) is wanted.
+def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
+    """Collapse edges between free vertices shorter than a share of the spacing at each end.
 
-    Those of faces turned over go, too. None collapses where that would turn another face over
+    No edge longer than `most` is. Those of faces turned over go, too. None collapses where that would turn another face over
     or change the topology.
     """
     for _ in range(rounds):
@@ -142,7 +145,8 @@ def collapsed(patch: Patch, shortest: Points, rounds: int) -> Patch:
         edges = _edges(patch.faces)
         edges = edges[patch.free[edges].all(axis=1)]
         length = _length(patch.vertices[edges[:, 1]] - patch.vertices[edges[:, 0]])
-        wanted = np.flatnonzero((length < shortest[edges].min(axis=1)) | over[edges].all(axis=1))
+        shortest = np.minimum(share * patch.spacing[edges].min(axis=1), most)
+        wanted = np.flatnonzero((length < shortest) | over[edges].all(axis=1))
         edges = edges[wanted[np.argsort(length[wanted], kind="stable")]]
         edges = _apart(patch, edges)
         if len(edges):
@@ -151,8 +155,7 @@ def collapsed(patch: Patch, shortest: Points, rounds: int) -> Patch:
             edges = edges[_turns_nothing(patch, edges)]
         if not len(edges):
             break
-        patch, stays = _without(patch, edges)
-        shortest = shortest[stays]
+        patch = _without(patch, edges)
     return patch
 
 
@@ -298,8 +301,8 @@ def _turns_nothing(patch: Patch, edges: Indices) -> Mask:
     return good
 
 
-def _without(patch: Patch, edges: Indices) -> tuple[Patch, Mask]:
-    """With edges collapsed to their middles, they must lie apart; and the vertices that stay."""
+def _without(patch: Patch, edges: Indices) -> Patch:
+    """With edges collapsed to their middles; they must lie apart."""
     target = np.arange(len(patch.vertices))
     target[edges[:, 1]] = edges[:, 0]
     vertices = patch.vertices.copy()
@@ -311,11 +314,11 @@ def _without(patch: Patch, edges: Indices) -> tuple[Patch, Mask]:
     stays = np.ones(len(vertices), dtype=bool)
     stays[edges[:, 1]] = False
     number = np.cumsum(stays) - 1
-    patch = Patch(
+    return Patch(
         vertices[stays],
         number[faces[alive]],
         patch.free[stays],
         patch.parents[stays],
         normals[stays],
+        patch.spacing[stays],
     )
-    return patch, stays

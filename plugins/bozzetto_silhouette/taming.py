@@ -1,0 +1,78 @@
+"""Places where a blend is held back: where the whole of it would not fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+__all__ = ["Taming"]
+
+Points = NDArray[np.float64]
+
+_CORE = 0.5
+"""Share of a place's radius within which all of it holds; from there it fades."""
+
+_NEAREST = 8
+"""Places that are asked for at a point: those beyond lie about as far as these, and no nearer."""
+
+
+@dataclass(frozen=True, eq=False)
+class Taming:
+    """A share of the blend from point to point, 1 but for the neighbourhood of some places.
+
+    Attributes
+    ----------
+    places : (m, 3) float array
+    radii : (m,) float array
+        How far each is felt.
+    shares : (m,) float array
+        Of the blend that is left there.
+    """
+
+    places: Points
+    radii: Points
+    shares: Points
+
+    @classmethod
+    def none(cls) -> Taming:
+        """The whole blend everywhere."""
+        return cls(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+
+    def share(self, points: Points) -> Points:
+        """Share of the blend (n,) at points (n, 3): the smallest that a place near by leaves."""
+        if not len(self.places):
+            return np.ones(len(points))
+        count = min(_NEAREST, len(self.places))
+        distance, index = self._tree.query(
+            points, k=np.arange(1, count + 1), distance_upper_bound=float(self.radii.max())
+        )
+        near = np.isfinite(distance)
+        index = np.where(near, index, 0)
+        way = np.where(near, distance, np.inf) / self.radii[index]
+        fade = np.clip((way - _CORE) / (1.0 - _CORE), 0.0, 1.0)
+        fade = fade * fade * (3.0 - 2.0 * fade)
+        least: Points = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
+        return least
+
+    def also(self, places: Points, radii: Points, shares: Points) -> Taming:
+        """With more places; those so close to each other that one does for both are one."""
+        cell = np.round(places / (_CORE * radii[:, None])).astype(np.int64)
+        _, kept = np.unique(cell, axis=0, return_index=True)
+        return Taming(
+            np.vstack([self.places, places[kept]]),
+            np.append(self.radii, radii[kept]),
+            np.append(self.shares, shares[kept]),
+        )
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.places)
