@@ -1,0 +1,43 @@
+"""Places on the sheet that one can reckon with."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+
+__all__ = ["FARTHEST", "is_on_sheet", "places_on_sheet"]
+
+FARTHEST: Final = 1e9
+"""Largest coordinate, px: a million screens away. Squares of it and of its differences are
+still exact to a few digits, so nothing overflows."""
+
+
+def is_on_sheet(points: ArrayLike) -> bool:
+    """Whether all coordinates are finite and not beyond all bounds."""
+    return bool((np.abs(np.asarray(points, float)) <= FARTHEST).all())
+
+
+def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
+    """Places as an array of shape (n, 2), px, that is checked.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+    what : str
+        What they are of, for the message.
+
+    Raises
+    ------
+    UserError
+        If there is none, or a coordinate is not finite or beyond `FARTHEST`.
+    """
+    place = np.array(points, float).reshape(-1, 2)
+    if not len(place):
+        raise UserError(f"The {what} has no points; draw it again.")
+    if not is_on_sheet(place):
+        raise UserError(f"The {what} holds a place that is not on the sheet; draw it again.")
+    return place
