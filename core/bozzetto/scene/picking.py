@@ -37,12 +37,18 @@ class Hits:
         Along the ray, mm; inf where nothing was hit.
     owners : tuple of str
         Id of the model hit; "" where none.
+    items : tuple of Shaded or None
+        What was hit; None where nothing was.
+    faces : (n,) int
+        Which face of its mesh; -1 where nothing was hit.
     """
 
     points: Array
     normals: Array
     distance: Array
     owners: tuple[str, ...]
+    items: tuple[Shaded | None, ...]
+    faces: NDArray[np.intp]
 
     @property
     def hit(self) -> NDArray[np.bool_]:
@@ -80,6 +86,8 @@ def cast_rays(scene: Scene, rays: Rays) -> Hits:
     count = len(origins)
     points, normals = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
     distance, owners = np.full(count, np.inf), [""] * count
+    items: list[Shaded | None] = [None] * count
+    faces = np.full(count, -1, np.intp)
     nearest = np.full(len(usable), np.inf)
     for layer, item in scene.items():
         if not isinstance(item, Shaded) or not item.pickable or item.opacity <= 0:
@@ -99,9 +107,10 @@ def cast_rays(scene: Scene, rays: Rays) -> Hits:
         points[where] = starts[nearer] + along[nearer, None] * towards[nearer]
         normals[where] = normal
         distance[where] = along[nearer]
+        faces[where] = face[nearer]
         for ray in where.tolist():
-            owners[ray] = layer.owner
-    return Hits(points, normals, distance, tuple(owners))
+            owners[ray], items[ray] = layer.owner, item
+    return Hits(points, normals, distance, tuple(owners), tuple(items), faces)
 
 
 @dataclass(frozen=True, eq=False)
