@@ -11,15 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.geometry import Mesh
 from bozzetto.ink.closing import signed_area
 from bozzetto.ink.crossings import self_crossings
+from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.membrane import Membrane
 from bozzetto_silhouette.plan import plan_of
 from bozzetto_silhouette.sampling import sample_rim
+from bozzetto_silhouette.sheet import Sheet
 from bozzetto_silhouette.shell import sewn_shell, shell_normals
 
-__all__ = ["Inflation", "inflate"]
+__all__ = ["Inflation", "inflate", "swollen"]
 
 Points = NDArray[np.float64]
 
@@ -122,6 +125,19 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
     vertices[:, :2] += middle
     faces = np.concatenate([f + o for (_, f, _), o in zip(shells, offsets, strict=True)])
     return Inflation(vertices, faces.astype(np.int32), np.concatenate([n for _, _, n in shells]))
+
+
+def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
+    """What an outline drawn on a sheet, (n, 2) so far, swells to; nothing where it is none."""
+    inflation = inflate(points)
+    if inflation is None:
+        return Scene()
+    mesh = Mesh(
+        sheet.to_world(inflation.vertices).astype(np.float32),
+        inflation.faces,
+        sheet.turn(inflation.normals).astype(np.float32),
+    )
+    return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
 
 
 def _inflated(rings: tuple[Points, ...], step: float) -> tuple[Points, NDArray[np.int32], Points]:

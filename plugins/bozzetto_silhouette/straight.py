@@ -28,7 +28,7 @@ from bozzetto_silhouette.sight import Sight, sight_through
 from bozzetto_silhouette.soundness import soundness_of
 from bozzetto_silhouette.state import Cut, Part
 
-__all__ = ["Sweep", "straight_body"]
+__all__ = ["Sweep", "corners_of", "straight_body"]
 
 Points = NDArray[np.float64]
 
@@ -164,7 +164,7 @@ def straight_body(part: Part, around: Points | None, resolution: int) -> Body:
 def _swept(part: Part, around: Points | None, resolution: int) -> Body:
     corners = None
     if around is not None:
-        corners = part.placement.inverse().points(_corners_of(around))
+        corners = part.placement.inverse().points(corners_of(around))
     outline = cut_side(part, corners) if isinstance(part, Cut) else outline_of(part)
     sight = sight_through(part.sheet, part.strokes[0].camera)
     radius = _inscribed_radius(outline)
@@ -200,8 +200,8 @@ def _swept(part: Part, around: Points | None, resolution: int) -> Body:
     return body.placed(part.placement)
 
 
-def _corners_of(box: Points) -> Points:
-    """The eight corners of a box."""
+def corners_of(box: Points) -> Points:
+    """The eight corners of a box (2, 3); (8, 3)."""
     grid = np.meshgrid(*box.T, indexing="ij")
     return np.stack([axis.ravel() for axis in grid], axis=1)
 

@@ -8,14 +8,22 @@ from typing import Literal
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.closing import is_closed_gesture
+from bozzetto.ink.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.state import Cut, SilhouetteState
+from bozzetto_silhouette.state import Cut, Part, SilhouetteState
 from bozzetto_silhouette.tools.carving import check_that_it_carves
+from bozzetto_silhouette.tools.cut_preview import cut_preview
+from bozzetto_silhouette.tools.eraser import erased
+from bozzetto_silhouette.tools.landing import landed
+from bozzetto_silhouette.tools.traces import trace_of
 from bozzetto_silhouette.touch import shape_seen
 
 __all__ = ["DrawCut"]
+
+LOOKS = 96
+"""Lines of sight along the line."""
 
 
 class DrawCut:
@@ -28,8 +36,16 @@ class DrawCut:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
+        """Where the cut would run, carried on at its ends, and what would fall away."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        stroke = gesture.strokes[-1]
+        try:
+            cut = _cut(state, stroke, context)
+            touch = shape_seen(state)
+            return Scene() if touch is None else cut_preview(cut, touch)
+        except UserError:
+            return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Carve the side of the line that has less volume.
@@ -41,6 +57,8 @@ class DrawCut:
         """
         if not isinstance(gesture, Ink):
             raise UserError("Draw the line of the cut with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
         if len(gesture.strokes) > 1:
             raise UserError("A cut is one line. Draw it in one stroke, right across the shape.")
         stroke = gesture.strokes[0]
@@ -49,18 +67,32 @@ class DrawCut:
                 "This line comes back to its start. Draw it right across the shape, or take "
                 "the tunnel for a hole."
             )
-        cut = Cut(
-            id=state.unused_id(),
-            name=state.unused_name("Cut"),
-            strokes=Strokes((stroke,)),
-            sheet=sheet_under(stroke, context),
-            surface="straight",
-            operation="carve",
-            blend=0.0,
-            side="left",
-        )
-        choices = [state.with_node(cut), state.with_node(replace(cut, side="right"))]
-        return max(choices, key=lambda choice: check_that_it_carves(state, choice))
+        cut = _cut(state, stroke, context)
+        choices = (cut, replace(cut, side="right"))
+        chosen = max(choices, key=lambda one: check_that_it_carves(state, state.with_node(one)))
+        return landed(state, chosen, _under(state, stroke))
+
+
+def _cut(state: SilhouetteState, stroke: Stroke, context: Context) -> Cut:
+    return Cut(
+        id=state.unused_id(),
+        name=state.unused_name("Cut"),
+        strokes=Strokes((stroke,)),
+        sheet=sheet_under(stroke, context),
+        surface="straight",
+        operation="carve",
+        blend=0.0,
+        side="left",
+    )
+
+
+def _under(state: SilhouetteState, stroke: Stroke) -> list[Part]:
+    """The parts that a line is drawn over."""
+    touch = shape_seen(state)
+    if touch is None:
+        return []
+    line = resample(stroke.points, count=LOOKS)
+    return trace_of(touch, line, stroke.camera).parts(state)
 
 
 def _is_hole(state: SilhouetteState, stroke: Stroke) -> bool:

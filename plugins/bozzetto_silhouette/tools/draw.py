@@ -9,10 +9,9 @@ from typing import Literal
 import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.geometry import Mesh
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink
-from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene import Scene
 from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.places import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.sheet import FRONT_TOLERANCE, sheet_under
@@ -37,24 +36,13 @@ class DrawOutline:
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """The shape swelling under the pen, from the ink so far."""
-        from bozzetto_silhouette.preview import inflate
+        from bozzetto_silhouette.preview import swollen
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
-        on_sheet = [sheet.from_pixels(s.points, s.camera) for s in gesture.strokes]
-        points = np.concatenate(on_sheet)
-        if not np.isfinite(points).all():
-            return Scene()
-        swollen = inflate(points)
-        if swollen is None:
-            return Scene()
-        mesh = Mesh(
-            sheet.to_world(swollen.vertices).astype(np.float32),
-            swollen.faces,
-            sheet.turn(swollen.normals).astype(np.float32),
-        )
-        return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
+        points = np.concatenate([sheet.from_pixels(s.points, s.camera) for s in gesture.strokes])
+        return swollen(points, sheet) if np.isfinite(points).all() else Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add a part or a hole.

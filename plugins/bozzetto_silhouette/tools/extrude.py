@@ -6,6 +6,7 @@ be moved, redrawn and blended like any other.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -23,6 +24,9 @@ from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet
 from bozzetto_silhouette.sheet import Sheet
 from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.tools.carving import NOTHING, check_that_it_carves, volume_left
+from bozzetto_silhouette.tools.eraser import erased
+from bozzetto_silhouette.tools.landing import landed
+from bozzetto_silhouette.tools.traces import parts_at, trace_of
 from bozzetto_silhouette.touch import Touch, shape_seen
 
 __all__ = ["Extrude"]
@@ -69,12 +73,15 @@ class _Base:
         Unit; the mean normal.
     room : float
         How far the shape goes on behind it.
+    parts : tuple of Part
+        What it lies on.
     """
 
     points: Array
     middle: Array
     outwards: Array
     room: float
+    parts: tuple[Part, ...]
 
 
 class Extrude:
@@ -87,8 +94,23 @@ class Extrude:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
+        """The ring on the surface, and what the second stroke swells to so far."""
+        from bozzetto_silhouette.preview import swollen
+
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        ring, *more = gesture.strokes
+        try:
+            touch = shape_seen(state)
+            if touch is None:
+                return Scene()
+            shown = trace_of(touch, _loop(ring), ring.camera).scene(through=False)
+            if not more:
+                return shown
+            strokes, sheet = _drawn_so_far(state, _base(state, ring), more[0])
+            return shown + swollen(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
+        except UserError:
+            return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add what grows, or carve what is pressed in.
@@ -103,6 +125,8 @@ class Extrude:
         """
         if not isinstance(gesture, Ink):
             raise UserError("Draw a ring on the shape with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
         base = _base(state, gesture.strokes[0])
         if len(gesture.strokes) == 1:
             raise (UserError if gesture.committed else Unfinished)(
@@ -117,7 +141,7 @@ class Extrude:
             check_that_it_carves(state, after)
         elif volume_left(after) <= (1.0 + NOTHING) * volume_left(state):
             raise UserError("This lies inside the shape. Draw it outwards from the ring.")
-        return after
+        return landed(state, part, base.parts)
 
 
 def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
@@ -126,8 +150,7 @@ def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
         raise UserError("There is nothing to grow from yet. Draw a shape first.")
     if not is_closed_gesture(stroke.points):
         raise UserError("The first stroke is a ring. Draw it closed, on the shape.")
-    loop = resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
-    hits = touch.under(loop, stroke.camera)
+    hits = touch.under(_loop(stroke), stroke.camera)
     if hits.hit.mean() < ON_SHAPE:
         raise UserError("The ring lies beside the shape. Draw it where something is to grow.")
     points = hits.points[hits.hit]
@@ -135,7 +158,13 @@ def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
     normal = hits.normals[hits.hit].mean(axis=0)
     length = float(np.linalg.norm(normal))
     outwards = normal / length if length > 1e-6 else -stroke.camera.axes[2]
-    return _Base(points, middle, outwards, _room(touch, points, middle, outwards))
+    room = _room(touch, points, middle, outwards)
+    return _Base(points, middle, outwards, room, tuple(parts_at(state, touch, points)))
+
+
+def _loop(stroke: Stroke) -> Array:
+    """A ring as it was drawn, closed, in pixels."""
+    return resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
 
 
 def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
@@ -146,11 +175,28 @@ def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
     return float(found.distance[0])
 
 
+def _facing(base: _Base, camera: Camera) -> Sheet:
+    """The plane parallel to the screen through the base."""
+    right, up, _ = camera.axes
+    return Sheet(_point(base.middle), _point(right), _point(up))
+
+
+def _drawn_so_far(
+    state: SilhouetteState, base: _Base, stroke: Stroke
+) -> tuple[Sequence[Stroke], Sheet]:
+    """The outline of what grows, with its root as soon as the stroke has come back."""
+    try:
+        part = _grown(state, base, stroke)
+    except UserError:
+        return (stroke,), _facing(base, stroke.camera)
+    return tuple(part.strokes), part.sheet
+
+
 def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
     """What the second stroke describes, on the plane parallel to the screen through the base."""
     camera = stroke.camera
     right, up, _ = camera.axes
-    sheet = Sheet(_point(base.middle), _point(right), _point(up))
+    sheet = _facing(base, camera)
     (line,) = points_on_sheet((stroke,), sheet)
     seen, _ = camera.project(base.points)
     ring = sheet.from_pixels(seen, camera)

@@ -4,21 +4,31 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink import Strokes
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
-from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.sheet import sheet_under
+from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet
+from bozzetto_silhouette.sheet import Sheet, sheet_under
 from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.tools.carving import check_that_it_carves
 from bozzetto_silhouette.tools.draw import meets_itself
+from bozzetto_silhouette.tools.eraser import erased
+from bozzetto_silhouette.tools.landing import landed
+from bozzetto_silhouette.tools.traces import Trace, trace_of
+from bozzetto_silhouette.touch import shape_seen
 
 __all__ = ["DrawTunnel"]
 
+LOOKS = 96
+"""Lines of sight along the outline."""
+
 
 class DrawTunnel:
-    """A closed outline goes straight through what lies under it."""
+    """A closed outline goes straight through what lies under it; the eraser takes parts away."""
 
     id = "tunnel"
     title = "Tunnel"
@@ -27,8 +37,14 @@ class DrawTunnel:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
+        """Where the tunnel goes in and comes out, and lines of sight through it."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        try:
+            trace = _trace(state, gesture.strokes, sheet_under(gesture.strokes[0], context))
+        except UserError:
+            return Scene()
+        return Scene() if trace is None else trace.scene(through=True)
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Carve what is seen inside the outline, near and far.
@@ -42,6 +58,8 @@ class DrawTunnel:
         """
         if not isinstance(gesture, Ink):
             raise UserError("Draw the outline of the tunnel with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
         if not gesture.committed and not meets_itself(gesture.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(
@@ -54,6 +72,16 @@ class DrawTunnel:
             blend=0.0,
         )
         outline_of(part)
-        carved = state.with_node(part)
-        check_that_it_carves(state, carved)
-        return carved
+        check_that_it_carves(state, state.with_node(part))
+        trace = _trace(state, gesture.strokes, part.sheet)
+        return state.with_node(part) if trace is None else landed(state, part, trace.parts(state))
+
+
+def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:
+    """The lines of sight through an outline on a sheet; None where there is no shape."""
+    touch = shape_seen(state)
+    if touch is None:
+        return None
+    ring = resample(np.concatenate(points_on_sheet(strokes, sheet)), count=LOOKS, closed=True)
+    pixels, _ = strokes[0].camera.project(sheet.to_world(np.vstack([ring, ring[:1]])))
+    return trace_of(touch, pixels, strokes[0].camera)

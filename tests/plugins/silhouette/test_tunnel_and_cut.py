@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import Unfinished, UserError
+from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Tap
 from bozzetto.plugin.testing import Pen
+from bozzetto.scene import Lines, Shaded
 from bozzetto.view import Camera
 from bozzetto.view.standard import standard_view
 from bozzetto_silhouette.soundness import as_manifold
-from bozzetto_silhouette.state import Cut, Part, SilhouetteState
+from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw import DrawOutline
 from bozzetto_silhouette.tools.extrude import Extrude
@@ -94,6 +96,75 @@ def test_a_narrow_slot_is_a_cut() -> None:
     state = applied(CUT, ball(), slot)
     assert solid(state).genus() == 0
     assert 0.8 < solid(state).volume() / solid(ball()).volume() < 1.0
+
+
+@pytest.mark.parametrize("tool", [TUNNEL, CUT, Extrude()], ids=["tunnel", "cut", "extrude"])
+def test_the_other_end_of_the_pen_takes_away_what_was_cut(tool) -> None:
+    camera = standard_view(FRONT, "right")
+    holed = applied(TUNNEL, ball(), Pen(camera).circle(600, 450, 60))
+    rubbed = Pen(camera).but(tool="eraser").along([(570, 430), (630, 470)])
+    assert not tool.preview(holed, Ink((rubbed,)), Context()).layers
+    assert applied(tool, holed, rubbed).parts == ball().parts
+
+
+@pytest.mark.parametrize("tool", [TUNNEL, CUT, Extrude()], ids=["tunnel", "cut", "extrude"])
+def test_what_is_cut_moves_with_the_group_of_what_it_cuts(tool) -> None:
+    """The shape is that of a tree without groups, and no other part is cut once they move."""
+    group = Group(id="g", name="Group", pose=Placement(offset=(3.0, 0.0, -2.0)))
+    beside = Part(id="n2", name="Beside", strokes=Strokes((PEN.circle(150, 450, 80),)), blend=0.0)
+    flat = ball().with_node(beside)
+    (one, other) = flat.parts
+    inner = replace(one, within="g", pose=group.pose.inverse())
+    grouped = SilhouetteState((group, inner, other))
+    ring = PEN.circle(600, 450, 60)
+    side = Pen(standard_view(FRONT, "top"))
+    strokes = {
+        TUNNEL.id: (ring,),
+        CUT.id: (PEN.along([(700, 100), (690, 800)]),),
+    }.get(tool.id, (ring, side.along([(560, 640), (570, 780), (630, 780), (640, 640)])))
+    wanted = solid(applied(tool, flat, *strokes)).volume()
+    found = applied(tool, grouped, *strokes)
+    assert found.nodes[-1].within == "g"
+    assert solid(found).volume() == pytest.approx(wanted, rel=1e-5)
+    apart = Placement(offset=(0.0, 500.0, 0.0))
+    moved = replace(found, nodes=(replace(group, pose=apart), *found.nodes[1:]))
+    assert solid(moved).volume() == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_cut_across_two_groups_belongs_to_neither() -> None:
+    """One that would only cut the part under the line, if it were in its group."""
+    group = Group(id="g", name="Group")
+    below = Part(id="n2", name="Below", strokes=Strokes((PEN.circle(600, 800, 60),)), blend=0.0)
+    inner = replace(ball().parts[0], within="g")
+    line = PEN.along([(200, 600), (1000, 600)])
+    found = applied(CUT, SilhouetteState((group, inner, below)), line)
+    assert found.nodes[-1].within == ""
+    assert len(solid(found).decompose()) == 1
+
+
+def test_previews_show_what_would_go() -> None:
+    line = PEN.along([(200, 350), (1000, 350)])
+    shown = CUT.preview(ball(), Ink((line,)), Context())
+    (tint,) = (item for _, item in shown.items() if isinstance(item, Shaded))
+    # The smaller side lies above the line.
+    seen, _ = FRONT.project(tint.mesh.vertices[tint.mesh.faces].mean(axis=1))
+    assert 340.0 < seen[:, 1].max() < 351.0
+    body = shape_seen(ball()).body
+    every, _ = FRONT.project(body.vertices[body.faces].mean(axis=1))
+    assert len(tint.mesh.faces) == pytest.approx((every[:, 1] < 350.0).sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("kind", ["orthographic", "perspective"])
+def test_a_tunnels_preview_is_where_it_goes_in_and_comes_out(kind) -> None:
+    camera = standard_view(Camera(kind), "three-quarter")
+    ring = Pen(camera).circle(600, 450, 60)
+    shown = TUNNEL.preview(ball(), Ink((ring,)), Context(camera=camera))
+    (rims, *_) = (item for _, item in shown.items() if isinstance(item, Lines))
+    middle, radius = np.zeros(3), float(np.ptp(shape_seen(ball()).body.bounds[:, 2])) / 2.0
+    assert np.linalg.norm(rims.points - middle, axis=1) == pytest.approx(radius, rel=0.02)
+    seen, depth = camera.project(rims.points)
+    assert np.hypot(*(seen - (600, 450)).T) == pytest.approx(60.0, rel=0.02)
+    assert np.ptp(depth) > radius
 
 
 def test_drawing_goes_on_after_a_cut() -> None:
@@ -196,7 +267,7 @@ def _odd() -> list[Stroke]:
         random.normal(0, 12, (300, 2)).cumsum(axis=0) + 450.0,
     ]
     strokes = [Stroke(*np.array(line, float).T, FRONT) for line in lines]
-    strokes += [Pen(edge_on).circle(), Pen(inside).circle(), PEN.but(tool="eraser").circle()]
+    strokes += [Pen(edge_on).circle(), Pen(inside).circle()]
     strokes.append(Pen(inside).along([(0, 440), (1200, 460)]))
     return strokes
 
