@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Rig, Skin
+from bozzetto.geometry import Mesh, Placement, Rig, Skin
 from bozzetto.plugin import Drag
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.body import Body
@@ -184,7 +184,7 @@ def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
         rotations[joint] = least_turn(old, new, axes[2]) @ rotations[joint]
         above = int(rig.parents[joint])
         own = rotations[joint] if above < 0 else rotations[above].T @ rotations[joint]
-        turns[joint] = Turn(_triple(rig.joints[joint]), _quaternion(own))
+        turns[joint] = _turn_of(armature, joint, own)
     return replace(state, turns=(*others, *(turns[joint] for joint in sorted(turns))))
 
 
@@ -202,13 +202,36 @@ def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
     return Scene(tuple(layers))
 
 
+def _turn_of(armature: Armature, joint: int, matrix: Array) -> Turn:
+    """A joint turned by a rotation in the model's frame."""
+    from scipy.spatial.transform import Rotation
+
+    limbs = armature.limbs_of(joint)
+    home = limbs.placement.inverse()
+    place = home.points(armature.rig.joints[joint])[0]
+    x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
+    x, y, z = _carried_axis(home, np.array([x, y, z])).tolist()
+    return Turn(_triple(place), (w, x, y, z), limbs.part)
+
+
+def _carried_axis(placement: Placement, axis: Array) -> Array:
+    """The axis of a rotation seen from another frame: a mirror also reverses its sense."""
+    return np.asarray((-1.0 if placement.mirrors else 1.0) * placement.directions(axis)[0])
+
+
 def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
     """Which joint has which turn: the nearest pairs first, each once."""
     if not turns:
         return {}
     joints = armature.rig.joints
-    asked = np.array([turn.joint for turn in turns])
-    gaps = np.linalg.norm(asked[:, None] - joints, axis=2)
+    gaps = np.full((len(turns), len(joints)), np.inf)
+    for k, turn in enumerate(turns):
+        if not turn.part:
+            gaps[k] = np.linalg.norm(joints - turn.joint, axis=1)
+        for limbs in armature.limbs:
+            if limbs.part == turn.part:
+                place = limbs.placement.points(turn.joint)
+                gaps[k, limbs.numbers] = np.linalg.norm(limbs.places - place, axis=1)
     reach = np.maximum(SAME * armature.radii, SMALLEST * float(np.ptp(joints, axis=0).max()))
     found: dict[int, int] = {}
     taken: set[int] = set()
@@ -227,20 +250,15 @@ def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
         return armature.rig
     quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (len(armature.rig.joints), 1))
     for joint, k in matched.items():
-        w, x, y, z = turns[k].rotation
-        largest = max(abs(w), abs(x), abs(y), abs(z))
+        w, *axis = turns[k].rotation
+        largest = max(abs(w), *(abs(v) for v in axis))
         if largest > 0.0:  # a file may hold any finite numbers
-            quaternion = np.array([x, y, z, w]) / largest
+            quaternion = np.array([*axis, w]) / largest
+            if turns[k].part:
+                placement = armature.limbs_of(joint).placement
+                quaternion[:3] = _carried_axis(placement, quaternion[:3])
             quaternions[joint] = quaternion / np.linalg.norm(quaternion)
     return replace(armature.rig, turns=quaternions)
-
-
-def _quaternion(matrix: Array) -> tuple[float, float, float, float]:
-    """w, x, y, z."""
-    from scipy.spatial.transform import Rotation
-
-    x, y, z, w = Rotation.from_matrix(matrix).as_quat().tolist()
-    return w, x, y, z
 
 
 def _triple(values: Array) -> Point:

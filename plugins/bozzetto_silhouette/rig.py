@@ -66,6 +66,11 @@ class Limbs:
         """Of the balls around them, (n,), mm."""
         return np.asarray(self.nodes[:, 2] * self.placement.scale)
 
+    @property
+    def numbers(self) -> slice:
+        """Of its joints in the whole rig."""
+        return slice(self.first, self.first + len(self.nodes))
+
 
 @dataclass(frozen=True, eq=False)
 class Armature:
@@ -87,6 +92,10 @@ class Armature:
     radii: Points
     limbs: tuple[Limbs, ...]
     rigid: frozenset[str]
+
+    def limbs_of(self, joint: int) -> Limbs:
+        """What a joint is in, by its number in the rig."""
+        return next(one for one in reversed(self.limbs) if one.first <= joint)
 
 
 @dataclass(frozen=True, eq=False)

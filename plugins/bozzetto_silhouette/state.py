@@ -290,11 +290,15 @@ class Turn:
     joint : (x, y, z)
         Its place at rest, mm.
     rotation : (w, x, y, z)
-        Unit quaternion, about the joint, in the model's frame.
+        Unit quaternion, about the joint.
+    part : str
+        Id of the part in whose object frame both are, so that they go where it goes; "" for
+        the model's frame.
     """
 
     joint: Point
     rotation: tuple[float, float, float, float]
+    part: str = ""
 
 
 @dataclass(frozen=True)

@@ -388,6 +388,31 @@ def test_turns_wait_while_their_joint_is_away():
     np.testing.assert_array_equal(rig_of(back).turns, rig_of(bent).turns)
 
 
+@pytest.mark.parametrize("within", ["", "g"], ids=["part", "group"])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_pose_goes_where_its_part_goes(within, mirrored):
+    """Moved after it was posed or before, a limb stands the same."""
+    bent = posed(
+        state_of(WORM), drag_of(state_of(WORM), len(rig_of(state_of(WORM)).joints) - 1, (-30, -60))
+    )
+    rest = rig_of(bent).posed()[1]
+    turn = Rotation.from_rotvec([0.4, -0.2, 0.7]).as_matrix()
+    turn = turn @ np.diag([-1.0, 1.0, 1.0]) if mirrored else turn
+    motion = Placement(tuple(turn.ravel()), 1.7, (200.0, 3.0, -8.0))
+    group = Group(id="g", name="Group", pose=motion)
+    one = replace(WORM, within="g") if within else replace(WORM, pose=motion)
+    moved = replace(bent, nodes=(group, one) if within else (one,))
+    np.testing.assert_allclose(rig_of(moved).posed()[1], motion.points(rest), atol=1e-9)
+    assert len(rig_of(moved).turns) == len(rig_of(bent).turns)
+
+
+def test_dragging_on_after_a_move_changes_the_same_turns():
+    bent = posed(state_of(WORM), drag_of(state_of(WORM), 1, (0, -40)))
+    moved = replace(bent, nodes=(replace(WORM, pose=MIRROR),))
+    again = posed(moved, drag_of(moved, 1, (0, 10)))
+    assert len(again.turns) == len(bent.turns)
+
+
 def test_the_preview_is_what_comes_after():
     state = replace(horse(), posing=True)
     solved(state)
