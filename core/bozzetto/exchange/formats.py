@@ -74,6 +74,10 @@ FORMATS: Final[tuple[Format, ...]] = (
     Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, _here("obj")),
     Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("ply")),
     Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg"), True),
+    Format("step", "STEP curves", (".step", ".stp"), ("curves",), True, False, _here("step")),
+    Format("iges", "IGES curves", (".iges", ".igs"), ("curves",), True, False, _here("iges")),
+    Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, _here("dxf")),
+    Format("rhino", "Rhino curves", (".3dm",), ("curves",), True, False, _here("rhino")),
     Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, _here("ink_json")),
     Format("inkml", "InkML", (".inkml",), ("ink",), True, True, _here("inkml")),
     Format(

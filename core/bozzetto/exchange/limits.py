@@ -1,4 +1,4 @@
-"""How much a file from outside may ask of us."""
+"""How much a file from outside may ask of us, and one of ours of others."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final
 from bozzetto.errors import FormatError
 
 __all__ = [
+    "MAX_CONTROL_POINTS",
     "MAX_COORDINATE",
     "MAX_DEPTH",
     "MAX_ELEMENTS",
@@ -36,6 +37,10 @@ MAX_STEPS: Final = 200_000
 
 MAX_SAMPLES: Final = 20_000_000
 """Samples of all strokes together; one stroke is bounded by `Stroke` itself."""
+
+MAX_CONTROL_POINTS: Final = 1_000_000
+"""Control points of all curves written to one file: 100 MB of text, and far more than a CAD
+program works with."""
 
 MAX_ELEMENTS: Final = 1_000_000
 """Elements of an XML file."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from typing import Final
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,18 +25,16 @@ from bozzetto.exchange.limits import (
 from bozzetto.exchange.sheet import Sheet, sheet_drawing
 from bozzetto.exchange.svg_overlaps import Area, without_overlaps
 from bozzetto.exchange.svg_path import Subpath, flattened
-from bozzetto.exchange.svg_shapes import NUMBER, length, outline, shift, transform
-from bozzetto.exchange.svg_style import Color, Look, Sheets
-from bozzetto.exchange.xml_tree import Element, parsed, writable
-from bozzetto.geometry.shapes import Curve, Shapes
+from bozzetto.exchange.svg_shapes import NUMBER, SPACE, length, outline, shift, transform
+from bozzetto.exchange.svg_style import Look, Sheets
+from bozzetto.exchange.svg_writing import write_drawing, write_view
+from bozzetto.exchange.xml_tree import Element, parsed
 from bozzetto.ink.drawing import Drawing
-from bozzetto.view.camera import Camera
 
 __all__ = ["read_drawing", "write_drawing", "write_view"]
 
 Array = NDArray[np.float64]
 
-SPACE: Final = "http://www.w3.org/2000/svg"
 XLINK_HREF: Final = "http://www.w3.org/1999/xlink href"
 
 FLATTENING: Final = 2e-4
@@ -48,9 +45,6 @@ GROUPS: Final = {"svg", "g", "a", "switch"}
 
 MAX_CLONES: Final = 50_000
 """Elements repeated by reference; a few lines of text can ask for billions."""
-
-
-# -- reading -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -213,99 +207,3 @@ def _nested_viewport(element: Element) -> Array:
         (height - scale * inner.height) / 2 - scale * inner.y,
     )
     return matrix @ center @ np.diag([scale, scale, 1.0])
-
-
-# -- writing -------------------------------------------------------------------------------
-
-INK_WIDTH: Final = 1 / 600
-"""Width of the lines written, as a share of the sheet's height."""
-
-INK: Final = "#22211f"
-
-STATIONS_PER_SPAN: Final = 24
-"""Points on each knot span of a curve of degree two or more."""
-
-MARGIN: Final = 0.05
-"""Paper left around curves that are written without a camera, as a share of their size."""
-
-
-def write_drawing(drawing: Drawing) -> bytes:
-    """The strokes as paths of straight lines.
-
-    A drawing on the front view is written in millimetres of the world, so that it comes
-    back to its place; every other one in pixels of its canvas.
-    """
-    sheet = Sheet.of_front_view(drawing.camera)
-    fronts = [Sheet.of_front_view(stroke.camera) for stroke in drawing.strokes]
-    lines: list[str] = []
-    to_world = sheet is not None and all(front is not None for front in fronts)
-    for stroke, front in zip(drawing.strokes, fronts, strict=True):
-        points = stroke.points
-        if to_world and front is not None:
-            points = front.to_units(points, stroke.camera)
-        lines.append(_path(points, stroke.color, stroke.group))
-    if sheet is None or not to_world:
-        sheet = Sheet(0.0, 0.0, *drawing.camera.viewport)
-    return _document(sheet, lines, "mm" if to_world else "px")
-
-
-def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
-    """The curves of shapes as a camera sees them; on the front view without one.
-
-    Polylines are written exactly, other curves as close polylines.
-    """
-    points = [_stations(curve) for curve in shapes.curves]
-    if camera is None:
-        sheet = Sheet.around([p[:, [0, 2]] * (1, -1) for p in points], MARGIN)
-        camera = sheet.camera()
-    front = Sheet.of_front_view(camera)
-    sheet = front or Sheet(0.0, 0.0, *camera.viewport)
-    lines: list[str] = []
-    for curve, p in zip(shapes.curves, points, strict=True):
-        pixels, _ = camera.project(p)
-        seen = pixels if front is None else front.to_units(pixels, camera)
-        for piece in _visible(seen):
-            lines.append(_path(piece, curve.color, curve.name))
-    return _document(sheet, lines, "px" if front is None else "mm")
-
-
-def _visible(points: Array) -> list[Array]:
-    """The stretches of a line that lie before the eye."""
-    seen = np.isfinite(points).all(axis=1)
-    cuts = np.flatnonzero(np.diff(seen)) + 1
-    return [part for part in np.split(points, cuts) if len(part) > 1 and np.isfinite(part).all()]
-
-
-def _stations(curve: Curve) -> Array:
-    """Points along a curve, shape (n, 3), mm."""
-    if curve.degree == 1:
-        return curve.control_points
-    from scipy.interpolate import BSpline
-
-    weights = np.ones(len(curve.control_points)) if curve.weights is None else curve.weights
-    lifted = np.column_stack((curve.control_points * weights[:, None], weights))
-    spline = BSpline(curve.knots, lifted, curve.degree)
-    spans = np.unique(curve.knots[curve.degree : len(curve.control_points) + 1])
-    share = np.arange(STATIONS_PER_SPAN) / STATIONS_PER_SPAN
-    u = np.append((spans[:-1, None] + np.diff(spans)[:, None] * share).ravel(), spans[-1])
-    values = np.asarray(spline(u))
-    return np.asarray(values[:, :3] / values[:, 3:])
-
-
-def _path(points: Array, color: Color | None, name: str) -> str:
-    closed = len(points) > 3 and bool((points[0] == points[-1]).all())
-    rows = points[:-1] if closed else points
-    data = "M" + "L".join(f"{x:.9g},{y:.9g}" for x, y in rows.tolist()) + ("Z" if closed else "")
-    stroke = "" if color is None else f' stroke="#{color[0]:02x}{color[1]:02x}{color[2]:02x}"'
-    label = f" data-curve={quoteattr(writable(name))}" if name else ""
-    return f'<path d="{data}"{stroke}{label}/>'
-
-
-def _document(sheet: Sheet, lines: list[str], unit: str) -> bytes:
-    box = " ".join(f"{v:.12g}" for v in (sheet.x, sheet.y, sheet.width, sheet.height))
-    return (
-        f'<svg xmlns="{SPACE}" viewBox="{box}" '
-        f'width="{sheet.width:.9g}{unit}" height="{sheet.height:.9g}{unit}">\n'
-        f'<g fill="none" stroke="{INK}" stroke-width="{sheet.height * INK_WIDTH:.4g}" '
-        'stroke-linecap="round" stroke-linejoin="round">\n' + "\n".join(lines) + "\n</g>\n</svg>\n"
-    ).encode()

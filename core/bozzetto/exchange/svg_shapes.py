@@ -14,9 +14,12 @@ from bozzetto.exchange.limits import MAX_COORDINATE
 from bozzetto.exchange.svg_path import Subpath, ellipse, parse_path, polyline
 from bozzetto.exchange.xml_tree import Element
 
-__all__ = ["NUMBER", "length", "outline", "shift", "transform"]
+__all__ = ["NUMBER", "SPACE", "length", "outline", "shift", "transform"]
 
 Array = NDArray[np.float64]
+
+SPACE: Final = "http://www.w3.org/2000/svg"
+"""The namespace of SVG."""
 
 PIXELS: Final = {
     "": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "in": 96.0, "pt": 96 / 72, "pc": 16.0,

@@ -474,12 +474,3 @@ def test_curves_are_written_as_seen(tmp_path):
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 10, atol=1e-4)
     np.testing.assert_allclose(points[[0, -1]], [[10, 0], [0, -10]], atol=1e-4)
     assert stroke.color == (9, 8, 7)
-
-
-def test_curves_through_a_camera_are_its_projection_and_stop_at_the_eye(tmp_path):
-    camera = Camera(eye=(0, -100, 0), target=(0, 0, 0), viewport=(400, 300))
-    line = Curve(1, [0, 0, 1, 2, 2], [[0, 0, 0], [10, 20, 5], [0, -300, 0]])
-    path = tmp_path / "a.svg"
-    export(Shapes(curves=(line,)), path, camera=camera)
-    (stroke,) = read_drawing(path).strokes
-    np.testing.assert_allclose(stroke.points, camera.project(line.control_points[:2])[0], atol=1e-3)

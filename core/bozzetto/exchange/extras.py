@@ -1,0 +1,34 @@
+"""Libraries that only some people need, each an extra of the package."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from bozzetto.errors import UserError
+
+__all__ = ["library"]
+
+
+def library(name: str, extra: str) -> Any:
+    """A library that comes with an extra, imported now.
+
+    Parameters
+    ----------
+    name : str
+        Of the module.
+    extra : str
+        Of the package, as in ``bozzetto[extra]``.
+
+    Raises
+    ------
+    UserError
+        If it is not installed; the message says what to do.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise UserError(
+            f"This format needs the library {name}, which is not installed. "
+            f"Install it into Bozzetto's Python with: pip install 'bozzetto[{extra}]'"
+        ) from None
