@@ -42,8 +42,8 @@ def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Samp
     the radius of curvature.
     """
     a, b = first.value, second.value
-    lengths = _length(first.gradient) * _length(second.gradient)
-    cosine = (first.gradient * second.gradient).sum(axis=1) / np.maximum(lengths, 1e-300)
+    lengths = np.sqrt(_dot(first.gradient, first.gradient) * _dot(second.gradient, second.gradient))
+    cosine = _dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
     k = reach * np.clip(1.0 - cosine, 0.0, 1.0)
     excess = np.maximum(k - np.abs(a - b), 0.0)
     k = np.maximum(k, 1e-300)
@@ -85,6 +85,6 @@ def _mixed(value: Points, one: Points, first: Sample, other: Points, second: Sam
     return Sample(value, gradient, curvature)
 
 
-def _length(vectors: Points) -> Points:
-    length: Points = np.sqrt((vectors**2).sum(axis=1))
-    return length
+def _dot(a: Points, b: Points) -> Points:
+    product: Points = np.einsum("ij,ij->i", a, b)
+    return product

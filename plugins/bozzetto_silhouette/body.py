@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,12 +64,12 @@ class Body:
     constraints: Constraints | None = None
     known: Manifold | None = None
 
-    @property
+    @cached_property
     def manifold(self) -> Manifold:
         """The mesh as manifold3d sees it."""
         return as_manifold(self.vertices, self.faces) if self.known is None else self.known
 
-    @property
+    @cached_property
     def bounds(self) -> Points:
         """Corners of the box around the mesh, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])

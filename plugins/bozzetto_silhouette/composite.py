@@ -151,7 +151,7 @@ class Composite:
 def box_distance(points: Points, bounds: Points) -> Points:
     """Distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
     beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
-    distance: Points = np.sqrt((beyond**2).sum(axis=1))
+    distance: Points = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
     return distance
 
 

@@ -17,6 +17,7 @@ from bozzetto_silhouette.composite import Composite, Sides
 from bozzetto_silhouette.remeshing import (
     Patch,
     collapsed,
+    dot,
     flipped_edges,
     relaxed,
     split,
@@ -62,17 +63,17 @@ _STAGES = (0.4, 0.75, 1.0)
 _SMOOTHINGS = 2
 """Rounds of relaxation after every stage."""
 
-_COLLAPSES = 3
+_COLLAPSES = 2
 """Rounds of collapsing edges before every relaxation."""
 
-_FLIPS = 2
+_FLIPS = 1
 """Rounds of flipping edges before every relaxation."""
 
 _TELLING = 1e-3
 """What the blend adds, as a share of the reach, from which on vertices are set free."""
 
 _NEWTON = 3
-"""Steps of Newton's method at the end of every stage."""
+"""Steps of Newton's method at the end of the last stage; the others need not be exact."""
 
 _STRIDE = 0.15
 """Longest of these steps, as a share of the reach."""
@@ -88,6 +89,9 @@ _HOPELESS = 0.05
 
 _REPAIRS = 3
 """Rounds of mending faces that were turned over."""
+
+_COMBINGS = 6
+"""Relaxations of what is around such faces in every round."""
 
 _LEFT = 0.02
 """What may be left of the blended value at a vertex, as a share of the reach."""
@@ -218,15 +222,27 @@ def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
         patch = split(patch)
         for _ in range(_SMOOTHINGS):
             patch = _bettered(stage, patch, step)
-        for _ in range(_NEWTON):
+        for _ in range(_NEWTON if share == _STAGES[-1] else 1):
             patch = _projected(stage, patch)
         if np.mean(patch.facing() < _OVERTURNED) > _HOPELESS:
             return patch
     for _ in range(_REPAIRS):
         if patch.facing().min(initial=1.0) > 0.0:
             break
-        patch = _projected(solid, _bettered(solid, patch, step))
+        patch = _bettered(solid, patch, step)
+        for _ in range(_COMBINGS):
+            patch = relaxed(patch, _near_folds(patch))
+        patch = _projected(solid, patch)
     return patch
+
+
+def _near_folds(patch: Patch) -> Mask:
+    """Vertices of faces turned over, and those around them."""
+    near = np.zeros(len(patch.vertices), dtype=bool)
+    near[patch.faces[patch.facing() < 0.0]] = True
+    for _ in range(_RINGS):
+        near[patch.faces[near[patch.faces].any(axis=1)]] = True
+    return near
 
 
 def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
@@ -246,7 +262,7 @@ def _projected(solid: Composite, patch: Patch) -> Patch:
     """Free vertices after a damped step of Newton's method; normals from the gradient."""
     sides = solid.sides(patch.vertices)
     value, gradient, _ = solid.blended(sides)
-    square = np.maximum((gradient**2).sum(axis=1), _FLATTEST**2)
+    square = np.maximum(dot(gradient, gradient), _FLATTEST**2)
     way = np.where(patch.free, value / square, 0.0)
     far = np.abs(way) * np.sqrt(square)
     way *= np.minimum(1.0, _STRIDE * sides.reach / np.maximum(far, 1e-300))

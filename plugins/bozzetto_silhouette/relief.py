@@ -115,7 +115,7 @@ class Relief:
         """Distance by the fitted ball, the direction in which it grows, and its curvature."""
         u, slope = side.squares.sample(xy)
         half = np.column_stack([0.5 * slope, -z])
-        g2 = (half**2).sum(axis=1)
+        g2 = np.einsum("ij,ij->i", half, half)
         g = np.sqrt(g2)
         square = u - z * z
         # Around no ball the gradient is shorter; in valleys far outside it vanishes.

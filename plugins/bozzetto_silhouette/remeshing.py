@@ -11,7 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Patch", "collapsed", "flipped_edges", "halved", "relaxed", "split", "unit"]
+__all__ = [
+    "Patch",
+    "collapsed",
+    "cross",
+    "dot",
+    "flipped_edges",
+    "halved",
+    "relaxed",
+    "split",
+    "unit",
+]
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -57,8 +67,10 @@ class Patch:
         """Cosine between faces (f, 3), else all, and where the surface is to face there (f,)."""
         corners = self.faces if corners is None else corners
         a, b, c = (self.vertices if vertices is None else vertices)[corners].transpose(1, 0, 2)
-        wanted = unit(self.normals[corners].sum(axis=1))
-        cosine: Points = (unit(np.cross(b - a, c - a)) * wanted).sum(axis=1)
+        one, two, three = self.normals[corners].transpose(1, 0, 2)
+        wanted, found = one + two + three, cross(b - a, c - a)
+        lengths = np.sqrt(dot(wanted, wanted) * dot(found, found))
+        cosine: Points = dot(wanted, found) / np.maximum(lengths, 1e-300)
         return cosine
 
 
@@ -136,8 +148,8 @@ def split(patch: Patch) -> Patch:
 def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
     """Collapse edges between free vertices shorter than a share of the spacing at each end.
 
-    No edge longer than `most` is. Those of faces turned over go, too. None collapses where that would turn another face over
-    or change the topology.
+    No edge longer than `most` is. Those of faces turned over go, too. None collapses where that
+    would turn another face over or change the topology.
     """
     for _ in range(rounds):
         over = np.zeros(len(patch.vertices), dtype=bool)
@@ -151,26 +163,32 @@ def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
         edges = _apart(patch, edges)
         if len(edges):
             edges = edges[_keeps_topology(patch, edges)]
+        edges, places = _places(patch, edges, over)
         if len(edges):
-            edges = edges[_turns_nothing(patch, edges)]
+            good = _turns_nothing(patch, edges, places)
+            edges, places = edges[good], places[good]
         if not len(edges):
             break
-        patch = _without(patch, edges)
+        patch = _without(patch, edges, places)
     return patch
 
 
-def relaxed(patch: Patch) -> Patch:
-    """Free vertices moved half way to the middle of their neighbours, along the surface."""
+def relaxed(patch: Patch, chosen: Mask | None = None) -> Patch:
+    """Free vertices moved half way to the middle of their neighbours, along the surface.
+
+    All of them, or those chosen (v,).
+    """
     count = len(patch.vertices)
     a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
-    inner = patch.free[a]
+    free = patch.free if chosen is None else patch.free & chosen
+    inner = free[a]
     a, b = a[inner], b[inner]
     number = np.maximum(np.bincount(a, minlength=count), 1)
     middle = np.stack([
         np.bincount(a, patch.vertices[b, k], count) for k in range(3)
     ], axis=1) / number[:, None]  # fmt: skip
-    step = np.where(patch.free[:, None], middle - patch.vertices, 0.0)
-    step -= (step * patch.normals).sum(axis=1)[:, None] * patch.normals
+    step = np.where(free[:, None], middle - patch.vertices, 0.0)
+    step -= dot(step, patch.normals)[:, None] * patch.normals
     return replace(patch, vertices=patch.vertices + 0.5 * step)
 
 
@@ -234,9 +252,20 @@ def _flipped_once(patch: Patch) -> tuple[Indices, int]:
 
 def _angle(apex: Points, p: Points, q: Points) -> Points:
     one, other = p - apex, q - apex
-    cross = _length(np.cross(one, other))
-    angle: Points = np.arctan2(cross, (one * other).sum(axis=1))
+    angle: Points = np.arctan2(_length(cross(one, other)), dot(one, other))
     return angle
+
+
+def dot(a: Points, b: Points) -> Points:
+    """Products (n,) of vectors (n, 3); a sum over so short an axis would take five times longer."""
+    product: Points = np.einsum("ij,ij->i", a, b)
+    return product
+
+
+def cross(a: Points, b: Points) -> Points:
+    """Cross products (n, 3), in a third of the time that numpy takes."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
 def unit(vectors: Points) -> Points:
@@ -246,7 +275,7 @@ def unit(vectors: Points) -> Points:
 
 
 def _length(vectors: Points) -> Points:
-    length: Points = np.sqrt((vectors**2).sum(axis=-1))
+    length: Points = np.sqrt(dot(vectors, vectors))
     return length
 
 
@@ -286,14 +315,27 @@ def _keeps_topology(patch: Patch, edges: Indices) -> Mask:
     return result
 
 
-def _turns_nothing(patch: Patch, edges: Indices) -> Mask:
+def _places(patch: Patch, edges: Indices, over: Mask) -> tuple[Indices, Points]:
+    """Edges (e, 2), the vertex that stays first, and where (e, 3) it is to be.
+
+    In the middle; but in a fold the vertex with fewer neighbours goes and the other stays where
+    it is: that undoes the fold, where the middle may lie within.
+    """
+    valence = np.bincount(patch.faces.ravel(), minlength=len(patch.vertices))
+    edges = np.where((valence[edges[:, 0]] < valence[edges[:, 1]])[:, None], edges[:, ::-1], edges)
+    first, second = patch.vertices[edges].transpose(1, 0, 2)
+    folded = over[edges].all(axis=1)[:, None]
+    return edges, np.where(folded, first, 0.5 * (first + second))
+
+
+def _turns_nothing(patch: Patch, edges: Indices, places: Points) -> Mask:
     """Whether all faces that stay look about where they did when each edge is collapsed."""
     owner = np.full(len(patch.vertices), -1)
     owner[edges[:, 0]] = owner[edges[:, 1]] = np.arange(len(edges))
     held = owner[patch.faces]
     rows = np.flatnonzero((held >= 0).sum(axis=1) == 1)
     moved = patch.vertices.copy()
-    moved[edges[:, 0]] = moved[edges[:, 1]] = 0.5 * patch.vertices[edges].sum(axis=1)
+    moved[edges[:, 0]] = moved[edges[:, 1]] = places
     corners = patch.faces[rows]
     bad = patch.facing(corners, moved) < np.minimum(_TURN, patch.facing(corners))
     good = np.ones(len(edges), dtype=bool)
@@ -301,12 +343,12 @@ def _turns_nothing(patch: Patch, edges: Indices) -> Mask:
     return good
 
 
-def _without(patch: Patch, edges: Indices) -> Patch:
-    """With edges collapsed to their middles; they must lie apart."""
+def _without(patch: Patch, edges: Indices, places: Points) -> Patch:
+    """With edges collapsed to places (e, 3); they must lie apart."""
     target = np.arange(len(patch.vertices))
     target[edges[:, 1]] = edges[:, 0]
     vertices = patch.vertices.copy()
-    vertices[edges[:, 0]] = 0.5 * patch.vertices[edges].sum(axis=1)
+    vertices[edges[:, 0]] = places
     faces = target[patch.faces]
     alive = (faces != np.roll(faces, -1, axis=1)).all(axis=1)
     normals = patch.normals.copy()
