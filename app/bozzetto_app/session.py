@@ -24,7 +24,7 @@ from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
-from bozzetto.scene.display_list import Image, Scene
+from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.workbench import Workbench
 from bozzetto_app.editing import ObjectEdits
 from bozzetto_app.files import Files
@@ -120,6 +120,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.files.progressed.connect(self.progressed)
         self.files.busy_changed.connect(self._look_who_is_busy)
         self.view_style_changed.connect(self._style_changed)
+        self.tool_changed.connect(self._hand_changed)
+        self.selection_changed.connect(self._hand_changed)
 
     # -- reading --
 
@@ -176,11 +178,15 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Everything visible, in the world."""
         if self._scene is None:
             layers = [*self.workbench.underlay_layers(self.document), *self.showing.layers()]
-            if not self.show_ghost_ink:
-                layers = [layer for layer in layers if layer.name != GHOST_LAYER]
-            self._scene = Scene(tuple(layers))
+            self._scene = Scene(tuple(filter(self._is_seen, layers)))
             self._ghosts_in_scene = self.show_ghost_ink
         return self._scene
+
+    def _is_seen(self, layer: Layer) -> bool:
+        if layer.name == GHOST_LAYER and not self.show_ghost_ink:
+            return False
+        in_hand = layer.tool == self.active_tool and layer.owner == self._selected
+        return in_hand or not layer.tool
 
     def context(self) -> Context:
         """The world around a gesture made now."""
@@ -372,6 +378,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def _unsolved(self, problem: BaseException) -> None:
         self.inking.no_shape_comes()
         self.complain(problem)
+
+    def _hand_changed(self) -> None:
+        self._scene = None
+        self.scene_changed.emit()
 
     def _style_changed(self) -> None:
         if self.show_ghost_ink != self._ghosts_in_scene:

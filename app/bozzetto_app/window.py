@@ -51,7 +51,7 @@ LAYOUT_VERSION = 2
 """Raised when docks come or go, so that an old layout is not forced on a new window."""
 
 FIRST_SIZE = (1280, 800)
-DOCK_HEIGHTS = (250, 350, 140)
+DOCK_HEIGHTS = (310, 340, 90)
 """Of objects, parameters and history at the first start, pixels."""
 
 THEME = "view/theme"

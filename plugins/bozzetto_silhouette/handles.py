@@ -11,9 +11,12 @@ from bozzetto.scene import Handle, Layer, Lines
 from bozzetto_silhouette.places import carried, is_shown, placement_of
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
 
-__all__ = ["Grip", "grip_of", "handles_layer", "members"]
+__all__ = ["ARRANGE", "Grip", "grip_of", "handles_layer", "members"]
 
 Array = NDArray[np.float64]
+
+ARRANGE = "arrange"
+"""Id of the tool that shows handles: to any other pen they would only be in the way."""
 
 ROOM = 1.12
 """Radius of the ring over that of the node's ink around its middle."""
@@ -96,6 +99,7 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
             _handle(f"turn:{node.id}", turn, "Turn; with Shift by 15°"),
             _handle(f"size:{node.id}", size, "Size"),
         ),
+        tool=ARRANGE,
     )
 
 

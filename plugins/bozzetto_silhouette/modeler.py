@@ -66,7 +66,7 @@ class Silhouette:
     id = "bozzetto.silhouette"
     title = "Silhouette"
     state_type = SilhouetteState
-    state_version = 2
+    state_version = 3
     part_types = (Part, Cut, Group)
 
     def create(self, context: Context) -> SilhouetteState:
@@ -127,7 +127,7 @@ class Silhouette:
         off = None if result is None or not result.final else _deviation(state, result)
         if off is not None:
             layers.append(off)
-        handles = handles_layer(state) if state.held and not state.posing else None
+        handles = None if state.posing else handles_layer(state)
         if handles is not None:
             layers.append(handles)
         joints = joints_layer(state) if state.posing and result is not None else None
@@ -179,9 +179,8 @@ class Silhouette:
     def with_parts(
         self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
     ) -> SilhouetteState:
-        """The same state with other nodes; what is chosen in the list shows its handles."""
-        held = bool(selected) and (state.held or selected != state.selected)
-        return replace(state, nodes=parts, selected=selected, held=held)
+        """The same state with other nodes."""
+        return replace(state, nodes=parts, selected=selected)
 
     def new_group(self, state: SilhouetteState) -> Group:
         """An empty group."""
@@ -190,9 +189,13 @@ class Silhouette:
     # -- documents --
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Version 1 had a flat list of parts that shared their parameters and never met."""
+        """Bring an older state up to date.
+
+        Version 2 kept whether handles were shown. Version 1 had a flat list of parts that
+        shared their parameters and never met.
+        """
         if version >= 2:
-            return state
+            return {key: value for key, value in state.items() if key != "held"}
         shared = {key: state[key] for key in ("inflation", "softness") if key in state}
         nodes = [
             {"$type": "Part", "id": f"n{k}", "name": f"Part {k}", "blend": 0.0, **shared, **part}

@@ -310,16 +310,12 @@ class SilhouetteState:
     nodes : tuple of Part, Cut or Group
     selected : str
         Id of the node that is chosen; "" for none.
-    held : bool
-        It was chosen to be arranged and shows its handles; what was just drawn does not, so
-        that they do not get in the way of the pen.
     turns : tuple of Turn
     picture : Picture, optional
     """
 
     nodes: tuple[Part | Cut | Group, ...] = ()
     selected: str = ""
-    held: bool = False
     turns: tuple[Turn, ...] = ()
     picture: Picture | None = None
     resolution: Annotated[
@@ -370,7 +366,7 @@ class SilhouetteState:
             if known
             else (*self.nodes, node)
         )
-        return replace(self, nodes=nodes, selected=node.id, held=False)
+        return replace(self, nodes=nodes, selected=node.id)
 
     def unused_id(self) -> str:
         """An id that no node has."""

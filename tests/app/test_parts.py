@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.geometry import Mesh
 from bozzetto.plugin.testing import Pen
-from bozzetto.scene import Layer, Lines, Scene, Shaded
+from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
 from bozzetto_app.toolbox import ToolInfo
 
 
@@ -99,6 +99,25 @@ def test_a_slider_of_a_part_is_one_step(session, settle):
     assert session.history.entries[-1] == "Inflation"
     assert [part.inflation for part in tree(session).parts] == [1.0, 1.3, 1.0]
     settle(session)
+
+
+def test_handles_are_there_with_the_tool_they_belong_to(session, settle):
+    def held():
+        return {i.id.partition(":")[2] for _, i in session.scene.items() if isinstance(i, Handle)}
+
+    model, (first, *_, last) = session.selected, ids(session)
+    assert held() == set()
+    session.activate_tool("arrange")
+    assert held() == {last}
+    session.select_part(model, first)
+    settle(session)
+    assert held() == {first}
+    session.select(None)
+    assert held() == set()
+    session.select(model)
+    assert held() == {first}
+    session.activate_tool("draw")
+    assert held() == set()
 
 
 def test_a_locked_object_refuses_edits_but_can_be_looked_at(session):

@@ -259,9 +259,11 @@ class ObjectsPanel(QWidget):
             self._enable()
             return
         self._filling = True
-        item = None if wanted is None else self.list.item(self._entries.index(wanted))
-        if item is not self.list.currentItem() or (item is not None and not item.isSelected()):
-            self.list.setCurrentItem(item)  # type: ignore[arg-type]
+        row = -1 if wanted is None else self._entries.index(wanted)
+        if row != self.list.currentRow():
+            self.list.choose(row)
+        elif row >= 0:
+            self.list.item(row).setSelected(True)
         self._filling = False
         self._enable()
 

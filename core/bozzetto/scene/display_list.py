@@ -198,6 +198,9 @@ class Layer:
     items : tuple of Item
     owner : str
         Id of the model that shows it; filled in by the host.
+    tool : str
+        Id of the tool that it belongs to: it is there only while that tool is in the hand and
+        its model is selected. "" is there always.
     revision : int
         Fresh for every layer made; equal revisions mean equal content, so a viewport may
         keep what it has uploaded.
@@ -206,6 +209,7 @@ class Layer:
     name: str
     items: tuple[Item, ...] = ()
     owner: str = ""
+    tool: str = ""
     revision: int = field(default_factory=lambda: next(_revisions))
 
 
@@ -243,7 +247,12 @@ class Scene:
             return self
         return Scene(
             tuple(
-                Layer(layer.name, tuple(_moved(i, placement) for i in layer.items), layer.owner)
+                Layer(
+                    layer.name,
+                    tuple(_moved(i, placement) for i in layer.items),
+                    layer.owner,
+                    layer.tool,
+                )
                 for layer in self.layers
             )
         )

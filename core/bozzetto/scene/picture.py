@@ -83,5 +83,5 @@ def _without_handles(scene: Scene) -> Scene:
         if len(items) == len(layer.items):
             kept.append(layer)
         elif any(isinstance(item, Shaded) for item in items):
-            kept.append(Layer(layer.name, items, layer.owner))
+            kept.append(Layer(layer.name, items, layer.owner, layer.tool))
     return Scene(tuple(kept))

@@ -12,7 +12,7 @@ from bozzetto.geometry import Mesh, Placement
 from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.draft import draft_surface
-from bozzetto_silhouette.handles import grip_of
+from bozzetto_silhouette.handles import ARRANGE, grip_of, handles_layer
 from bozzetto_silhouette.motion import moved, resized, settled, turned
 from bozzetto_silhouette.places import carried, groups_around
 from bozzetto_silhouette.posing import JOINT, posed, posed_scene
@@ -30,7 +30,7 @@ LIVE_CELLS = 48
 class Arrange:
     """Tap a part to choose it, drag its handles; beside all parts nothing is chosen."""
 
-    id = "arrange"
+    id = ARRANGE
     title = "Arrange"
     icon = "icons/arrange.svg"
     hint = "Tap a part, then drag its handles: the middle moves it, the ring turns and sizes it."
@@ -43,14 +43,17 @@ class Arrange:
         if gesture.handle.startswith(JOINT):
             return posed_scene(state, gesture)
         try:
-            draft = draft_surface(self.apply(state, gesture, context), LIVE_CELLS)
+            arranged = self.apply(state, gesture, context)
+            draft = draft_surface(arranged, LIVE_CELLS)
         except UserError:
             return Scene()
+        held = handles_layer(arranged)
+        handles = () if held is None else (held,)
         if draft is None:
-            return Scene((Layer("shape"),))
+            return Scene((Layer("shape"), *handles))
         vertices, faces, normals = draft
         mesh = Mesh(vertices.astype(np.float32), faces, normals.astype(np.float32))
-        return Scene((Layer("shape", (Shaded(mesh, pickable=False),)),))
+        return Scene((Layer("shape", (Shaded(mesh, pickable=False),)), *handles))
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Choose, move, turn or size.
@@ -63,7 +66,7 @@ class Arrange:
         if isinstance(gesture, Tap):
             part = touched_part(state, gesture.x, gesture.y, gesture.camera)
             chosen = "" if part is None else _chosen(state, part)
-            return replace(state, selected=chosen, held=part is not None)
+            return replace(state, selected=chosen)
         if not isinstance(gesture, Drag):
             raise UserError("Tap a part to choose it, then drag its handles.")
         if gesture.handle.startswith(JOINT):
@@ -81,7 +84,7 @@ class Arrange:
             motion = turned(grip.middle, camera, start, end, stepped=gesture.shift)
         else:
             motion = resized(grip.middle, camera, start, end)
-        return replace(state.with_node(placed_anew(state, node, motion)), held=True)
+        return state.with_node(placed_anew(state, node, motion))
 
 
 def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:

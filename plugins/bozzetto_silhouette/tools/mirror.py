@@ -75,7 +75,7 @@ class MirrorCopy:
             )
         place = state.nodes.index(part) + 1
         nodes = (*state.nodes[:place], twin, *state.nodes[place:])
-        return replace(state, nodes=nodes, selected=twin.id, held=True)
+        return replace(state, nodes=nodes, selected=twin.id)
 
 
 def _is_alike(part: Part, twin: Part) -> bool:

@@ -91,6 +91,16 @@ def test_choosing(panel, fake_session):
     assert (("m1", ""), {}) in fake_session.calls.named("select_part"), "the model as a whole"
 
 
+def test_what_is_drawn_takes_the_choice_from_the_others(panel, fake_session):
+    tree = fake_session.trees["m1"]
+    for name in ("n1", "n2", "n1"):
+        fake_session.trees["m1"] = tree.chosen(name)
+        fake_session.document_changed.emit()
+        chosen = [panel.list.row(item) for item in panel.list.selectedItems()]
+        assert chosen == [panel.list.currentRow()]
+        assert panel._current().id == name
+
+
 def test_rows_say_what_their_parts_do(panel):
     texts = [panel.list.item(row).data(Qt.ItemDataRole.AccessibleTextRole) for row in range(8)]
     assert texts == ["Horse", "Body, Add", "Head, merge", "Legs, Add", "Left leg, Add",

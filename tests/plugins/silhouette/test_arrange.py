@@ -42,7 +42,7 @@ def part(number: int, x: float, y: float, radius: float, **options: object) -> P
 
 def two() -> SilhouetteState:
     state = SilhouetteState((part(1, 500, 450, 120), part(2, 760, 450, 80)))
-    return replace(state, selected="n2", held=True)
+    return replace(state, selected="n2")
 
 
 def grouped() -> SilhouetteState:
@@ -52,7 +52,7 @@ def grouped() -> SilhouetteState:
     )
     inner = Group(id="g2", within="g1", pose=Placement(offset=(-9.0, 2.0, 1.0)))
     nodes = (outer, inner, part(1, 500, 450, 120), part(2, 760, 450, 80, within="g2"))
-    return SilhouetteState(nodes, selected="n2", held=True)
+    return SilhouetteState(nodes, selected="n2")
 
 
 def handle_pixel(state: SilhouetteState, kind: str, camera: Camera) -> np.ndarray:
@@ -146,10 +146,10 @@ def test_thousands_of_drags_leave_a_rotation() -> None:
 
 
 def test_a_tap_chooses_what_is_under_it() -> None:
-    state = replace(two(), selected="", held=False)
+    state = replace(two(), selected="")
     for x, expected in ((500, "n1"), (760, "n2"), (60, "")):
         state = ARRANGE.apply(state, Tap(x, 450.0, FRONT), Context())
-        assert (state.selected, state.held) == (expected, bool(expected))
+        assert state.selected == expected
 
 
 def test_taps_go_from_the_group_inwards() -> None:
@@ -172,20 +172,21 @@ def test_a_group_moves_as_one() -> None:
     assert np.abs(rise).max() > 5.0
 
 
-def test_handles_are_there_only_for_what_is_held_and_seen() -> None:
+def test_handles_are_there_only_for_what_is_chosen_and_seen() -> None:
     from bozzetto_silhouette.modeler import Silhouette
 
     def handles(state: SilhouetteState) -> list[str]:
         scene = Silhouette().scene(state, None)
+        assert all(layer.tool == ARRANGE.id for layer in scene.layers if layer.name == "handles")
         return [item.id for _, item in scene.items() if isinstance(item, Handle)]
 
     state = two()
     assert handles(state) == ["move:n2", "turn:n2", "size:n2"]
-    assert handles(replace(state, held=False)) == []
+    assert handles(replace(state, selected="")) == []
     assert handles(replace(state, posing=True)) == []
     assert handles(replace(state, selected="gone")) == []
     hidden = state.with_node(replace(state.node("n2"), visible=False))
-    assert handles(replace(hidden, held=True)) == []
+    assert handles(hidden) == []
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -225,9 +226,11 @@ def test_the_preview_is_what_comes_of_it() -> None:
     state = two()
     start = handle_pixel(state, "move", FRONT)
     gesture = Drag("move:n2", Pen(FRONT).along([start, start - (0.0, 120.0)]))
-    (layer,) = ARRANGE.preview(state, gesture, Context()).layers
+    layer, handles = ARRANGE.preview(state, gesture, Context()).layers
     assert layer.name == "shape"
     after = ARRANGE.apply(state, gesture, Context())
+    moves = [item.point for item in handles.items if isinstance(item, Handle)]
+    assert moves[0] == pytest.approx(grip_of(after, after.node("n2")).middle)
     expected = shape_seen(after).body.bounds
     assert layer.items[0].mesh.bounds == pytest.approx(expected, abs=0.5)
 

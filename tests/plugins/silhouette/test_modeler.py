@@ -167,9 +167,9 @@ def test_a_circle_is_a_ball_in_the_world_where_it_was_drawn() -> None:
 
 def test_scene_shows_ink_before_and_shape_after() -> None:
     state = drawn((600, 450, 200), (600, 450, 60), resolution=32)
-    assert [layer.name for layer in MODELER.scene(state, None).layers] == ["ink"]
+    assert [layer.name for layer in MODELER.scene(state, None).layers if not layer.tool] == ["ink"]
     shown = MODELER.scene(state, MODELER.solve(state, Job()))
-    assert [layer.name for layer in shown.layers] == ["shape", "ink"]
+    assert [layer.name for layer in shown.layers if not layer.tool] == ["shape", "ink"]
     assert not MODELER.scene(SilhouetteState(), None).layers
 
 
