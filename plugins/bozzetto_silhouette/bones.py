@@ -3,8 +3,9 @@
 A bone is the stretch between a joint and its parent, and turns with the parent. At a joint a
 point follows the bones on both sides alike; the change takes a radius to either side. Beyond
 a free end it follows the last bone. So all bones at a junction agree there, and which of them
-a point belongs to matters only where limbs have parted. That is told by the gap to a bone's ball,
-with x the point, c the ball's centre and r its radius,
+a point belongs to matters only where limbs have parted. That is told by the gap to the nearest
+ball on the axis of the limb, which bends where the bone is straight: with x the point, c the
+ball's centre and r its radius,
 
     |x - c| - r,
 
@@ -66,6 +67,56 @@ class Gaps(NamedTuple):
         return LEAK * wide
 
 
+class _Axis(NamedTuple):
+    """The axis of a bone in straight pieces, in the plane of the part.
+
+    Attributes
+    ----------
+    nodes : (k + 1, 3) float32 array
+        x, y and radius.
+    lengths : (k,) float32 array
+        Of the pieces.
+    """
+
+    nodes: Floats
+    lengths: Floats
+
+    @classmethod
+    def of(cls, path: Points, least: float) -> _Axis:
+        """From x, y and radius along it, (n, 3); nothing is shorter or thinner than `least`."""
+        steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
+        kept = path[np.concatenate([[True], steps[:-1] > least, [True]])]
+        radii = np.maximum(kept[:, 2], least)
+        lengths = np.maximum(np.hypot(*np.diff(kept[:, :2], axis=0).T), least)
+        nodes = np.column_stack([kept[:, :2], radii])
+        return cls(nodes.astype(np.float32), lengths.astype(np.float32))
+
+    def nearest(self, x: Floats, y: Floats, square: Floats) -> Gaps:
+        """The nearest ball to each of n points.
+
+        Parameters
+        ----------
+        x, y, square : (n,) float32 arrays
+            In the plane, and the square of the height above it.
+        """
+        found = Gaps(np.full_like(x, np.inf), np.zeros_like(x))
+        for k, length in enumerate(self.lengths):
+            (xa, ya, ra), (xb, yb, rb) = self.nodes[k], self.nodes[k + 1]
+            t = _projected(x - xa, y - ya, (xb - xa) / length, (yb - ya) / length, length)
+            radius = ra + t * (rb - ra)
+            across, up = x - xa - t * (xb - xa), y - ya - t * (yb - ya)
+            gap = np.sqrt(across * across + up * up + square) - radius
+            nearer = gap < found.gap
+            np.copyto(found.gap, gap, where=nearer)
+            np.copyto(found.radius, radius, where=nearer)
+        return found
+
+
+def _projected(x: Floats, y: Floats, ux: Floats, uy: Floats, length: Floats) -> Floats:
+    """How far along a stretch in a unit direction places are, as seen from its start; 0 to 1."""
+    return np.clip((x * ux + y * uy) / length, np.float32(0.0), np.float32(1.0))
+
+
 class Bones:
     """The bones of one connected piece; those that were cut to open loops count, too.
 
@@ -82,6 +133,7 @@ class Bones:
         least = THINNEST * limbs.nodes[:, 2].max()
         radii = np.maximum(limbs.nodes[:, 2], least)
         self._nodes = np.column_stack([limbs.nodes[:, :2], radii]).astype(np.float32)
+        self._axes = [_Axis.of(path, least) for path in limbs.paths]
         across = self._nodes[self._links[:, 1]] - self._nodes[self._links[:, 0]]
         self._lengths = np.maximum(np.hypot(across[:, 0], across[:, 1]), np.float32(least))
         self._degrees = np.bincount(self._links.ravel(), minlength=count)
@@ -114,14 +166,12 @@ class Bones:
             return np.ones((len(x), 1), np.float32), ball
 
         along, gaps, radii = np.empty((3, len(self._links), len(x)), np.float32)
-        for bone, (a, b) in enumerate(self._links):
-            (xa, ya, ra), (xb, yb, rb) = self._nodes[a], self._nodes[b]
-            ux, uy = (xb - xa) / self._lengths[bone] ** 2, (yb - ya) / self._lengths[bone] ** 2
-            t = np.clip((x - xa) * ux + (y - ya) * uy, 0.0, 1.0)
-            away = np.sqrt((x - xa - t * (xb - xa)) ** 2 + (y - ya - t * (yb - ya)) ** 2 + square)
-            along[bone] = t
-            radii[bone] = ra + t * (rb - ra)
-            gaps[bone] = away - radii[bone]
+        for bone, axis in enumerate(self._axes):
+            gaps[bone], radii[bone] = axis.nearest(x, y, square)
+            (xa, ya, _), (xb, yb, _) = self._nodes[self._links[bone]]
+            length = self._lengths[bone]
+            ux, uy = (xb - xa) / length, (yb - ya) / length
+            along[bone] = _projected(x - xa, y - ya, ux, uy, length)
         found = Gaps(gaps, radii)
         nearest = found.nearest()
         says = 1.0 - (gaps - nearest.gap) / found.widths(nearest)

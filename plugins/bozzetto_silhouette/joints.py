@@ -43,6 +43,13 @@ ALIKE = 0.95
 """Radii that are at least this share of the largest are as good: else the tremor of the hand
 would choose among them."""
 
+BOW = 0.75
+"""How far the axis of a limb may lie beside the straight line between two joints, in local
+radii: beyond, there is a joint in the bend, or the bone would leave the skin."""
+
+SLACK = 0.02
+"""The same as a share of the part's longest side, where that is more."""
+
 SAMPLES = 64
 """Places along a limb at which its thickness is looked at."""
 
@@ -59,11 +66,14 @@ class Joints:
         Pairs of neighbours, without doubles.
     thickness : (m,) float array
         The smallest radius along each link.
+    paths : tuple of (k, 3) float arrays
+        x, y and radius of the axis along each link, from its first joint to its second.
     """
 
     nodes: Points
     links: NDArray[np.intp]
     thickness: Points
+    paths: tuple[Points, ...]
 
 
 @dataclass(eq=False)
@@ -113,9 +123,7 @@ def joints_of(skeleton: Skeleton) -> list[Joints]:
     low = (skeleton.nodes[:, :2] - skeleton.nodes[:, 2:]).min(axis=0)
     high = (skeleton.nodes[:, :2] + skeleton.nodes[:, 2:]).max(axis=0)
     size = float((high - low).max())
-    pieces = [
-        _graph(_parted(_joined(_proud(piece, size))), SHORTEST * size) for piece in _pieces(limbs)
-    ]
+    pieces = [_graph(_parted(_joined(_proud(piece, size))), size) for piece in _pieces(limbs)]
     return sorted(pieces, key=lambda piece: -float(piece.nodes[:, 2].max()))
 
 
@@ -228,12 +236,12 @@ def _share(limb: _Limb) -> float:
     return limb.length / max(float(limb.path[[0, -1], 2].max()), 1e-300)
 
 
-def _graph(limbs: list[_Limb], shortest: float) -> Joints:
-    """Joints at ends, junctions and in between."""
+def _graph(limbs: list[_Limb], size: float) -> Joints:
+    """Joints at ends, junctions and in between, of a part with its longest side."""
     degrees = _degrees(limbs)
     number: dict[int, int] = {}
     nodes: list[Points] = []
-    links: dict[tuple[int, int], float] = {}
+    links: dict[tuple[int, int], tuple[float, Points]] = {}
 
     def node_of(end: int, place: Points) -> int:
         if end not in number:
@@ -245,35 +253,36 @@ def _graph(limbs: list[_Limb], shortest: float) -> Joints:
     for limb, pair in zip(limbs, pairs, strict=True):
         # Rings and limbs side by side need joints that tell them apart.
         least = 3 if len(pair) == 1 else 2 if pairs.count(pair) > 1 else 1
-        inner, stretches = _between(limb, degrees, shortest, least)
+        inner, stretches = _between(limb, degrees, size, least)
         row = [node_of(limb.start, limb.path[0])]
         for place in inner:
             row.append(len(nodes))
             nodes.append(place)
         row.append(node_of(limb.end, limb.path[-1]))
-        for a, b, thin in zip(row[:-1], row[1:], stretches, strict=True):
-            links[(a, b)] = thin
+        for a, b, stretch in zip(row[:-1], row[1:], stretches, strict=True):
+            links[(a, b)] = stretch
     thickest = max(nodes, key=lambda node: float(node[2]))
     if (
         all(degrees[end] < 3 for end in degrees)
         and max(float(np.hypot(*(node - thickest)[:2])) for node in nodes) < 0.5 * thickest[2]
     ):
         # A ball, or nearly: nothing in it bends.
-        return Joints(thickest[None], np.zeros((0, 2), np.intp), np.zeros(0))
+        return Joints(thickest[None], np.zeros((0, 2), np.intp), np.zeros(0), ())
     return Joints(
         np.array(nodes),
         np.array(list(links), np.intp).reshape(-1, 2),
-        np.array(list(links.values())),
+        np.array([thin for thin, _ in links.values()]),
+        tuple(path for _, path in links.values()),
     )
 
 
 def _between(
-    limb: _Limb, degrees: dict[int, int], shortest: float, least: int
-) -> tuple[list[Points], list[float]]:
-    """Joints between the ends of a limb, and the smallest radius of each stretch.
+    limb: _Limb, degrees: dict[int, int], size: float, least: int
+) -> tuple[list[Points], list[tuple[float, Points]]]:
+    """Joints between the ends of a limb; the smallest radius and the axis of each stretch.
 
     A limb with one free end gets its first joint where it leaves the ball of its junction.
-    The rest are evenly spread, a stretch being `SPACING` radii long.
+    The rest are evenly spread, a stretch being `SPACING` radii long; and one in each bend.
     """
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(limb.path[:, :2], axis=0).T))])
     length = float(along[-1])
@@ -285,16 +294,49 @@ def _between(
         first, hip = min(float(places[0, 2]), 0.5 * length), True
     elif degrees[limb.end] > 2 and degrees[limb.start] == 1:
         last, tail = max(length - float(places[-1, 2]), 0.5 * length), True
-    pace = 1.0 / np.maximum(SPACING * places[:, 2], shortest)
+    pace = 1.0 / np.maximum(SPACING * places[:, 2], SHORTEST * size)
     count = np.concatenate([[0.0], np.cumsum(0.5 * (pace[1:] + pace[:-1]) * np.diff(at))])
     begin, end = np.interp([first, last], at, count)
     pieces = max(round(float(end - begin)), 1 if hip or tail else least)
     stops = np.interp(np.linspace(begin, end, pieces + 1), count, at)
     inner = stops[0 if hip else 1 : len(stops) if tail else -1]
-    cuts = [0.0, *inner.tolist(), length]
-    stretches = [
-        float(places[(at >= a) & (at <= b), 2].min(initial=np.inf))
-        for a, b in itertools.pairwise(cuts)
-    ]
-    rows = [np.array([np.interp(s, at, column) for column in places.T]) for s in inner]
-    return rows, stretches
+    cuts = _with_bends([0.0, *inner.tolist(), length], at, places, SLACK * size)
+    ends = np.column_stack([np.interp(cuts, at, column) for column in places.T])
+    ends[[0, -1]] = limb.path[[0, -1]]
+    stretches = []
+    for k, (a, b) in enumerate(itertools.pairwise(cuts)):
+        thin = float(places[(at >= a) & (at <= b), 2].min(initial=np.inf))
+        path = [ends[k : k + 1], limb.path[(along > a) & (along < b)], ends[k + 1 : k + 2]]
+        stretches.append((thin, np.concatenate(path)))
+    return list(ends[1:-1]), stretches
+
+
+def _with_bends(cuts: list[float], at: Points, places: Points, slack: float) -> list[float]:
+    """Stops along a limb and, in between, those where its axis lies too far beside a bone.
+
+    Parameters
+    ----------
+    cuts : list of float
+        Ascending, as lengths along the limb.
+    at : (n,) float array
+    places : (n, 3) float array
+        x, y and radius of the axis there.
+    slack : float
+        How far it may always lie beside.
+    """
+    found = cuts[:1]
+    waiting = cuts[:0:-1]
+    while waiting:
+        a, b = found[-1], waiting[-1]
+        between = np.flatnonzero((at > a) & (at < b))
+        here, there = (np.array([np.interp(s, at, c) for c in places.T[:2]]) for s in (a, b))
+        chord = there - here
+        off = places[between, :2] - here
+        t = np.clip(off @ chord / max(float(chord @ chord), 1e-300), 0.0, 1.0)
+        beside = np.hypot(*(off - t[:, None] * chord).T)
+        excess = beside / np.maximum(BOW * places[between, 2], slack)
+        if len(between) and excess.max() > 1.0:
+            waiting.append(float(at[between[excess.argmax()]]))
+        else:
+            found.append(waiting.pop())
+    return found

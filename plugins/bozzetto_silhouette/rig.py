@@ -44,6 +44,9 @@ class Limbs:
         Within the piece; -1 for its root.
     cuts : (k, 2) int array
         Links that closed loops.
+    paths : tuple of (k, 3) float arrays
+        x, y and radius of the axis along each link, in the object frame: from its parent to
+        each joint but the root, then along the cuts.
     first : int
         Number of its root in the whole rig.
     """
@@ -54,6 +57,7 @@ class Limbs:
     nodes: Points
     parents: Indices
     cuts: Indices
+    paths: tuple[Points, ...]
     first: int
 
     @property
@@ -229,6 +233,8 @@ def _touch(one: _Piece, other: _Piece) -> bool:
 def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
     """The joints of a piece as a tree; loops are cut where they are thinnest."""
     nodes, links = piece.joints.nodes, piece.joints.links
+    axis = {(a, b): path for (a, b), path in zip(links.tolist(), piece.joints.paths, strict=True)}
+    axis |= {(b, a): path[::-1] for (a, b), path in axis.items()}
     cluster = list(range(len(nodes)))
 
     def head(node: int) -> int:
@@ -260,14 +266,16 @@ def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
         children = [k for k in around[node] if k not in place]
         children.sort(key=lambda k: -float(np.arctan2(*(nodes[k] - nodes[node])[1::-1])))
         stack += [(k, place[node]) for k in reversed(children)]
-    cuts = [sorted((place[a], place[b])) for a, b in cut]
+    cuts = sorted(sorted((place[a], place[b])) for a, b in cut)
+    pairs = [(parents[k], k) for k in range(1, len(order))] + cuts
     return Limbs(
         piece.part.id,
         piece.placement,
         piece.part.inflation,
         nodes[order],
         np.array(parents, np.intp),
-        np.array(sorted(cuts), np.intp).reshape(-1, 2),
+        np.array(cuts, np.intp).reshape(-1, 2),
+        tuple(axis[order[a], order[b]] for a, b in pairs),
         first,
     )
 

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
 import bozzetto_silhouette
@@ -94,6 +97,35 @@ def test_a_horse_has_a_rig_for_animators():
     assert 6 <= (children == 0).sum() <= 9  # four hooves, tail, muzzle, perhaps ears
     armature = armature_of(horse())
     assert armature.radii[0] == armature.radii.max()
+
+
+def test_feet_that_nearly_touch_follow_their_own_leg():
+    """Cut off above the hooves, each piece of the skin hangs on joints of its own."""
+    state = horse(128)
+    result = solved(state)
+    faces = result.mesh.faces
+    low = result.mesh.vertices[:, 2] < -70.0
+    kept = faces[low[faces].all(axis=1)]
+    links = coo_matrix((np.ones(len(kept)), (kept[:, 0], kept[:, 1])), shape=(len(low), len(low)))
+    links += coo_matrix((np.ones(len(kept)), (kept[:, 1], kept[:, 2])), shape=links.shape)
+    piece = connected_components(links, directed=False)[1]
+    table = dense(result.skin)
+    feet = [piece == k for k in np.unique(piece[kept]) if (piece == k).sum() > 20]
+    assert len(feet) == 4
+    followed = [set(np.flatnonzero((table[foot] > 0.02).any(axis=0)).tolist()) for foot in feet]
+    assert not any(followed[a] & followed[b] for a in range(4) for b in range(a))
+
+
+def test_a_limb_that_bends_has_a_joint_in_the_bend():
+    """Bones stay inside the skin, and as few as that takes."""
+    hook = np.array([[0, 0], [60, 0], [52, 30], [49, 30], [55, 3], [0, 3.0]])
+    hook -= hook.mean(axis=0)
+    bar = np.array([[-45, -1.5], [45, -1.5], [45, 1.5], [-45, 1.5]])
+    rig, straight = rig_of(state_of(part(hook))), rig_of(state_of(part(bar)))
+    assert len(rig.joints) <= 1.5 * len(straight.joints)
+    inside = shapely.Polygon(hook)
+    bones = [rig.joints[[k, p]][:, [0, 2]] for k, p in enumerate(rig.parents) if p >= 0]
+    assert all(inside.contains(shapely.LineString(bone)) for bone in bones)
 
 
 def test_joints_stay_when_the_drawing_is_moved_scaled_and_started_elsewhere():
