@@ -47,7 +47,7 @@ BOW = 0.75
 """How far the axis of a limb may lie beside the straight line between two joints, in local
 radii: beyond, there is a joint in the bend, or the bone would leave the skin."""
 
-SLACK = 0.02
+SLACK = 0.01
 """The same as a share of the part's longest side, where that is more."""
 
 SAMPLES = 64
