@@ -16,6 +16,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
+GALLERY = HERE / "gallery"
 SAMPLES = HERE.parent / "plugins" / "bozzetto_silhouette" / "samples"
 OUTLINES = HERE.parent / "tests" / "data" / "silhouettes"
 PATIENCE = 30.0
@@ -30,6 +31,7 @@ def main() -> int:
         os.environ[name] = home
     PICTURES.mkdir(exist_ok=True)
     shapes()
+    gallery()
     comparison()
     window()
     return 0
@@ -81,6 +83,24 @@ def shapes() -> None:
             save(picture(seen, view="front", size=(800, 600)), "skeleton.png")
 
 
+def gallery() -> None:
+    """The objects of the gallery, from their ink and its steps."""
+    from bozzetto.document import Document
+    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.registry import Registry
+    from bozzetto.scene import Scene
+    from bozzetto.scene.picture import picture
+    from bozzetto.workbench import Workbench
+
+    bench = Workbench(Registry())
+    for path in sorted(GALLERY.glob("*.json")):
+        model = bench.from_drawing("bozzetto.silhouette", read_drawing(path), {})
+        scene = bench.scene(Document((model,)), Job())
+        solid = Scene(tuple(layer for layer in scene.layers if layer.name == "shape"))
+        save(picture(solid, size=(640, 500)), path.with_suffix(".png").name, GALLERY)
+
+
 def comparison() -> None:
     """Zero lines of fields alone over the outlines: the paper's, the paper's fitted, ours."""
     sys.path.insert(0, str(HERE.parent))
@@ -126,7 +146,7 @@ def comparison() -> None:
     save(picture(scene, view="front", size=(900, 900)), "paper-against-default.png")
 
 
-def save(pixels: object, name: str) -> None:
+def save(pixels: object, name: str, folder: Path | None = None) -> None:
     """Write a picture small enough for a repository."""
     import numpy as np
     from PIL import Image
@@ -134,8 +154,9 @@ def save(pixels: object, name: str) -> None:
     image = Image.fromarray(np.asarray(pixels)).convert("RGB")
     # The usual median cut makes the few pixels of the accent brown.
     small = image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    small.save(PICTURES / name, optimize=True)
-    print(f"wrote {PICTURES.name}/{name}")
+    target = (folder or PICTURES) / name
+    small.save(target, optimize=True)
+    print(f"wrote {target.parent.name}/{name}")
 
 
 # -- the real window --
