@@ -12,58 +12,81 @@ __all__ = ["LAPS", "ordered_feet"]
 Array = NDArray[np.float64]
 
 LAPS: Final = 3
-"""How often a stroke may start and go round a closed curve: nearly twice from any start."""
+"""Rounds of a closed curve that are laid out: a stroke may start anywhere and go round
+nearly twice."""
 
 
-def ordered_feet(stroke: Array, nodes: Array, *, closed: bool = False) -> NDArray[np.intp]:
+def ordered_feet(
+    stroke: Array, step: float, nodes: Array, lengths: Array, *, closed: bool = False
+) -> NDArray[np.intp]:
     """Give every sample of a stroke a node of a curve, without going back along the curve.
 
-    Of all assignments in which the nodes never go back, the one with the least sum of
-    squared distances is found by dynamic programming. A nearest node alone would jump
-    between the legs of a narrow U and across the crossing of a loop; order forbids it.
-    The stroke may run along the curve or against it: the cheaper way counts.
+    Of all assignments that keep the order, the one is found, by dynamic programming, with
+    the least integral of squared distances along the stroke and along that part of the
+    curve which it passes. The curve's parts before the first foot and behind the last one
+    cost nothing. A nearest node alone would jump between the legs of a narrow U and across
+    the crossing of a loop; and it would skip a whole curve whose ends are near each other.
 
     Parameters
     ----------
     stroke : (m, 2) float
-        Samples at about equal steps, px; ``m >= 1``.
+        Samples at equal steps, px; ``m >= 1``.
+    step : float
+        Length of stroke that belongs to a sample, px.
     nodes : (n, 2) float
         Nodes of the curve, px; ``n >= 1``.
+    lengths : (n,) float
+        Length of curve that belongs to each node, px.
     closed : bool
         The curve goes on from its last node to its first.
 
     Returns
     -------
     (m,) int
-        Not decreasing if the stroke runs along the curve, not increasing if against it.
-        On a closed curve node k in lap l is ``k + l n``, with l below `LAPS`.
+        Not decreasing if the stroke runs along the curve, not increasing if against it,
+        whichever fits better. On a closed curve node k in lap l is ``k + l n``, with l
+        below `LAPS`.
     """
-    span = nodes - nodes[0]
-    away = stroke - nodes[0]
-    scale = max(float(np.abs(span).max()), float(np.abs(away).max())) or 1.0
-    offset = away[:, None] / scale - span / scale  # no square overflows
+    offset = stroke[:, None] - nodes
     squares = np.einsum("mnk,mnk->mn", offset, offset)
     if closed:
-        squares = np.tile(squares, (1, LAPS))
-    along, forward = _monotone(squares)
-    against, backward = _monotone(squares[::-1])
+        squares, lengths = np.tile(squares, (1, LAPS)), np.tile(lengths, LAPS)
+    passed = np.cumsum(squares * lengths, axis=1)
+    squares *= step
+    along, forward = _cheapest(squares, passed)
+    against, backward = _cheapest(squares[::-1], passed[::-1])
     return along if forward <= backward else against[::-1]
 
 
-def _monotone(cost: Array) -> tuple[NDArray[np.intp], float]:
-    """The cheapest column for each row, not decreasing, and what it costs in all."""
+def _cheapest(cost: Array, passed: Array) -> tuple[NDArray[np.intp], float]:
+    """The best column for each row, not decreasing, and what it costs in all.
+
+    Parameters
+    ----------
+    cost : (m, n) float
+        Of a row at a column.
+    passed : (m, n) float
+        Of passing all columns up to this one, in this row.
+    """
     rows, columns = cost.shape
     numbers = np.arange(columns)
     came_from = np.empty((rows, columns), np.intp)
-    total = np.zeros(columns)
-    for row in range(rows):
-        least = np.minimum.accumulate(total)
-        came_from[row] = np.maximum.accumulate(np.where(total == least, numbers, 0))
-        total = cost[row] + least
+    total = cost[0].copy()
+    for row in range(1, rows):
+        lead = total - passed[row]
+        least = np.minimum.accumulate(lead)
+        source = np.maximum.accumulate(np.where(lead == least, numbers, 0))
+        moved = cost[row, 1:] + passed[row, :-1] + least[:-1]
+        total += cost[row]
+        came_from[row] = numbers
+        nearer = np.flatnonzero(moved < total[1:]) + 1
+        total[nearer] = moved[nearer - 1]
+        came_from[row, nearer] = source[nearer - 1]
     chosen = np.empty(rows, np.intp)
     column = int(np.argmin(total))
     price = float(total[column])
-    for row in range(rows - 1, -1, -1):
+    for row in range(rows - 1, 0, -1):
         chosen[row] = column
         column = int(came_from[row, column])
+    chosen[0] = column
     return chosen, price

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.ink.bending import lengths_of
 from bozzetto.ink.ordered_feet import LAPS, ordered_feet
 from bozzetto.ink.resample import arc_length, distinct, resample
 
@@ -23,8 +24,8 @@ SPACING: Final = 1.5
 MOST_SAMPLES: Final = 1500
 """Most samples of a stroke; a longer stroke has them farther apart."""
 
-MATCHED: Final = 160
-"""Places of a stroke whose feet are sought in order; those of the others lie between."""
+MATCHED: Final = 80
+"""Most places of a stroke whose feet are sought in order; those of the others lie between."""
 
 MATCHED_NODES: Final = 500
 """Most nodes among which feet are sought in order."""
@@ -32,10 +33,6 @@ MATCHED_NODES: Final = 500
 WINDOW: Final = 30.0
 """How far along the curve, px, the closest point may be from the foot that order gives:
 more than the unsteadiness of a hand, less than the way to another leg of the curve."""
-
-END_SLACK: Final = 0.5
-"""How far a stroke may run on beyond an end of the curve, px, and not mean it. A stroke
-aside of the curve may run on as far as it lies aside."""
 
 DIAGONAL: Final = 2.0**0.5
 """Distance of two ends over their distance across the curve, up to which they are a pair:
@@ -83,52 +80,90 @@ def trace_of(
     ring : float or None
         Length of a closed curve; None for an open one.
     """
-    kept = distinct(places)
-    own = arc_length(places[kept])
-    count = int(np.clip(np.ceil(own[-1] / SPACING) + 1, 1, MOST_SAMPLES))
-    fine = resample(places[kept], count=count)
-    way = np.linspace(0.0, own[-1], count)
-    press = np.interp(way, own, pressure[kept])
-
-    few = np.unique(np.linspace(0, count - 1, MATCHED).astype(np.intp))
+    fine, press = _sampled(places, pressure)
+    few = np.unique(np.linspace(0, len(fine) - 1, MATCHED).astype(np.intp))
     some = np.unique(np.linspace(0, len(nodes) - 1, MATCHED_NODES).astype(np.intp))
-    feet = ordered_feet(fine[few], nodes[some], closed=ring is not None)
-    if feet[-1] < feet[0]:
-        fine, press, feet, few = fine[::-1], press[::-1], feet[::-1], count - 1 - few[::-1]
+    coarse = resample(fine, count=len(few))
+    step = float(arc_length(fine)[-1]) / len(few)
+    lengths = lengths_of(along[some], ring)
+    feet = ordered_feet(coarse, step, nodes[some], lengths, closed=ring is not None)
+    if _against(feet, coarse, nodes[some]):
+        fine, press, feet = fine[::-1], press[::-1], feet[::-1]
     lap, foot = np.divmod(feet, len(some))
     stations = along[some[foot]] + (0.0 if ring is None else ring) * lap
-    stations = np.interp(np.arange(count), few, stations)
+    way = arc_length(fine)
+    stations = np.interp(way, np.linspace(0.0, way[-1], len(feet)), stations)
     if ring is None and along[-1] > 0:
         length = along[-1]
+        turned = nodes[::-1], length - along[::-1]
         stations = _at_the_end(fine, stations, nodes, along)
-        from_end = _at_the_end(
-            fine[::-1], length - stations[::-1], nodes[::-1], length - along[::-1]
-        )
-        stations = length - from_end[::-1]
+        stations = length - _at_the_end(fine[::-1], length - stations[::-1], *turned)[::-1]
     return Trace(fine, press, stations)
+
+
+def _sampled(places: Array, pressure: Array) -> tuple[Array, Array]:
+    """A stroke's own samples with others between them; fewer, where there are too many."""
+    kept = distinct(places)
+    along = arc_length(places[kept])
+    spans = np.diff(along)
+    spacing = max(SPACING, float(along[-1]) / MOST_SAMPLES)
+    if len(kept) > MOST_SAMPLES:
+        way = np.linspace(0.0, along[-1], MOST_SAMPLES)
+    else:
+        parts = np.maximum(np.ceil(spans / spacing), 1.0).astype(np.intp)
+        number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+        way = np.repeat(along[:-1], parts) + number * np.repeat(spans / parts, parts)
+        way = np.append(way, along[-1])
+    columns = (*places[kept].T, pressure[kept])
+    x, y, press = (np.interp(way, along, column) for column in columns)
+    return np.column_stack((x, y)), press
+
+
+def _against(feet: Index, coarse: Array, nodes: Array) -> bool:
+    """Whether a stroke runs against the curve; one beyond an end is taken to lead away."""
+    if feet[0] != feet[-1]:
+        return bool(feet[-1] < feet[0])
+    first, last = np.linalg.norm(coarse[[0, -1]] - nodes[feet[0] % len(nodes)], axis=1)
+    leads_to = first > last
+    return bool(leads_to if feet[0] > 0 else first < last)
 
 
 def _at_the_end(fine: Array, stations: Array, nodes: Array, along: Array) -> Array:
     """Stations of a stroke that are put right at the curve's last node.
 
-    A stroke that lies beside the curve, and ends beside its end, goes to the end: its
-    nearest foot may fall short of it. A stroke that runs on goes beyond.
+    A stroke that lies aside of the curve and ends beside its end, goes right to the end,
+    wherever its nearest foot is. A stroke that runs on farther goes beyond.
     """
     length, end = along[-1], nodes[-1]
-    made = stations.copy()
-    at_end = np.flatnonzero(stations >= length)
-    if len(at_end):
-        aside = np.linalg.norm(fine[at_end] - end, axis=1)
-        leaves = at_end[np.argmin(aside)]
+    station = _foot_near(fine[-1], stations[-1], nodes, along)
+    foot = np.array([np.interp(station, along, nodes[:, axis]) for axis in (0, 1)])
+    made = np.minimum(stations, station)
+    if station >= length:
+        at_end = np.flatnonzero(stations >= stations[-1])
+        away = np.linalg.norm(fine[at_end] - end, axis=1)
+        leaves = at_end[np.argmin(away)]
         beyond = arc_length(fine[leaves:])
-        if beyond[-1] > max(END_SLACK, aside.min()):
+        if beyond[-1] > away.min():
             made[leaves:] = length + beyond
-        return made
-    foot = np.array([np.interp(stations[-1], along, nodes[:, axis]) for axis in (0, 1)])
-    aside = float(np.linalg.norm(fine[-1] - foot))
-    if np.linalg.norm(fine[-1] - end) <= DIAGONAL * aside:
-        made[-1] = length
+    else:
+        reach = DIAGONAL * float(np.linalg.norm(fine[-1] - foot))
+        if np.linalg.norm(fine[-1] - end) <= reach and length - station <= reach:
+            made[-1] = length
     return made
+
+
+def _foot_near(place: Array, station: float, nodes: Array, along: Array) -> float:
+    """Station of the nearest point on the two spans beside a node."""
+    node = int(np.searchsorted(along, station))
+    best, least = station, np.inf
+    for k in (node - 1, node):
+        if 0 <= k < len(nodes) - 1:
+            step = nodes[k + 1] - nodes[k]
+            share = float(np.clip((place - nodes[k]) @ step / (step @ step), 0.0, 1.0))
+            gap = float(np.linalg.norm(nodes[k] + share * step - place))
+            if gap < least:
+                best, least = float(along[k] + share * (along[k + 1] - along[k])), gap
+    return best
 
 
 def lengthened(nodes: Array, along: Array, traces: list[Trace]) -> tuple[Array, Array]:
@@ -255,4 +290,7 @@ def pulls_of(trace: Trace, stations: Array, ring: float | None) -> Iterator[Pull
             low, high = np.maximum(low, 0), np.minimum(high, len(trace.stations) - 1)
             steps = np.arange(int((high - low).max()) + 1)
             window = np.minimum(low[:, None] + steps, high[:, None])
+            if ring is None:  # an end goes where the stroke ends that reaches it
+                window[(nodes == 0) & (at[nodes] == begin)] = 0
+                window[(nodes == len(at) - 1) & (at[nodes] == end)] = len(trace.places) - 1
             yield Pull(nodes, trace, window, trace.places[window])

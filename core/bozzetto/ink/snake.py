@@ -37,9 +37,10 @@ LOCATION: Final = 0.40
 PRESSURE: Final = 0.30
 """How much the firmer of several strokes pulls, by default (Kara & Shimada)."""
 
-LEAST_RESTITUTION: Final = 1e-3
-"""Share of the pull below which the resistance is not taken: without any, nodes between
-and beyond the strokes would not be told where to go."""
+RESTITUTION_RANGE: Final = (1e-3, 1e3)
+"""Least and greatest resistance as a share of the pull. Without any, nodes between the
+strokes would not be told where to go; with more, the whole curve is a rod already, and the
+numbers of the pull would drown."""
 
 CLOSEST_NODES: Final = 0.5
 """Least spacing of the nodes that move by themselves, px; closer ones go along with them.
@@ -63,8 +64,9 @@ SETTLED: Final = 0.02
 """Longest step of a node across the curve, px, at which the iteration ends. What nodes
 still creep along the curve does not change its shape."""
 
-MOST_STEPS: Final = 60
-"""Most iterations."""
+MOST_STEPS: Final = 20
+"""Most iterations. Strokes of one hand take two to ten; of those that contradict each other
+some creep on, by a tenth of a pixel a step, which is not worth waiting for."""
 
 MOVED: Final = 1e-3
 """A node that moved less, px, is put back: nobody could tell."""
@@ -143,9 +145,9 @@ def modified(
     shape, stations = (start, along) if ring is not None else lengthened(start, along, traces)
     pulls = [pull for trace in traces for pull in pulls_of(trace, stations, ring)]
     free = _within_reach(start, along, traces, ring)
-    share = 1.0 / (location + pressure)
+    whole = location + pressure
     settled, steps = _settled(
-        shape, stations, pulls, free, restitution * share, location * share, ring
+        shape, stations, pulls, free, restitution / whole, location / whole, ring
     )
 
     shift = settled - start
@@ -220,7 +222,8 @@ def _settled(
     gain = np.full(len(shape), LEASH)
     for pull in pulls:
         gain[pull.nodes] = 1.0
-    bending = Bending(along, gain, free, max(restitution, LEAST_RESTITUTION), ring)
+    stiffness = float(np.clip(restitution, *RESTITUTION_RANGE))
+    bending = Bending(along, gain, free, stiffness, ring)
     beside = gain == 1.0
     places, steps, longest = shape, 0, np.inf
     while longest >= SETTLED and steps < MOST_STEPS:
