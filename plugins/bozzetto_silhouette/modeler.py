@@ -110,7 +110,7 @@ class Silhouette:
         final = job.quality == "final"
         if body is None:
             return SilhouetteResult(None, None, None, None, final, solids)
-        look = painted(state, body)
+        look = painted(state, body, job.checkpoint)
         if state.posing or state.turns:
             moved = skinned(state, body, look, job.checkpoint)
         else:

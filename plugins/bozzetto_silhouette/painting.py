@@ -13,8 +13,10 @@ from bozzetto_silhouette.baking import baked
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.coloring import Coat, Creases, bare, creases_between, part_coat
 from bozzetto_silhouette.creases import creased
+from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.projection import axes_of, projection_of, texel_of
-from bozzetto_silhouette.state import SilhouetteState
+from bozzetto_silhouette.solid import Checkpoint, ignore
+from bozzetto_silhouette.state import Picture, SilhouetteState
 
 __all__ = ["Painted", "painted", "texture_of"]
 
@@ -37,15 +39,22 @@ class Painted(NamedTuple):
     shown: Mesh
 
 
-def painted(state: SilhouetteState, body: Body) -> Painted:
+_textures: Memory[Texture] = Memory(limit=2)
+"""By what they show; a large one takes 64 MB."""
+
+
+def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
     """A body for the screen and for files."""
+    checkpoint(1.0, "colours")  # the last step, and a short one
     plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
     parts = part_coat(state, body)
+    checkpoint(1.0, "colours")
     picture = _picture_coat(state, body)
     if parts is None and picture is None:
         return Painted(plain, creased(body) if len(body.creases) else plain)
     coat = parts or bare(len(body.vertices))
     mesh = _colored(plain, coat if picture is None else picture.over(coat))
+    checkpoint(1.0, "colours")
     creases = None if parts is None else creases_between(state, body, parts)
     if creases is None:
         return Painted(mesh, mesh)
@@ -86,6 +95,10 @@ def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
     picture = state.picture
     if picture is None:
         return None
+    return _textures.recall((state.nodes, picture, body), lambda: _baked(state, body, picture))
+
+
+def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
     under = _corner_coat(state, body)
     places = np.concatenate([body.vertices, body.normals], axis=1)
 

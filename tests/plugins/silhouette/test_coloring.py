@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.document.codec import decode_state, encode_state, state_digest
-from bozzetto.errors import UserError
+from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
@@ -236,6 +236,31 @@ def test_picture_and_parts_together_solve_and_hand_over_a_texture():
     assert len(solid.texture.corners) == len(solid.mesh.faces)
     plain = replace(state, picture=None)
     assert modeler.shapes(plain, modeler.solve(plain, Job())).solids[0].texture is None
+
+
+def test_a_second_export_has_the_texture_of_the_first_until_a_colour_changes():
+    picture = Picture(np.full((8, 8, 4), 90, np.uint8), (-10, 0, 10), (20, 0, 0), (0, 0, -20))
+    modeler = Silhouette()
+
+    def texture(color):
+        state = SilhouetteState(nodes=(ball("a", 0, 0, 20, color),), picture=picture, resolution=32)
+        return modeler.shapes(state, modeler.solve(state, Job())).solids[0].texture
+
+    first, again, other = (texture(color) for color in (RED, RED, BLUE))
+    assert again is first
+    assert (first.pixels[..., :3] == RED).all(axis=2).any()
+    assert not (other.pixels[..., :3] == RED).all(axis=2).any()
+
+
+def test_colouring_can_be_cancelled():
+    state = SilhouetteState(nodes=(ball("a", 0, 0, 20, RED),), resolution=32)
+
+    def stop(fraction: float, step: str) -> None:
+        if step == "colours":
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        Silhouette().solve(state, Job(progress=stop))
 
 
 def test_a_document_keeps_picture_and_paint():
