@@ -14,6 +14,12 @@ EPOCH: Final = "1980-01-01T00:00:00"
 PLAIN: Final = re.compile(r"[^\x20-\x7e]+")
 """What the clear text cannot hold as it is."""
 
+ENDING: Final = re.compile("'(?= *[,)])")
+"""Apostrophes at which OpenCASCADE believes a string to end, even where they are doubled."""
+
+APOSTROPHE: Final = "\\X2\\0027\\X0\\"
+"""What stands for them then."""
+
 
 class Part21:
     """An exchange file in the making."""
@@ -62,7 +68,7 @@ def real(value: float) -> str:
 
 def string(text: str) -> str:
     """A string literal; characters beyond ASCII by their code points (6.4.3.3)."""
-    text = text.replace("\\", "\\\\").replace("'", "''")
+    text = ENDING.sub(lambda _: APOSTROPHE, text.replace("\\", "\\\\")).replace("'", "''")
     return f"'{PLAIN.sub(_code_points, text)}'"
 
 

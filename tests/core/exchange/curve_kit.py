@@ -61,7 +61,7 @@ BROKEN = Curve(
 """Three curves in one, with control points that carry nothing between them and at the start."""
 
 NAMES = ("it's; a 'name' \\ \\X2\\",
-         "Ärmel, 漢字 😀 🚗 é", "line\nfeed\0nul\x7f\x85", "", "#1=X('')",
+         "Ärmel, 漢字 😀 🚗 é", "line\nfeed\0nul\x7f\x85", "", "#1=X('')", "('a', 'b' )'' ,'",
          "half \ud83d surrogate", "n" * 700, "漢" * 300)  # fmt: skip
 """Names that a careless writer breaks on."""
 
