@@ -18,7 +18,10 @@ from bozzetto.geometry.shapes import Shapes
 __all__ = ["write_shapes"]
 
 VERSION: Final = 7
-"""The oldest Rhino that is still sold."""
+"""The version of the file: Rhino 7 and all later ones read it."""
+
+BRACKETS: Final = ("(", "[", "{", ")", "]", "}")
+"""With these no name begins: openNURBS would drop it."""
 
 
 def write_shapes(shapes: Shapes) -> bytes:
@@ -44,7 +47,7 @@ def write_shapes(shapes: Shapes) -> bytes:
         for place, point in enumerate(lifted.tolist()):
             made.Points[place] = rhino.Point4d(*point)
         look = rhino.ObjectAttributes()
-        look.Name = curve.name
+        look.Name = f"_{curve.name}" if curve.name.startswith(BRACKETS) else curve.name
         if curve.color is not None:
             look.ColorSource = rhino.ObjectColorSource.ColorFromObject
             look.ObjectColor = (*curve.color, 255)
