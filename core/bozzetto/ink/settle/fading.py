@@ -1,0 +1,38 @@
+"""What a stroke counts: older ones fade, greyer ones weigh less."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.ink.stroke import Stroke
+
+__all__ = ["fading"]
+
+FADE: Final = 0.7
+"""What is left of a stroke's weight after the next one: three strokes later a third."""
+
+LEAST_SHARE: Final = 0.5
+"""Weight of the faintest stroke; the mean pressure (0 … 1) is added."""
+
+
+def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
+    """Weights of strokes in the order in which they were drawn.
+
+    Stroke k of n weighs ``0.7 ** (n - k) * (0.5 + mean pressure)``. The ink can be shown
+    with the same weights, so that what is drawn grey counts less indeed.
+
+    Parameters
+    ----------
+    strokes : sequence of Stroke
+
+    Returns
+    -------
+    (n,) float
+    """
+    age = np.arange(len(strokes) - 1, -1, -1)
+    pressure = np.array([float(np.mean(stroke.pressure)) for stroke in strokes])
+    return np.asarray(FADE**age * (LEAST_SHARE + pressure))
