@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from bozzetto_app.actions import Action
 from bozzetto_app.session import Shading
+from bozzetto_app.toolbox import TOOL_KEYS
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
@@ -352,7 +353,7 @@ def _help(window: Window) -> Iterator[Action]:
 
 
 def number_keys(window: Window) -> Iterator[Action]:
-    """1 … 9 take the tools of the active modeler."""
+    """1 … 9 and 0 take the tools of the active modeler."""
 
     def there_is(place: int) -> bool:
         return place < len(window.session.tools)
@@ -361,12 +362,12 @@ def number_keys(window: Window) -> Iterator[Action]:
         if there_is(place):
             window.session.activate_tool(window.session.tools[place].id)
 
-    for number in range(1, 10):
+    for number, key in enumerate(TOOL_KEYS, 1):
         yield Action(
             f"tool.{number}",
             tr("Tool", "Tool {number}").format(number=number),
             partial(take, number - 1),
-            keys=(str(number),),
+            keys=(key,),
             enabled=partial(there_is, number - 1),
             on_sheet=True,
         )

@@ -14,7 +14,10 @@ from bozzetto_app.jobs import Channel, Request
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["ToolInfo", "Toolbox"]
+__all__ = ["TOOL_KEYS", "ToolInfo", "Toolbox"]
+
+TOOL_KEYS = "1234567890"
+"""The keys that take the tools of a modeler, in their order."""
 
 TOOLS_LIMIT = 20.0
 """Seconds a plugin may take to be imported and to name its tools before it counts as hung."""

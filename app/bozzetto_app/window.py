@@ -455,7 +455,7 @@ class Window(QMainWindow):
 
     def _ink_began(self) -> None:
         self.welcome.hide()
-        self.status.gesture_began()
+        self.status.went_on()
         self._stop_replay()
 
     def _keep_off(self, plugin: str) -> None:

@@ -218,6 +218,7 @@ class StatusLine(QWidget):
         session.noticed.connect(self.show_notice)
         session.progressed.connect(self._advance)
         session.busy_changed.connect(self._busy)
+        session.document_changed.connect(self.went_on)
         self._show_work(False)
         self._show_hint()
 
@@ -232,8 +233,8 @@ class StatusLine(QWidget):
             self._say(notice.kind, notice.text)
             self._return.start(ERROR_TIME if notice.kind == "error" else INFO_TIME)
 
-    def gesture_began(self) -> None:
-        """The pen is down again: an old error has been read."""
+    def went_on(self) -> None:
+        """The pen is down again, or something was done: an old error has been read."""
         if self._sign.kind == "error":
             self._show_hint()
 

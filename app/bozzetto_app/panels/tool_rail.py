@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from bozzetto_app.panels.icon_button import RADIUS, IconButton
 from bozzetto_app.panels.section import hairline
 from bozzetto_app.theme import qcolor, small_font, tones
+from bozzetto_app.toolbox import TOOL_KEYS
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ __all__ = ["ToolRail"]
 
 SIDE = 44
 """Side of a tool's button, px: what a finger or a pen on glass hits surely."""
-
-NUMBERED = 9
-"""How many tools have a number key."""
 
 
 class _ToolButton(IconButton):
@@ -105,7 +103,7 @@ class ToolRail(QWidget):
             button.deleteLater()
         self._buttons = {}
         for place, tool in enumerate(self._session.tools):
-            key = str(place + 1) if place < NUMBERED else ""
+            key = TOOL_KEYS[place : place + 1]
             button = _ToolButton(tool.icon, tool.title, side=SIDE, key=key)
             button.setAccessibleDescription(tool.hint)
             button.setStatusTip(tool.hint)

@@ -63,7 +63,7 @@ class MirrorCopy:
             replace(
                 placed_anew(state, part, mirrored(point, plane)),
                 id=state.unused_id(),
-                name=state.unused_name(f"{part.name} mirrored"),
+                name=_name_of_twin(state, part),
             )
             for plane in planes
             if np.linalg.norm(plane) > 0.0
@@ -76,6 +76,13 @@ class MirrorCopy:
         place = state.nodes.index(part) + 1
         nodes = (*state.nodes[:place], twin, *state.nodes[place:])
         return replace(state, nodes=nodes, selected=twin.id)
+
+
+def _name_of_twin(state: SilhouetteState, part: Part) -> str:
+    """The name of a twin; numbered only where it is not the first."""
+    name = f"{part.name} mirrored"
+    taken = any(node.name == name for node in state.nodes)
+    return state.unused_name(name) if taken else name
 
 
 def _is_alike(part: Part, twin: Part) -> bool:

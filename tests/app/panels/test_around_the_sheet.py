@@ -62,6 +62,13 @@ def test_another_modeler_brings_other_tools(shown, fake_session, fakes):
     assert button(rail, "Spine").isChecked()
 
 
+def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session, fakes):
+    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+    rail = shown(ToolRail(fake_session))
+    assert "(0)" in button(rail, "T9").toolTip()
+    assert button(rail, "T10").toolTip() == "T10"
+
+
 def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     rail = shown(ToolRail(fake_session))
     assert not rail._waiting.isVisible()
@@ -148,7 +155,13 @@ def test_an_error_stays_until_the_next_gesture(status, fake_session, fakes):
     assert status._words.text() == "The outline crosses itself."
     fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
     assert status._words.text() == "The outline crosses itself.", "a hint does not hide an error"
-    status.gesture_began()
+    status.went_on()
+    assert status._words.text() == fake_session.hint
+
+
+def test_an_error_has_been_read_once_something_was_done(status, fake_session, fakes):
+    fake_session.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
+    fake_session.document_changed.emit()
     assert status._words.text() == fake_session.hint
 
 

@@ -246,7 +246,7 @@ def test_a_twin_is_the_mirror_image() -> None:
     ears = SilhouetteState((part(1, 600, 500, 200), beside(2, -40.0), part(3, 200, 800, 40)))
     state = MIRROR.apply(ears, Tap(600, 300, FRONT), Context())
     assert [node.name for node in state.nodes] == [
-        "Part 1", "Part 2", "Part 2 mirrored 1", "Part 3",
+        "Part 1", "Part 2", "Part 2 mirrored", "Part 3",
     ]  # fmt: skip
     assert state.selected == state.nodes[2].id
     flip = np.array([1.0, -1.0, 1.0])
