@@ -18,11 +18,11 @@ __all__ = ["Pull", "Trace", "lengthened", "pulls_of", "trace_of"]
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-SPACING: Final = 1.5
-"""Spacing of a stroke's samples, px: a chord across a bend of 10 px radius is 0.03 px off."""
+SPACING: Final = 3.0
+"""Longest way between the samples of a stroke, px: others are put between its own."""
 
-MOST_SAMPLES: Final = 1500
-"""Most samples of a stroke; a longer stroke has them farther apart."""
+MOST_SAMPLES: Final = 1000
+"""Most samples of a stroke; where there are more, fewer are taken at equal steps."""
 
 MATCHED: Final = 80
 """Most places of a stroke whose feet are sought in order; those of the others lie between."""
