@@ -78,10 +78,10 @@ def _cheapest(cost: Array, passed: Array) -> tuple[NDArray[np.intp], float]:
         source = np.maximum.accumulate(np.where(lead == least, numbers, 0))
         moved = cost[row, 1:] + passed[row, :-1] + least[:-1]
         total += cost[row]
-        came_from[row] = numbers
-        nearer = np.flatnonzero(moved < total[1:]) + 1
-        total[nearer] = moved[nearer - 1]
-        came_from[row, nearer] = source[nearer - 1]
+        nearer = moved < total[1:]
+        came_from[row, 0] = 0
+        came_from[row, 1:] = np.where(nearer, source[:-1], numbers[1:])
+        np.copyto(total[1:], moved, where=nearer)
     chosen = np.empty(rows, np.intp)
     column = int(np.argmin(total))
     price = float(total[column])
