@@ -24,6 +24,10 @@ SAMPLES_PER_SPAN: Final = 24
 """Places tried on every span in the search for foot points. The arc between two places is
 so flat then that Newton's method starts in the right valley."""
 
+STARTS: Final = 4
+"""Places that a search for a foot point starts from: near a tie the nearest one can lie in
+the wrong valley."""
+
 FOOT_STEPS: Final = 20
 """Most Newton steps to a foot point; from a start in the right valley five are enough."""
 
@@ -173,7 +177,9 @@ class Spline:
             Parameters within the range.
         """
         place = np.asarray(points, float)
-        at = self._nearest_samples(place) if near is None else self.within(near)
+        if near is None:
+            return self._nearest(place, steps)
+        at = self.within(near)
         begin, end = self.range
         reach = (end - begin) / max(1, len(self.control_points) - DEGREE)
         offset = self.value(at) - place
@@ -200,15 +206,20 @@ class Spline:
                 break
         return at
 
-    def _nearest_samples(self, place: Array) -> Array:
-        """Parameters of the nearest places of a chain through the curve."""
+    def _nearest(self, place: Array, steps: int) -> Array:
+        """Foot points from the nearest few places of a chain through the curve."""
         from scipy.spatial import cKDTree
 
         begin, end = self.range
         count = SAMPLES_PER_SPAN * (len(self.control_points) - DEGREE) + 1
-        at = np.linspace(begin, end, count)
-        nearest = cKDTree(self.value(at)).query(place)[1]
-        return np.asarray(at[nearest])
+        corners = self.knots[(self.knots >= begin) & (self.knots <= end)]
+        at = np.union1d(np.linspace(begin, end, count), corners)
+        _, nearest = cKDTree(self.value(at)).query(place, k=STARTS)
+        feet = self.foot_points(np.repeat(place, STARTS, axis=0), at[nearest].ravel(), steps=steps)
+        offset = self.value(feet).reshape(len(place), STARTS, -1) - place[:, None]
+        distance = np.linalg.norm(offset, axis=2)
+        best = np.argmin(distance, axis=1)
+        return np.asarray(feet.reshape(len(place), STARTS)[np.arange(len(place)), best])
 
     # -- other forms of the same curve -----------------------------------------------------
 

@@ -77,17 +77,17 @@ def approximate_adaptively(
     """Fit with as few control points as bring the rms distance below `enough`.
 
     Arguments as in `approximate`. More control points are tried until they are `MOST`, or
-    more than there are points; the best fit is kept.
+    more than there are points; the best fit is kept. Each starts from the given parameters:
+    the foot points on a curve that is too stiff lie on the wrong branches.
     """
     best: Approximation | None = None
-    at = parameters
     for count in range(FEWEST, MOST + 1, MORE):
         made = approximate(
-            points, weights, at, count,
+            points, weights, parameters, count,
             closed=closed, start_tangent=start_tangent, end_tangent=end_tangent,
         )  # fmt: skip
         if best is None or made.rms < best.rms:
-            best, at = made, made.parameters
+            best = made
         if best.rms < enough or count >= len(points):
             break
     assert best is not None

@@ -98,7 +98,7 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
         If there is no ink, or it is not finite, or it has no length.
     """
     places = [
-        (checked_points(stroke, pixel), weight)
+        (_one_way(checked_points(stroke, pixel)), float(weight))
         for stroke, weight in zip(strokes, weights, strict=True)
         if weight > 0
     ]
@@ -106,6 +106,8 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
         raise UserError("There is no ink to make a curve of: draw one.")
     if any(place.shape[1] != 2 for place, _ in places):
         raise UserError("The ink is not plane: draw on the sheet.")
+    # The curve must not depend on the order in which equally heavy strokes were drawn.
+    places.sort(key=lambda row: (*row[0][0], *row[0][-1], row[1]))
     # Lengths are measured on smoothed ink: the raw length depends on the sampling rate.
     soft = [prepare(place, np.ones(len(place)), pixel=pixel).points for place, _ in places]
     lengths = np.array([arc_length(points)[-1] for points in soft])
@@ -125,6 +127,11 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
         float(spacing),
         pixel,
     )
+
+
+def _one_way(points: Array) -> Array:
+    """The stroke in the sense that begins at its lesser end."""
+    return points if tuple(points[0]) <= tuple(points[-1]) else points[::-1]
 
 
 def _spaced(points: Array, length: float, spacing: float) -> Array:
