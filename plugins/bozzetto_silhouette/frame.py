@@ -30,6 +30,16 @@ has three hundred."""
 SKELETON_TOLERANCE = 5e-3
 """Simplification of the skeleton, as a share of the longest side."""
 
+MOST_NODES = 400
+"""Nodes of the paper's skeleton that are kept as they are: its kernels take half a minute on the
+thousands that needles and combs have."""
+
+TOO_MANY_NODES = 800
+"""Nodes, after that, with which nobody would wait."""
+
+FINEST_TOLERANCE = SKELETON_TOLERANCE / 32.0
+"""With which their simplification begins."""
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:
@@ -76,7 +86,8 @@ def frame_of(outline: Outline, rule: SkeletonRule = "exact") -> Frame:
     Raises
     ------
     UserError
-        If the outline needs more samples than there is room for.
+        If the outline needs more samples than there is room for, or the paper's skeleton has
+        more nodes than its kernels can sum up in seconds.
     """
     return _frames.recall((outline, rule), lambda: _framed(outline, rule))
 
@@ -97,5 +108,20 @@ def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
         )
     sampled = Outline(rim.rings, inner.parents)
     axis = chordal_axis(sampled)
-    skeleton = simplified(axis, SKELETON_TOLERANCE) if rule == "exact" else paper_skeleton(sampled)
+    skeleton = simplified(axis, SKELETON_TOLERANCE) if rule == "exact" else _papers(sampled)
     return Frame(outline, scale, origin, inner, rim, axis.nodes, skeleton)
+
+
+def _papers(outline: Outline) -> Skeleton:
+    """The paper's skeleton; one of very many nodes without those that hardly tell."""
+    skeleton, tolerance = paper_skeleton(outline), FINEST_TOLERANCE
+    thinned = skeleton
+    while len(thinned.nodes) > MOST_NODES and tolerance <= SKELETON_TOLERANCE:
+        thinned = simplified(skeleton, tolerance)
+        tolerance *= 2.0
+    if len(thinned.nodes) > TOO_MANY_NODES:
+        raise UserError(
+            "This drawing is too intricate for the skeleton of SketchCo. Take the one on the "
+            "medial axis."
+        )
+    return thinned

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 import shapely
 
+from bozzetto.errors import UserError
 from bozzetto_silhouette.circles import circumcircles, covered_share, incircles
-from bozzetto_silhouette.frame import SkeletonRule, frame_of
-from bozzetto_silhouette.outline import outline_from_rings
+from bozzetto_silhouette.frame import MOST_NODES, SkeletonRule, frame_of
+from bozzetto_silhouette.outline import Outline, outline_from_rings
+from bozzetto_silhouette.paper_skeleton import paper_skeleton
 from bozzetto_silhouette.skeleton import Skeleton
 from tests.plugins.silhouette import outlines as o
 
@@ -141,3 +143,29 @@ def test_a_node_does_not_swallow_a_limb() -> None:
     wedge = o.dense(np.array([[-80, -9], [80, -11], [80, 11], [-80, 9.0]]), 1.0)
     frame = frame_of(outline_from_rings([wedge]), "paper")
     assert len(frame.skeleton.nodes) > 20
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [
+        np.array([[0, 0], [100, 0], [100, 0.4], [0, 0.4]]),
+        o.spiral(5, 2.0, 2.0),
+    ],
+    ids=["needle", "spiral"],
+)
+def test_a_thinned_skeleton_of_the_paper_describes_the_same_balls(ring: np.ndarray) -> None:
+    frame = frame_of(outline_from_rings([ring]), "paper")
+    whole = paper_skeleton(Outline(frame.rim.rings, frame.inner.parents))
+    assert len(frame.skeleton.nodes) <= MOST_NODES < len(whole.nodes)
+    a, b = frame.skeleton.nodes[frame.skeleton.edges].transpose(1, 0, 2)
+    way, off = b - a, whole.nodes[:, None] - a
+    t = np.clip((off * way).sum(axis=2) / (way * way).sum(axis=1), 0.0, 1.0)
+    assert np.linalg.norm(off - t[..., None] * way, axis=2).min(axis=1).max() < 5e-3
+
+
+@pytest.mark.slow
+def test_too_many_nodes_of_the_papers_skeleton_are_refused() -> None:
+    angle = np.arange(60) * np.pi / 30
+    star = np.column_stack([np.cos(angle), np.sin(angle)]) * np.tile([[10.0], [50.0]], (30, 1))
+    with pytest.raises(UserError, match="medial axis"):
+        frame_of(outline_from_rings([star]), "paper")
