@@ -118,22 +118,21 @@ class Silhouette:
         return SilhouetteResult(body, *moved, final, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
-        """The solids in clay and the ink that made them, as a ghost."""
-        layers = []
+        """The solids in clay and the ink that made them, as a ghost.
+
+        Ink belongs to the shape at rest: while that is posed its joints are shown instead.
+        """
+        layers: list[Layer | None] = []
         if result is not None and result.shown is not None:
             layers.append(Layer("shape", (Shaded(result.shown),)))
-        if state.nodes:
-            layers.append(ink_layer(state))
-        off = None if result is None or not result.final else _deviation(state, result)
-        if off is not None:
-            layers.append(off)
-        handles = None if state.posing else handles_layer(state)
-        if handles is not None:
-            layers.append(handles)
-        joints = joints_layer(state) if state.posing and result is not None else None
-        if joints is not None:
-            layers.append(joints)
-        return Scene(tuple(layers))
+        if state.posing and result is not None:
+            layers.append(joints_layer(state))
+        else:
+            layers.append(ink_layer(state) if state.nodes else None)
+            if result is not None and result.final:
+                layers.append(_deviation(state, result))
+            layers.append(None if state.posing else handles_layer(state))
+        return Scene(tuple(layer for layer in layers if layer is not None))
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
         """One solid and the skeleton of each part."""

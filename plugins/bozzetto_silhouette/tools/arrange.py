@@ -61,8 +61,10 @@ class Arrange:
         Raises
         ------
         UserError
-            If the handle's part is gone, or the drag says nothing from this side.
+            If there is no part, the handle's is gone, or the drag says nothing from this side.
         """
+        if not state.nodes:
+            raise UserError("There is nothing to arrange yet. Draw a shape first.")
         if isinstance(gesture, Tap):
             part = touched_part(state, gesture.x, gesture.y, gesture.camera)
             chosen = "" if part is None else _chosen(state, part)

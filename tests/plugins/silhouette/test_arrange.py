@@ -152,6 +152,11 @@ def test_a_tap_chooses_what_is_under_it() -> None:
         assert state.selected == expected
 
 
+def test_a_tap_on_an_empty_sheet_makes_no_object() -> None:
+    with pytest.raises(UserError, match="nothing to arrange"):
+        ARRANGE.apply(SilhouetteState(), Tap(500.0, 450.0, FRONT), Context())
+
+
 def test_taps_go_from_the_group_inwards() -> None:
     state = replace(grouped(), selected="")
     middle = handle_pixel(grouped(), "move", FRONT)

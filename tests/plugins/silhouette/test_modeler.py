@@ -170,6 +170,9 @@ def test_scene_shows_ink_before_and_shape_after() -> None:
     assert [layer.name for layer in MODELER.scene(state, None).layers if not layer.tool] == ["ink"]
     shown = MODELER.scene(state, MODELER.solve(state, Job()))
     assert [layer.name for layer in shown.layers if not layer.tool] == ["shape", "ink"]
+    posed = replace(state, posing=True)
+    shown = MODELER.scene(posed, MODELER.solve(posed, Job()))
+    assert [layer.name for layer in shown.layers] == ["shape", "joints"]
     assert not MODELER.scene(SilhouetteState(), None).layers
 
 
