@@ -28,7 +28,7 @@ FOOT_STEPS: Final = 1
 SLIDE: Final = 0.1
 """First weight of a deviation along the curve against one across it."""
 
-GAIN: Final = 0.01
+GAIN: Final = 0.03
 """Share of the deviation that a round must take away for another one to follow."""
 
 FEWEST: Final = 7
@@ -192,7 +192,7 @@ class _System:
                 block = weighted.T @ (basis * across[:, a, b, None])
                 matrix[:, a, :, b] = matrix[:, b, :, a] = block
             matrix[:, a, :, a] += self.bending
-        right = weighted.T @ np.einsum("nab,nb->na", across, target)
+        right = weighted.T @ (across * target[:, None, :]).sum(axis=2)
         made = self._constrained(matrix.reshape(count * size, -1), right.ravel())
         return Spline.uniform(made.reshape(count, size) + self.center, closed=self.closed)
 
