@@ -81,6 +81,9 @@ _STRIDE = 0.15
 _FLATTEST = 0.2
 """Gradients are taken for no shorter than this: between sides that face each other they vanish."""
 
+_BEYOND = 2.0
+"""Values that a fillet meets, in reaches: those beyond are not blended."""
+
 _RINGS = 2
 """Rings of vertices around those that the blend tells on which may be moved, too."""
 
@@ -154,6 +157,7 @@ def filleted(
         Spacing of the finer of the two meshes.
     checkpoint : callable
     """
+    whole, solid = solid, _in_place(solid, vertices)
     crease = _creases(solid, vertices, faces)
     of_face = crease[faces].max(axis=1)
     todo = np.unique(of_face[of_face >= 0])
@@ -172,7 +176,17 @@ def filleted(
             solid = _held_back(solid, patch.vertices[bad], step)
             pieces, again = _still_true(pieces, solid)
             todo = np.union1d(todo, again)
-    return _sewn(vertices, faces, of_face, pieces, solid)
+    whole = replace(whole, taming=solid.taming)
+    return _sewn(vertices, faces, of_face, pieces, whole)
+
+
+def _in_place(solid: Composite, vertices: Points) -> Composite:
+    """The solid as it is where the blend tells, which is faster to ask."""
+    felt = vertices[solid.felt(vertices)]
+    if not len(felt):
+        return solid
+    box = np.stack([felt.min(axis=0) - solid.reach, felt.max(axis=0) + solid.reach])
+    return solid.within(box, _BEYOND * solid.reach)
 
 
 def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
@@ -180,7 +194,9 @@ def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    may = _told(solid, solid.sides(vertices))
+    felt = np.flatnonzero(solid.felt(vertices))
+    may = np.zeros(len(vertices), dtype=bool)
+    may[felt] = _told(solid, solid.sides(vertices[felt]))
     for _ in range(_RINGS):
         may[faces[may[faces].any(axis=1)]] = True
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()

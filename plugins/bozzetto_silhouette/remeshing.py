@@ -324,8 +324,8 @@ def _places(patch: Patch, edges: Indices, over: Mask) -> tuple[Indices, Points]:
     valence = np.bincount(patch.faces.ravel(), minlength=len(patch.vertices))
     edges = np.where((valence[edges[:, 0]] < valence[edges[:, 1]])[:, None], edges[:, ::-1], edges)
     first, second = patch.vertices[edges].transpose(1, 0, 2)
-    folded = over[edges].all(axis=1)[:, None]
-    return edges, np.where(folded, first, 0.5 * (first + second))
+    folded = over[edges[:, 0]] & over[edges[:, 1]]
+    return edges, np.where(folded[:, None], first, 0.5 * (first + second))
 
 
 def _turns_nothing(patch: Patch, edges: Indices, places: Points) -> Mask:
