@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from bozzetto_app.actions import ActionRegistry, key_text
 from bozzetto_app.changing_menus import RECENT
 from bozzetto_app.dialogs.fuzzy import Match, match
+from bozzetto_app.toolbox import TOOL_KEYS
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
@@ -72,14 +73,14 @@ def entries_of(
 ) -> Iterator[Entry]:
     """Everything that can be found now."""
     tools = {tool.title for tool in session.tools}
-    for number, tool in enumerate(session.tools, 1):
+    for place, tool in enumerate(session.tools):
         yield Entry(
             f"tool {tool.id}",
             tool.title,
             tr("Palette", "Tool"),
             partial(session.activate_tool, tool.id),
             tool.icon or "pen",
-            str(number) if number <= 9 else "",
+            TOOL_KEYS[place : place + 1],
         )
     for action in actions.actions():
         if action.id.startswith("tool.") and tools:

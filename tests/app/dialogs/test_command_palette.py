@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMainWindow
 
 from bozzetto_app.actions import Action, ActionRegistry
 from bozzetto_app.dialogs.command_palette import FOUND, CommandPalette
+from bozzetto_app.dialogs.entries import entries_of
 
 
 @pytest.fixture
@@ -141,3 +142,10 @@ def test_it_fits_a_narrow_window(qtbot, palette, window):
     window.resize(480, 640)
     palette.open_over(window)
     assert palette.width() <= 480 - 32
+
+
+def test_tools_have_the_keys_of_the_rail(registry, fake_session, fakes):
+    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+    nothing = {"open_document": print, "focus_parameter": print}
+    found = entries_of(registry, fake_session, recent=(), **nothing)
+    assert [entry.key for entry in found if entry.id.startswith("tool ")] == [*"1234567890", ""]
