@@ -13,13 +13,17 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bozzetto_app.window import Window
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
 GALLERY = HERE / "gallery"
 SAMPLES = HERE.parent / "plugins" / "bozzetto_silhouette" / "samples"
 OUTLINES = HERE.parent / "tests" / "data" / "silhouettes"
-PATIENCE = 30.0
+PATIENCE = 60.0
 """Seconds that a solve may take."""
 
 
@@ -215,7 +219,50 @@ def window() -> None:
     until(lambda: not session.busy)
     wait(0.5)
     grab(shown, "wrong.png")
+    creature(shown)
     shown.keeper.close()
+
+
+def creature(shown: Window) -> None:
+    """The creature of the gallery with an ear that is arranged, and its tail that is posed."""
+    import numpy as np
+
+    from bozzetto.scene import Handle
+    from bozzetto_app.theme import Theme
+
+    session = shown.session
+
+    def rest() -> None:
+        wait(0.5)
+        until(lambda: not session.busy)
+        wait(2.0)
+
+    def drag(held: Handle, way: tuple[float, float]) -> None:
+        (start,), _ = session.camera.project([held.point])
+        path = start + np.linspace(0.0, 1.0, 60)[:, None] * way
+        pen_stroke(shown.canvas, path, np.full(len(path), 0.5), lambda: None)
+        rest()
+
+    session.files.new()
+    session.import_file(GALLERY / "creature.json")
+    rest()
+    shown.canvas.look("three-quarter")
+    wait(1.0)
+    shown.canvas.fit()
+    rest()
+    model, parts = session.selected, session.parts_of(session.selected).parts
+    session.activate_tool("arrange")
+    session.select_part(model, next(part.id for part in parts if part.name == "Ear"))
+    rest()
+    grab(shown, "arrange.png")
+    shown.set_theme(Theme.DARK)
+    session.select_part(model, "")
+    session.set_parameter("posing", True)
+    rest()
+    joints = [item for _, item in session.scene.items() if isinstance(item, Handle)]
+    tail = [item for item in joints if item.tip.startswith("Tail")]
+    drag(tail[-1], (-60.0, 90.0))
+    grab(shown, "pose.png")
 
 
 def pen_stroke(
