@@ -278,6 +278,9 @@ def test_odd_ink_makes_a_solid_or_words(tool, number: int) -> None:
     stroke = _odd()[number]
     for strokes in ((stroke,), (PEN.circle(600, 450, 60), stroke), (stroke, stroke)):
         state, words = ball(), "."
+        for _, item in tool.preview(state, Ink(strokes), Context(camera=FRONT)).items():
+            points = item.mesh.vertices if isinstance(item, Shaded) else item.points
+            assert np.isfinite(points).all()
         try:
             state = applied(tool, state, *strokes)
         except UserError as refusal:
