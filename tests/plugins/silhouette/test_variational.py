@@ -308,7 +308,7 @@ HOSTILE = {
 }
 
 
-LONG = ("thin ring", "far holes", "comb", "star")
+LONG = ("thin ring", "touching nearly", "far holes", "comb", "star")
 
 
 @pytest.mark.parametrize(
