@@ -173,9 +173,12 @@ def filleted(
         pieces.append(_Piece(patch, own, np.setdiff1d(todo, failed)))
         todo = failed
         if len(failed):
-            solid = _held_back(solid, patch.vertices[bad], step)
+            solid = _held_back(solid, patch.vertices[bad], step, _RETREAT)
             pieces, again = _still_true(pieces, solid)
             todo = np.union1d(todo, again)
+    while len(todo):
+        solid = _held_back(solid, vertices[np.isin(crease, todo)], step, 0.0)
+        pieces, todo = _still_true(pieces, solid)
     whole = replace(whole, taming=solid.taming)
     return _sewn(vertices, faces, of_face, pieces, whole)
 
@@ -297,11 +300,11 @@ def _bad(solid: Composite, patch: Patch) -> Mask:
     return bad
 
 
-def _held_back(solid: Composite, places: Points, step: float) -> Composite:
-    """The solid with less of its blend around places (n, 3)."""
+def _held_back(solid: Composite, places: Points, step: float, retreat: float) -> Composite:
+    """The solid with a share of its blend around places (n, 3)."""
     left = solid.taming.share(places)
     whole = solid.sides(places).reach / np.maximum(left, 1e-300)
-    share = _RETREAT * left
+    share = retreat * left
     share[share < _LEAST] = _NONE
     radii = np.maximum(_AROUND * whole, 2.0 * step)
     return replace(solid, taming=solid.taming.also(places, radii, share))
