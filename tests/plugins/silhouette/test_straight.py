@@ -210,6 +210,8 @@ def test_the_eye_inside_what_is_cut() -> None:
     body = straight_body(through(Pen(camera).circle(600, 450, 200)), BOX, 48)
     assert as_manifold(body.vertices, body.faces).volume() > 0.0
     assert body.bounds[0, 1] > -30.0
-    value, gradient, _ = body.implicit.sample(np.random.default_rng(1).uniform(-500, 500, (1000, 3)))
+    value, gradient, _ = body.implicit.sample(
+        np.random.default_rng(1).uniform(-500, 500, (1000, 3))
+    )
     assert np.isfinite(value).all()
     assert np.isfinite(gradient).all()
