@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -20,12 +21,12 @@ def rows() -> Iterator[Row]:
     for cells, sharp, blended in ((64, "", "≤ 150 ms"), (128, "≤ 100 ms", "")):
         one, other = b.ball(0.0, 50.0, cells), b.ball(70.0, 50.0, cells, "b")
         combined(one, other, "add", BLEND)
-        grid = processor_ms(lambda one=one, other=other: _on_a_grid(one, other), repeats=3)
+        grid = processor_ms(partial(_on_a_grid, one, other), repeats=3)
         for words, blend, budget in (("sharp", 0.0, sharp), ("blended", BLEND, blended)):
             yield Row(
                 "blends", f"two parts of {len(one.faces):,} triangles, {words}, processor time",
                 processor_ms(
-                    lambda one=one, other=other, blend=blend: combined(one, other, "add", blend),
+                    partial(combined, one, other, "add", blend),
                     repeats=5,
                 ),
                 budget=budget, alternative="smooth maximum on a full grid, marching cubes",
