@@ -14,7 +14,7 @@ from bozzetto_silhouette.implicit import Implicit, Placed, Sample
 from bozzetto_silhouette.state import Operation
 from bozzetto_silhouette.taming import Taming
 
-__all__ = ["Composite", "Sides", "box_distance", "localized"]
+__all__ = ["Composite", "Sides", "box_distance", "localized", "signature"]
 
 Points = NDArray[np.float64]
 
@@ -182,6 +182,16 @@ def localized(solid: Implicit, box: Points, margin: float) -> Implicit:
     if solid.operation != "carve" and _FALL * _box_gap(box, solid.first.bounds) > felt:
         return localized(solid.second, box, margin)
     return solid.within(box, margin)
+
+
+def signature(solid: Implicit) -> object:
+    """What the values of a solid hang on: equal signatures are the same function."""
+    if isinstance(solid, Placed):
+        return (signature(solid.inner), solid.placement)
+    if isinstance(solid, Composite):
+        own = (solid.operation, solid.blend, solid.reach, solid.taming.signature)
+        return (signature(solid.first), signature(solid.second), *own)
+    return solid
 
 
 def _corners(box: Points) -> Points:

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.composite import Composite, Sides
+from bozzetto_silhouette.composite import Composite, Sides, signature
+from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.remeshing import (
     Patch,
     collapsed,
@@ -126,6 +127,11 @@ class Fillet(NamedTuple):
     solid: Composite
 
 
+_fillets: Memory[Fillet] = Memory(limit=128)
+"""By the creases and by what is blended there: where nothing changed, fillets are the same,
+whatever was done to the rest of the tree."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Piece:
     """Some creases that came out well."""
@@ -157,9 +163,60 @@ def filleted(
         Spacing of the finer of the two meshes.
     checkpoint : callable
     """
-    whole, solid = solid, _in_place(solid, vertices)
+    local = _in_place(solid, vertices)
+    zone = np.flatnonzero((_creases(local, vertices, faces)[faces] >= 0).any(axis=1))
+    numbers, inner = _in_order(vertices, faces[zone])
+    question = (signature(local), step, vertices[numbers].tobytes(), inner.tobytes())
+    part = _fillets.recall(
+        question, lambda: _made(vertices[numbers], inner, local, step, checkpoint)
+    )
+    return _set_in(vertices, np.delete(faces, zone, axis=0), numbers, part, solid)
+
+
+def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
+    """Some faces by themselves, in an order that hangs on their places alone.
+
+    Returns
+    -------
+    numbers : (k,) int array
+        Of their vertices.
+    faces : (f, 3) int array
+        As indices into these.
+    """
+    numbers = np.unique(faces)
+    numbers = numbers[np.lexsort(vertices[numbers].T)]
+    rank = np.zeros(len(vertices), np.intp)
+    rank[numbers] = np.arange(len(numbers))
+    inner = rank[faces]
+    first = inner.argmin(axis=1) if len(inner) else np.zeros(0, np.intp)
+    inner = np.take_along_axis(inner, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return numbers, inner[np.lexsort(inner.T)]
+
+
+def _set_in(
+    vertices: Points, rest: Indices, numbers: Indices, part: Fillet, solid: Composite
+) -> Fillet:
+    """What is left of a mesh, and the fillets of the vertices `numbers` of it."""
+    count = len(vertices)
+    number = numbers[part.parents]
+    number[part.moved] = count + np.arange(part.moved.sum())
+    every = np.concatenate([rest, number[part.faces]])
+    points = np.concatenate([vertices, part.vertices[part.moved]])
+    parents = np.concatenate([np.arange(count), numbers[part.parents[part.moved]]])
+    used = np.zeros(len(points), dtype=bool)
+    used[every] = True
+    rank = np.cumsum(used) - 1
+    moved = np.arange(len(points)) >= count
+    whole = replace(solid, taming=part.solid.taming)
+    return Fillet(points[used], rank[every], parents[used], moved[used], whole)
+
+
+def _made(
+    vertices: Points, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+) -> Fillet:
+    """The fillets of a mesh that is nothing but the surroundings of creases."""
     crease = _creases(solid, vertices, faces)
-    of_face = crease[faces].max(axis=1)
+    of_face = crease[faces].max(axis=1, initial=-1)
     todo = np.unique(of_face[of_face >= 0])
     pieces: list[_Piece] = []
     for attempt in range(_ATTEMPTS):
@@ -179,8 +236,7 @@ def filleted(
     while len(todo):
         solid = _held_back(solid, vertices[np.isin(crease, todo)], step, 0.0)
         pieces, todo = _still_true(pieces, solid)
-    whole = replace(whole, taming=solid.taming)
-    return _sewn(vertices, faces, of_face, pieces, whole)
+    return _sewn(vertices, faces, of_face, pieces, solid)
 
 
 def _in_place(solid: Composite, vertices: Points) -> Composite:

@@ -13,10 +13,25 @@ Answer = TypeVar("Answer")
 
 
 class Memory(Generic[Answer]):
-    """The last `limit` answers by their question; usable from any thread."""
+    """The last answers by their question; usable from any thread.
 
-    def __init__(self, limit: int) -> None:
+    Parameters
+    ----------
+    limit : int
+        How many are kept at most.
+    weight : callable, optional
+        What an answer takes, bytes.
+    most : int
+        What all of them may take together.
+    """
+
+    def __init__(
+        self, limit: int, weight: Callable[[Answer], int] | None = None, most: int = 0
+    ) -> None:
         self._limit = limit
+        self._weight = weight or (lambda answer: 0)
+        self._most = most
+        self._held = 0
         self._answers: OrderedDict[Hashable, Answer] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -38,7 +53,10 @@ class Memory(Generic[Answer]):
     def put(self, question: Hashable, answer: Answer) -> None:
         """Remember an answer that was found elsewhere."""
         with self._lock:
+            if question in self._answers:
+                self._held -= self._weight(self._answers.pop(question))
             self._answers[question] = answer
-            self._answers.move_to_end(question)
-            while len(self._answers) > self._limit:
-                self._answers.popitem(last=False)
+            self._held += self._weight(answer)
+            while len(self._answers) > self._limit or self._held > self._most:
+                _, forgotten = self._answers.popitem(last=False)
+                self._held -= self._weight(forgotten)

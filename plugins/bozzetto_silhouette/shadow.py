@@ -70,8 +70,10 @@ def _union(rings: list[NDArray[np.float64]]) -> BaseGeometry:
     """What lies within an odd number of rings."""
     import shapely
 
-    shadow: BaseGeometry = shapely.MultiPolygon()
-    for ring in rings:
-        if len(ring) >= 3:
-            shadow = shadow.symmetric_difference(shapely.Polygon(ring).buffer(0))
-    return shadow
+    parts = [shapely.Polygon(ring).buffer(0) for ring in rings if len(ring) >= 3]
+    # In halves: one after the other, every ring would go through all that is there already.
+    while len(parts) > 1:
+        pairs = zip(parts[::2], parts[1::2], strict=False)
+        joined = [one.symmetric_difference(other) for one, other in pairs]
+        parts = joined + parts[len(parts) - len(parts) % 2 :]
+    return parts[0] if parts else shapely.MultiPolygon()

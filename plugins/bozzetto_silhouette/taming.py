@@ -71,6 +71,11 @@ class Taming:
             np.append(self.shares, shares[kept]),
         )
 
+    @property
+    def signature(self) -> bytes:
+        """Equal for equal places, radii and shares."""
+        return self.places.tobytes() + self.radii.tobytes() + self.shares.tobytes()
+
     @cached_property
     def _tree(self) -> cKDTree:
         from scipy.spatial import cKDTree

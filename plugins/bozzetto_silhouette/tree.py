@@ -17,9 +17,20 @@ from bozzetto_silhouette.straight import straight_body
 
 __all__ = ["tree_body"]
 
-_joined: Memory[Body | None] = Memory(limit=64)
+VERTEX = 400
+"""Bytes that a vertex takes in a body: most of it in manifold3d's own copy of the mesh."""
+
+REMEMBERED = 600 << 20
+"""Bytes that the bodies on the way up a tree may take: thirty large ones."""
+
+
+def _weight(body: Body | None) -> int:
+    return 0 if body is None else VERTEX * len(body.vertices)
+
+
+_joined: Memory[Body | None] = Memory(limit=256, weight=_weight, most=REMEMBERED)
 """By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
-give the same body. Each entry may hold a mesh of the whole, hence no more of them."""
+give the same body. Each entry may hold a mesh of the whole."""
 
 _moved: Memory[Body] = Memory(limit=16)
 """Groups where they were moved to."""

@@ -208,3 +208,16 @@ def test_fifty_parts_remember_their_outlines(monkeypatch: pytest.MonkeyPatch) ->
     places = [(60.0 + 110.0 * (k % 10), 77.0 + 100.0 * (k // 10), 31.0) for k in range(50)]
     assert len(drawn(*places).parts) == 50
     assert len(read) == 50
+
+
+def test_memory_is_bounded_by_what_it_holds() -> None:
+    memory: Memory[bytes] = Memory(limit=9, weight=len, most=10)
+    memory.put("a", bytes(3))
+    memory.put("b", bytes(6))
+    assert memory.known("a") is not None
+    assert memory.known("b") is not None
+    memory.put("b", bytes(8))  # more than fits beside the other
+    assert memory.known("a") is None
+    memory.put("c", bytes(11))  # more than there is room for at all
+    assert memory.known("b") is None
+    assert memory.known("c") is None
