@@ -127,8 +127,8 @@ class Fillet(NamedTuple):
     solid: Composite
 
 
-_fillets: Memory[Fillet] = Memory(limit=128)
-"""By the creases and by what is blended there: where nothing changed, fillets are the same,
+_fillets: Memory[Fillet] = Memory(limit=512)
+"""By a crease and by what is blended there: where nothing changed, a fillet is the same,
 whatever was done to the rest of the tree."""
 
 
@@ -163,14 +163,23 @@ def filleted(
         Spacing of the finer of the two meshes.
     checkpoint : callable
     """
-    local = _in_place(solid, vertices)
-    zone = np.flatnonzero((_creases(local, vertices, faces)[faces] >= 0).any(axis=1))
-    numbers, inner = _in_order(vertices, faces[zone])
-    question = (signature(local), step, vertices[numbers].tobytes(), inner.tobytes())
-    part = _fillets.recall(
-        question, lambda: _made(vertices[numbers], inner, local, step, checkpoint)
-    )
-    return _set_in(vertices, np.delete(faces, zone, axis=0), numbers, part, solid)
+    near = _in_place(solid, vertices)
+    crease = _creases(near, vertices, faces)
+    of_face = crease[faces].max(axis=1, initial=-1)
+    parts = []
+    for number in np.unique(of_face[of_face >= 0]):
+        zone = faces[of_face == number]
+        local = _in_place(near, vertices[np.unique(zone)])
+        numbers, inner = _in_order(vertices, zone)
+        question = (signature(local), step, vertices[numbers].tobytes(), inner.tobytes())
+
+        def work(
+            numbers: Indices = numbers, inner: Indices = inner, local: Composite = local
+        ) -> Fillet:
+            return _made(vertices[numbers], inner, local, step, checkpoint)
+
+        parts.append((numbers, _fillets.recall(question, work)))
+    return _set_in(vertices, faces[of_face < 0], parts, solid)
 
 
 def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
@@ -194,21 +203,31 @@ def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
 
 
 def _set_in(
-    vertices: Points, rest: Indices, numbers: Indices, part: Fillet, solid: Composite
+    vertices: Points, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
 ) -> Fillet:
-    """What is left of a mesh, and the fillets of the vertices `numbers` of it."""
+    """What is left of a mesh, and fillets, each of some vertices (by number) of it."""
     count = len(vertices)
-    number = numbers[part.parents]
-    number[part.moved] = count + np.arange(part.moved.sum())
-    every = np.concatenate([rest, number[part.faces]])
-    points = np.concatenate([vertices, part.vertices[part.moved]])
-    parents = np.concatenate([np.arange(count), numbers[part.parents[part.moved]]])
-    used = np.zeros(len(points), dtype=bool)
+    rows: list[Indices] = [rest]
+    points: list[Points] = [vertices]
+    parents: list[Indices] = [np.arange(count)]
+    taming = solid.taming
+    for numbers, part in parts:
+        number = numbers[part.parents]
+        number[part.moved] = count + np.arange(part.moved.sum())
+        count += int(part.moved.sum())
+        rows.append(number[part.faces])
+        points.append(part.vertices[part.moved])
+        parents.append(numbers[part.parents[part.moved]])
+        taming = taming.joined(part.solid.taming)
+    every, parent = np.concatenate(rows), np.concatenate(parents)
+    place: Points = np.concatenate(points)
+    used = np.zeros(count, dtype=bool)
     used[every] = True
     rank = np.cumsum(used) - 1
-    moved = np.arange(len(points)) >= count
-    whole = replace(solid, taming=part.solid.taming)
-    return Fillet(points[used], rank[every], parents[used], moved[used], whole)
+    moved = np.arange(count) >= len(vertices)
+    return Fillet(
+        place[used], rank[every], parent[used], moved[used], replace(solid, taming=taming)
+    )
 
 
 def _made(

@@ -71,6 +71,16 @@ class Taming:
             np.append(self.shares, shares[kept]),
         )
 
+    def joined(self, other: Taming) -> Taming:
+        """With the places of another one."""
+        if not len(other.places):
+            return self
+        return Taming(
+            np.vstack([self.places, other.places]),
+            np.append(self.radii, other.radii),
+            np.append(self.shares, other.shares),
+        )
+
     @property
     def signature(self) -> bytes:
         """Equal for equal places, radii and shares."""

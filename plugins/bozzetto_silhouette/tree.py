@@ -59,6 +59,7 @@ class _Fold:
     resolution: int
     checkpoint: Checkpoint
     done: int = 0
+    told: float = 0.0
 
     def of(self, within: str) -> Body | None:
         """The nodes of one group, put together."""
@@ -98,7 +99,9 @@ class _Fold:
 
     def _step(self, fraction: float, words: str) -> None:
         parts = max(1, len(self.state.parts))
-        self.checkpoint(min(1.0, (self.done + fraction) / parts), words)
+        # A leaf and what is made of it are both a part's work: the bar never goes back.
+        self.told = max(self.told, min(1.0, (self.done + fraction) / parts))
+        self.checkpoint(self.told, words)
 
 
 @contextmanager
