@@ -1,37 +1,93 @@
-"""Bodies put together: sharp, blended, and as a smooth maximum on a full grid."""
+"""Bodies put together: sharp, blended, and as a smooth maximum on a full grid; and trees."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
+from itertools import count
 
 import numpy as np
 
+from bozzetto.geometry import Placement
+from bozzetto.ink import Strokes
+from bozzetto.plugin.testing import Pen
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.combine import combined
 from bozzetto_silhouette.composite import Composite
+from bozzetto_silhouette.draft import draft_surface
+from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto_silhouette.tree import tree_body
 from tests.benchmarks.timing import Row, processor_ms
 from tests.plugins.silhouette import bodies as b
 
 BLEND = 0.5
+LIVE_CELLS = 48
+LIMBS = 29
+
+_HAIRS = count(1)
 
 
 def rows() -> Iterator[Row]:
-    """Two balls that overlap, at the resolution of previews and at that of results."""
-    for cells, sharp, blended in ((64, "", "≤ 150 ms"), (128, "≤ 100 ms", "")):
+    """Two balls that overlap, drafts while a part is dragged, and a tree of thirty parts."""
+    for cells, sharp, blended in ((64, "", "≤ 150 ms"), (128, "", ""), (165, "≤ 100 ms", "")):
         one, other = b.ball(0.0, 50.0, cells), b.ball(70.0, 50.0, cells, "b")
-        combined(one, other, "add", BLEND)
-        grid = processor_ms(partial(_on_a_grid, one, other), repeats=3)
+        grid = processor_ms(partial(_on_a_grid, one, other), repeats=2)
         for words, blend, budget in (("sharp", 0.0, sharp), ("blended", BLEND, blended)):
             yield Row(
                 "blends", f"two parts of {len(one.faces):,} triangles, {words}, processor time",
-                processor_ms(
-                    partial(combined, one, other, "add", blend),
-                    repeats=5,
-                ),
+                processor_ms(partial(_anew, one, other, blend), repeats=5),
                 budget=budget, alternative="smooth maximum on a full grid, marching cubes",
                 other=grid,
             )  # fmt: skip
+    for parts in (2, 6):
+        yield Row(
+            "blends", f"a part dragged over {parts - 1} more, {LIVE_CELLS} cells, processor time",
+            processor_ms(partial(_dragged, _wreath(parts - 1)), repeats=10), budget="≤ 100 ms",
+        )  # fmt: skip
+    yield from _tree()
+
+
+def _anew(one: Body, other: Body, blend: float) -> object:
+    """What was combined before is remembered; a hair more blend is another question."""
+    return combined(one, other, "add", blend and blend + 1e-9 * next(_HAIRS))
+
+
+def _wreath(limbs: int) -> SilhouetteState:
+    """A body with limbs around it."""
+    pen = Pen()
+    nodes = [Part(id="n0", name="Body", strokes=Strokes((pen.circle(600.0, 450.0, 250.0),)))]
+    for k in range(limbs):
+        turn = 2.0 * np.pi * k / limbs
+        place = 600.0 + 255.0 * np.cos(turn), 450.0 + 255.0 * np.sin(turn)
+        circle = pen.circle(*place, 18.0 + k % 5)
+        nodes.append(Part(id=f"n{k + 1}", name=f"Limb {k + 1}", strokes=Strokes((circle,))))
+    return SilhouetteState(tuple(nodes))
+
+
+def _dragged(state: SilhouetteState) -> object:
+    """One event of the pen that drags the last part."""
+    away = Placement(offset=(0.01 * next(_HAIRS), 0.0, 0.0))
+    return draft_surface(state.with_node(replace(state.nodes[-1], pose=away)), LIVE_CELLS)
+
+
+def _tree() -> Iterator[Row]:
+    """All of a tree, then one limb of it edited; every figure is of one run."""
+
+    def spent(state: SilhouetteState) -> float:
+        begun = time.process_time()
+        tree_body(state, LIVE_CELLS)
+        return 1000.0 * (time.process_time() - begun)
+
+    state = _wreath(LIMBS)
+    whole = spent(state)
+    for words, place in (("last", LIMBS), ("middle", LIMBS // 2 + 1), ("first", 1)):
+        state = state.with_node(replace(state.nodes[place], inflation=1.2))
+        yield Row(
+            "blends", f"a tree of {LIMBS + 1} parts, its {words} limb edited, processor time",
+            spent(state), budget="≤ 1/5 of the whole", alternative="the whole tree", other=whole,
+        )  # fmt: skip
 
 
 def _on_a_grid(one: Body, other: Body) -> object:
