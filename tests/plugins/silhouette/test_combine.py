@@ -274,4 +274,4 @@ def test_random_pairs_of_real_outlines(outlines: list[Body]) -> None:
 
 @pytest.mark.slow
 def test_many_random_pairs_of_real_outlines(outlines: list[Body]) -> None:
-    random_pairs(outlines, 200, 2)
+    random_pairs(outlines, 80, 2)
