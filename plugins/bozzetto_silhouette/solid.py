@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.errors import UserError
 from bozzetto_silhouette.frame import SkeletonRule, frame_of
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.plan import Plan, plan_of
@@ -110,6 +111,11 @@ def solidify(
     Returns
     -------
     SilhouetteSolid
+
+    Raises
+    ------
+    UserError
+        If the outline is so ragged that no spacing gives a solid.
     """
     checkpoint(0.0, "skeleton")
     frame = frame_of(outline, rule)
@@ -132,6 +138,10 @@ def solidify(
         soundness = soundness_of(vertices, faces, outline)
         if soundness.ok:
             break
+    if not soundness.watertight or not soundness.volume > 0.0:
+        raise UserError(
+            "This outline is too ragged for a solid. Smooth it, or draw it again with fewer turns."
+        )
     normals = shell_normals(plan, front, back)
     checkpoint(1.0, "done")
     square_scale = frame.scale**2
