@@ -50,12 +50,18 @@ def rows() -> Iterator[Row]:
     )  # fmt: skip
     yield Row(
         "texture", f"the texture of the fish, picture of {PIXELS[1]} × {PIXELS[0]}",
-        median_ms(lambda: texture_of(state, body), repeats=5), budget="≤ 1000 ms",
+        median_ms(lambda: texture_of(_anew(state), body), repeats=5), budget="≤ 1000 ms",
     )  # fmt: skip
     yield Row(
         "texture", "the same, processor time",
-        processor_ms(lambda: texture_of(state, body), repeats=5), budget="≤ 1000 ms",
+        processor_ms(lambda: texture_of(_anew(state), body), repeats=5), budget="≤ 1000 ms",
     )  # fmt: skip
+
+
+def _anew(state: SilhouetteState) -> SilhouetteState:
+    """What was baked before is remembered; a copy of the picture is another one."""
+    assert state.picture is not None
+    return replace(state, picture=replace(state.picture))
 
 
 def _with_picture(state: SilhouetteState, body: Body) -> SilhouetteState:
