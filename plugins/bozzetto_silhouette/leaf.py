@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from bozzetto_silhouette.body import Body
+from bozzetto_silhouette.body import REMEMBERED, Body
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.membrane import InflationSwelling
 from bozzetto_silhouette.memory import Memory
@@ -22,7 +24,12 @@ from bozzetto_silhouette.variational_swelling import VariationalSwelling
 __all__ = ["body_of", "solid_of"]
 
 _solids: Memory[SilhouetteSolid] = Memory(limit=256)
-_bodies: Memory[Body] = Memory(limit=256)
+_rests: Memory[Body] = Memory(limit=256)
+"""In the object frame: what is moved or mirrored keeps the function of space that was fitted
+to it."""
+
+_bodies: Memory[Body] = Memory(limit=256, weight=Body.weight, most=REMEMBERED)
+"""Where they stand: a drag makes one at every move of the pen."""
 
 
 def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> SilhouetteSolid:
@@ -51,25 +58,29 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
     """The same as a body, in the frame of the part's group; a slab where it goes straight."""
     if part.surface == "straight":
         return straight_body(part, None, resolution)
+    rest = _rests.recall(
+        (part.recipe, resolution), lambda: _at_rest(part, solid_of(part, resolution, checkpoint))
+    )
+    return _bodies.recall(
+        (rest, part.id, part.pose),
+        lambda: replace(rest, sources=(part.id,)).placed(part.placement),
+    )
 
-    def work() -> Body:
-        solid = solid_of(part, resolution, checkpoint)
-        relief = Relief(solid)
-        variational = part.surface == "variational"
-        body = Body(
-            solid.vertices,
-            solid.faces,
-            solid.normals,
-            np.zeros(len(solid.vertices), np.int32),
-            (part.id,),
-            relief,
-            float(solid.skeleton.nodes[:, 2].max()),
-            solid.step,
-            constraints=constraints_on(solid, relief) if variational else None,
-        )
-        return body.placed(part.placement)
 
-    return _bodies.recall((part.recipe, part.id, part.pose, resolution), work)
+def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
+    """A part's body in its object frame: the same for all that were drawn alike."""
+    relief = Relief(solid)
+    return Body(
+        solid.vertices,
+        solid.faces,
+        solid.normals,
+        np.zeros(len(solid.vertices), np.int32),
+        (part.id,),
+        relief,
+        float(solid.skeleton.nodes[:, 2].max()),
+        solid.step,
+        constraints=constraints_on(solid, relief) if part.surface == "variational" else None,
+    )
 
 
 def _swelling(part: Part) -> Swelling:

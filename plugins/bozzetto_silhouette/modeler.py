@@ -19,7 +19,7 @@ from bozzetto_silhouette.handles import handles_layer
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import solid_of
 from bozzetto_silhouette.painting import Painted, painted, texture_of
-from bozzetto_silhouette.places import shown_parts
+from bozzetto_silhouette.places import placement_of, shown_parts
 from bozzetto_silhouette.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.report import report_of
 from bozzetto_silhouette.sheet import sheet_under
@@ -104,8 +104,8 @@ class Silhouette:
         body = tree_body(state, resolution, job.checkpoint)
         solids = {
             part.id: solid_of(part, resolution)
-            for part in state.parts
-            if part.visible and part.surface != "straight"
+            for part in shown_parts(state)
+            if part.surface != "straight"
         }
         final = job.quality == "final"
         if body is None:
@@ -148,8 +148,9 @@ class Silhouette:
                 skeleton = result.solids[part.id].skeleton
                 nodes, bones = skeleton.nodes, skeleton.edges.astype(np.int32)
                 flat = np.column_stack([nodes[:, :2], np.zeros(len(nodes))])
-                radii = nodes[:, 2] * part.placement.scale
-                skeletons.append(Skeleton(part.placement.points(flat), radii, bones))
+                stands = placement_of(state, part)
+                radii = nodes[:, 2] * stands.scale
+                skeletons.append(Skeleton(stands.points(flat), radii, bones))
         return Shapes(
             solids=(Solid(result.mesh, texture=texture, skin=skin),),
             skeletons=tuple(skeletons),

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from bozzetto.errors import UserError
-from bozzetto_silhouette.body import Body
+from bozzetto_silhouette.body import REMEMBERED, Body
 from bozzetto_silhouette.combine import combined
 from bozzetto_silhouette.leaf import body_of
 from bozzetto_silhouette.memory import Memory
@@ -17,15 +17,9 @@ from bozzetto_silhouette.straight import straight_body
 
 __all__ = ["tree_body"]
 
-VERTEX = 400
-"""Bytes that a vertex takes in a body: most of it in manifold3d's own copy of the mesh."""
-
-REMEMBERED = 600 << 20
-"""Bytes that the bodies on the way up a tree may take: thirty large ones."""
-
 
 def _weight(body: Body | None) -> int:
-    return 0 if body is None else VERTEX * len(body.vertices)
+    return 0 if body is None else body.weight()
 
 
 _joined: Memory[Body | None] = Memory(limit=256, weight=_weight, most=REMEMBERED)

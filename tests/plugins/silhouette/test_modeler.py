@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import Cancelled, UserError
-from bozzetto.geometry import Mesh
+from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Context, Ink, Job
 from bozzetto.plugin.testing import Pen
@@ -17,7 +17,7 @@ from bozzetto_silhouette import leaf, tree
 from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.modeler import PREVIEW_RESOLUTION, Silhouette
 from bozzetto_silhouette.solid import solidify
-from bozzetto_silhouette.state import SilhouetteState
+from bozzetto_silhouette.state import Group, SilhouetteState
 
 PEN, MODELER = Pen(), Silhouette()
 
@@ -38,6 +38,7 @@ def forgetful(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def forget(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(leaf, "_solids", Memory(limit=8))
+    monkeypatch.setattr(leaf, "_rests", Memory(limit=8))
     monkeypatch.setattr(leaf, "_bodies", Memory(limit=8))
     monkeypatch.setattr(tree, "_joined", Memory(limit=8))
     monkeypatch.setattr(tree, "_moved", Memory(limit=8))
@@ -221,3 +222,31 @@ def test_memory_is_bounded_by_what_it_holds() -> None:
     memory.put("c", bytes(11))  # more than there is room for at all
     assert memory.known("b") is None
     assert memory.known("c") is None
+
+
+def test_skeletons_stand_where_their_groups_were_moved() -> None:
+    state = drawn((600, 450, 120), resolution=32)
+    away = Placement(offset=(7.0, -20.0, 3.0))
+    inside = replace(state.nodes[0], within="g")
+    grouped = replace(state, nodes=(Group(id="g", pose=away), inside))
+    plain, moved = (
+        MODELER.shapes(each, MODELER.solve(each, Job())).skeletons[0] for each in (state, grouped)
+    )
+    assert moved.joints == pytest.approx(plain.joints + away.offset)
+
+
+def test_what_a_hidden_group_holds_is_not_solved() -> None:
+    state = drawn((600, 450, 120), resolution=32)
+    inside = replace(state.nodes[0], within="g")
+    hidden = replace(state, nodes=(Group(id="g", visible=False), inside))
+    assert not MODELER.solve(hidden, Job()).solids
+
+
+def test_what_was_moved_keeps_the_function_that_was_fitted_to_it() -> None:
+    part = drawn((600, 450, 120), resolution=32).nodes[0]
+    one, other = (
+        leaf.body_of(replace(part, id=name, pose=Placement(offset=(far, 0.0, 0.0))), 32)
+        for name, far in (("a", 1.0), ("b", 5.0))
+    )
+    assert one.implicit.inner is other.implicit.inner
+    assert (one.sources, other.sources) == (("a",), ("b",))
