@@ -7,7 +7,7 @@ that fails the blend is held back, in the function as in the mesh, and tried aga
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -132,15 +132,6 @@ _fillets: Memory[Fillet] = Memory(limit=512)
 whatever was done to the rest of the tree."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Piece:
-    """Some creases that came out well."""
-
-    patch: Patch
-    own: Indices
-    done: Indices
-
-
 def filleted(
     vertices: Points,
     faces: Indices,
@@ -233,29 +224,18 @@ def _set_in(
 def _made(
     vertices: Points, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Fillet:
-    """The fillets of a mesh that is nothing but the surroundings of creases."""
-    crease = _creases(solid, vertices, faces)
-    of_face = crease[faces].max(axis=1, initial=-1)
-    todo = np.unique(of_face[of_face >= 0])
-    pieces: list[_Piece] = []
+    """The fillet of a mesh that is nothing but the surroundings of one crease."""
+    may = _creases(solid, vertices, faces) >= 0
     for attempt in range(_ATTEMPTS):
-        if not len(todo):
-            break
         checkpoint(0.4 + 0.5 * attempt / _ATTEMPTS, "blend")
-        patch = _rounded(_patch(vertices, faces[np.isin(of_face, todo)]), crease >= 0, solid, step)
-        own = crease[patch.parents]
+        patch = _rounded(_patch(vertices, faces), may, solid, step)
         bad = _bad(solid, patch)
-        failed = np.intersect1d(todo, own[bad])
-        pieces.append(_Piece(patch, own, np.setdiff1d(todo, failed)))
-        todo = failed
-        if len(failed):
-            solid = _held_back(solid, patch.vertices[bad], step, _RETREAT)
-            pieces, again = _still_true(pieces, solid)
-            todo = np.union1d(todo, again)
-    while len(todo):
-        solid = _held_back(solid, vertices[np.isin(crease, todo)], step, 0.0)
-        pieces, todo = _still_true(pieces, solid)
-    return _sewn(vertices, faces, of_face, pieces, solid)
+        if not bad.any():
+            return Fillet(patch.vertices, patch.faces, patch.parents, patch.free, solid)
+        solid = _held_back(solid, patch.vertices[bad], step, _RETREAT)
+    solid = _held_back(solid, vertices[may], step, 0.0)
+    unmoved = np.zeros(len(vertices), dtype=bool)
+    return Fillet(vertices, faces, np.arange(len(vertices)), unmoved, solid)
 
 
 def _in_place(solid: Composite, vertices: Points) -> Composite:
@@ -287,15 +267,15 @@ def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
 
 
 def _patch(vertices: Points, faces: Indices) -> Patch:
-    """Some faces of a mesh by themselves, with no vertex free yet."""
-    numbers, inverse = np.unique(faces, return_inverse=True)
+    """A mesh with no vertex free yet."""
+    count = len(vertices)
     return Patch(
-        vertices[numbers],
-        inverse.reshape(-1, 3),
-        np.zeros(len(numbers), dtype=bool),
-        numbers,
-        np.zeros((len(numbers), 3)),
-        np.zeros(len(numbers)),
+        vertices,
+        faces,
+        np.zeros(count, dtype=bool),
+        np.arange(count),
+        np.zeros((count, 3)),
+        np.zeros(count),
     )
 
 
@@ -383,44 +363,3 @@ def _held_back(solid: Composite, places: Points, step: float, retreat: float) ->
     share[share < _LEAST] = _NONE
     radii = np.maximum(_AROUND * whole, 2.0 * step)
     return replace(solid, taming=solid.taming.also(places, radii, share))
-
-
-def _still_true(pieces: list[_Piece], solid: Composite) -> tuple[list[_Piece], Indices]:
-    """Pieces without the creases that a blend was held back on since; and these."""
-    kept, again = [], [np.zeros(0, np.intp)]
-    for piece in pieces:
-        moved = np.flatnonzero(piece.patch.free)
-        sides = solid.sides(piece.patch.vertices[moved])
-        off = np.abs(solid.blended(sides).value) > _LEFT * np.maximum(
-            sides.reach, _LEFT * solid.reach
-        )
-        gone = np.intersect1d(piece.done, piece.own[moved[off]])
-        kept.append(replace(piece, done=np.setdiff1d(piece.done, gone)))
-        again.append(gone)
-    return kept, np.concatenate(again)
-
-
-def _sewn(
-    vertices: Points, faces: Indices, of_face: Indices, pieces: list[_Piece], solid: Composite
-) -> Fillet:
-    """The mesh with its pieces in place of what they were made from."""
-    kept = np.ones(len(faces), dtype=bool)
-    columns = [(vertices, np.arange(len(vertices)), np.zeros(len(vertices), dtype=bool))]
-    rows, count = [faces], len(vertices)
-    for piece in pieces:
-        patch = piece.patch
-        kept &= ~np.isin(of_face, piece.done)
-        # What was never free is still the vertex that it was; the others are new.
-        fresh = np.flatnonzero(patch.free)
-        number = patch.parents.copy()
-        number[fresh] = count + np.arange(len(fresh))
-        count += len(fresh)
-        rows.append(number[patch.faces[np.isin(piece.own[patch.faces].max(axis=1), piece.done)]])
-        columns.append((patch.vertices[fresh], patch.parents[fresh], np.ones(len(fresh), bool)))
-    rows[0] = faces[kept]
-    every = np.concatenate(rows)
-    points, parents, moved = (np.concatenate(column) for column in zip(*columns, strict=True))
-    used = np.zeros(len(points), dtype=bool)
-    used[every] = True
-    number = np.cumsum(used) - 1
-    return Fillet(points[used], number[every], parents[used], moved[used], solid)
