@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.frame import Frame
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.sampling import CORNER_TURN
 from bozzetto_silhouette.variational import SPACING, VariationalSurface, apart, interpolated
 

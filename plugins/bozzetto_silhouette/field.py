@@ -18,9 +18,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.frame import Frame
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.sampling import Rim
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.state import Kernel

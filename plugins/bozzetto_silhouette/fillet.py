@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.composite import Composite, Sides, signature
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.remeshing import (
     Patch,
     collapsed,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto_silhouette.memory import Memory
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.paper_skeleton import paper_skeleton
 from bozzetto_silhouette.sampling import Rim, sample_rim

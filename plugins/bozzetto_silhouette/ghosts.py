@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Lines
 from bozzetto_silhouette.fidelity import deviation_along
 from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.places import (
     carried,
     drawn_profile,

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.edits import Rings, edited
 from bozzetto_silhouette.inking import rings_from_strokes
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.outline import Outline, outline_from_rings
 from bozzetto_silhouette.sheet import Sheet
 from bozzetto_silhouette.state import Oversketch, Part, Removal, Smoothing

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.body import REMEMBERED, Body
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.membrane import InflationSwelling
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.pressure import PenPressure
 from bozzetto_silhouette.profile import profile_of
 from bozzetto_silhouette.relief import Relief

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh, Texture
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.baking import baked
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.coloring import Coat, Creases, bare, creases_between, part_coat
 from bozzetto_silhouette.creases import creased
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.projection import axes_of, projection_of, texel_of
 from bozzetto_silhouette.solid import Checkpoint, ignore
 from bozzetto_silhouette.state import Picture, SilhouetteState

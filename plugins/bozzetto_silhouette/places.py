@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Stroke
+from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.leaf import body_of
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
 
 __all__ = [

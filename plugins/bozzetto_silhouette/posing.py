@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement, Rig, Skin
-from bozzetto.plugin import Drag
+from bozzetto.plugin import Drag, Memory
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.kinematics import least_turn, limb_of, reached
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.painting import Painted
 from bozzetto_silhouette.rig import Armature, armature_of
 from bozzetto_silhouette.sheet import Point

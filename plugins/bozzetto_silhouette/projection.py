@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.coloring import Coat
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.state import Picture
 
 __all__ = ["Projection", "axes_of", "projection_of", "texel_of"]

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.fidelity import Fidelity, area_of, measure
 from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.places import placement_of, shown_parts
 from bozzetto_silhouette.solid import SilhouetteSolid

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement, Rig
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.frame import frame_of
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.joints import Joints, joints_of, most_central
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.places import placement_of
 from bozzetto_silhouette.skeleton import Skeleton
 from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState

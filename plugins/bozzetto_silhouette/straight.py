@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.body import REMEMBERED, Body
 from bozzetto_silhouette.cutting import cut_side
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.implicit import Sample
 from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.plan import Plan, plan_of
 from bozzetto_silhouette.sampling import sample_rim

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry import Mesh
+from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.tree import tree_body
 

@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.body import REMEMBERED, Body
 from bozzetto_silhouette.combine import combined
 from bozzetto_silhouette.leaf import body_of
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.solid import Checkpoint, ignore
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.straight import straight_body

@@ -11,6 +11,7 @@ from bozzetto.plugin.context import Context, PenSettings
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.memory import Memory
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.panel import PanelHost
 from bozzetto.plugin.parameters import Parameter
@@ -25,6 +26,7 @@ __all__ = [
     "HasParts",
     "Ink",
     "Job",
+    "Memory",
     "Modeler",
     "PanelHost",
     "Parameter",

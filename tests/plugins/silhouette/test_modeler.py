@@ -11,10 +11,9 @@ import pytest
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Strokes
-from bozzetto.plugin import Context, Ink, Job
+from bozzetto.plugin import Context, Ink, Job, Memory
 from bozzetto.plugin.testing import Pen
 from bozzetto_silhouette import leaf, tree
-from bozzetto_silhouette.memory import Memory
 from bozzetto_silhouette.modeler import PREVIEW_RESOLUTION, Silhouette
 from bozzetto_silhouette.solid import solidify
 from bozzetto_silhouette.state import Group, SilhouetteState
