@@ -1,0 +1,76 @@
+"""Symmetric curves in space, exact by construction; in the centre plane's frame (y = 0), mm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry.spline import DEGREE, Spline, uniform_knots
+from bozzetto_symmetry.stereo import MIRROR
+
+__all__ = ["Reading", "SpaceCurve", "across"]
+
+Array = NDArray[np.float64]
+
+Reading = Literal["pair", "self", "plane"]
+"""What a curve in space is: one of a mirrored pair, itself symmetric, or in the plane."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceCurve:
+    """A curve of a symmetric thing.
+
+    Parameters
+    ----------
+    reading : {"pair", "self", "plane"}
+    spline : Spline
+        Of a pair the side that was drawn first; of a curve across the plane all of it, made
+        by `across` from one half; of a curve in the plane all of it, y exactly 0.
+    """
+
+    reading: Reading
+    spline: Spline
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curve returns to its start."""
+        return self.spline.closed
+
+    def curves(self) -> tuple[Spline, ...]:
+        """What is in space: the spline, and of a pair its exact mirror image."""
+        if self.reading == "pair":
+            return self.spline, self.spline.mirrored((0.0, 1.0, 0.0))
+        return (self.spline,)
+
+
+def across(points: ArrayLike, *, ring: bool = False) -> Spline:
+    """The symmetric spline across the plane from the control points of one half.
+
+    With knots and control points symmetric about the middle the curve is its own mirror
+    image, and it crosses the plane at a right angle with continuous curvature.
+
+    Parameters
+    ----------
+    points : (k, 3) array_like
+        From the control point on the plane outwards; its y is taken for 0. Of a ring the
+        last one is on the plane again.
+    ring : bool
+
+    Returns
+    -------
+    Spline
+        2k − 1 control points over −1 … 1, the middle one first in `points`; a ring has 2k − 2.
+    """
+    half = np.array(points, float)
+    half[0, 1] = 0.0
+    if ring:
+        half[-1, 1] = 0.0
+        once = np.vstack([half, (half * MIRROR)[-2:0:-1]])
+        return Spline(uniform_knots(len(once), True), np.vstack([once, once[:DEGREE]]), closed=True)
+    whole = np.vstack([(half * MIRROR)[:0:-1], half])
+    upper = uniform_knots(len(whole), False)
+    upper = 0.5 * (upper - upper[::-1])
+    return Spline(2.0 * upper, whole)
