@@ -91,7 +91,7 @@ def plane_covariances(stereo: Stereo, pixels: ArrayLike) -> Array:
 def sigmas(covariances: ArrayLike) -> Array:
     """Root mean square distance from the true place, (n,): the root of the trace."""
     trace = np.trace(np.asarray(covariances, float), axis1=1, axis2=2)
-    return np.sqrt(np.maximum(trace, 0.0))
+    return np.asarray(np.sqrt(np.maximum(trace, 0.0)))
 
 
 def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
@@ -120,7 +120,7 @@ def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
     right, up, forward = camera.axes
     sheet = np.stack((right, -up))
     place = np.reshape(np.asarray(points, float), (-1, 3))
-    known: NDArray[np.bool_] = np.isfinite(place).all(axis=1)
+    known = np.asarray(np.isfinite(place).all(axis=1))
     if stereo.parallel:
         return np.asarray(known[:, None, None] * sheet * camera.pixels_per_mm)
     seen = camera.view_space(np.where(known[:, None], place, camera.target))
