@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Memory
+from bozzetto.plugin import Memory, switched_on
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera, Rays
@@ -73,12 +73,12 @@ def placement_of(state: SilhouetteState, part: Part) -> Placement:
 
 def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
     """Whether a node and all groups around it are switched on."""
-    return node.visible and all(group.visible for group in groups_around(state, node))
+    return node.id in {other.id for other in switched_on(state.nodes)}
 
 
 def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:
     """The parts that can be seen and touched, in the order of the tree."""
-    return tuple(part for part in state.parts if is_shown(state, part))
+    return tuple(node for node in switched_on(state.nodes) if isinstance(node, Part))
 
 
 def outlined_parts(state: SilhouetteState) -> tuple[Part, ...]:

@@ -15,7 +15,7 @@ from bozzetto.plugin.memory import Memory
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.panel import PanelHost
 from bozzetto.plugin.parameters import Parameter
-from bozzetto.plugin.parts import HasParts
+from bozzetto.plugin.parts import HasParts, switched_on
 
 __all__ = [
     "API_VERSION",
@@ -39,6 +39,7 @@ __all__ = [
     "Unfinished",
     "UserError",
     "hookimpl",
+    "switched_on",
 ]
 
 API_VERSION = (1, 1)

@@ -8,9 +8,10 @@ host's work, the same for every modeler.
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Iterable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
-__all__ = ["HasParts", "Part"]
+__all__ = ["HasParts", "Part", "switched_on"]
 
 
 class Part(Protocol):
@@ -27,10 +28,35 @@ class Part(Protocol):
         `HasParts.is_group` holds have others in them.
     """
 
-    id: str
-    name: str
-    visible: bool
-    within: str
+    @property
+    def id(self) -> str: ...  # noqa: D102
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+    @property
+    def visible(self) -> bool: ...  # noqa: D102
+
+    @property
+    def within(self) -> str: ...  # noqa: D102
+
+
+Kind = TypeVar("Kind", bound=Part)
+
+
+def switched_on(parts: Iterable[Kind]) -> tuple[Kind, ...]:
+    """Those of all parts of a state that are switched on, as are all groups around them."""
+    row = tuple(parts)
+    by_id = {part.id: part for part in row}
+
+    def is_shown(part: Kind) -> bool:
+        passed: set[str] = set()
+        while part.visible and part.within in by_id and part.within not in passed:
+            passed.add(part.within)
+            part = by_id[part.within]
+        return part.visible
+
+    return tuple(part for part in row if is_shown(part))
 
 
 @runtime_checkable
