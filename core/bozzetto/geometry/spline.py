@@ -247,6 +247,30 @@ class Spline:
         image = self.control_points - 2.0 * height[:, None] * direction
         return Spline(self.knots, image, self.closed)
 
+    def refined(self, parameters: ArrayLike) -> Spline:
+        """The same curve with more knots, so that it can be changed in places.
+
+        Parameters
+        ----------
+        parameters : (k,) array_like
+            Where knots are added, once each; those of a closed curve run round into its
+            range. Places at knots, and at or beyond the ends of an open curve, add none.
+        """
+        begin, end = self.range
+        fresh = np.unique(self.within(np.ravel(np.asarray(parameters, float))))
+        fresh = fresh[(fresh > begin) & (fresh < end) & ~np.isin(fresh, self.knots)]
+        if not len(fresh):
+            return self
+        if not self.closed:
+            knots = np.sort(np.concatenate((self.knots, fresh)))
+            return Spline(knots, self._refined(knots))
+        once = np.sort(np.concatenate((self.knots[DEGREE : -DEGREE - 1], fresh)))
+        period = end - begin
+        knots = np.concatenate((once[-DEGREE:] - period, once, once[: DEGREE + 1] + period))
+        # The second of two rounds, where every span has its own polynomial.
+        points = self._unrolled()._refined(knots[: len(once) + DEGREE + 1] + period)
+        return Spline(knots, np.vstack((points, points[:DEGREE])), closed=True)
+
     def split(self, *parameters: float) -> tuple[Spline, ...]:
         """Exact pieces of the curve, each with its own part of the parameter range.
 

@@ -92,6 +92,20 @@ def test_a_closed_curve_is_cut_into_as_many_pieces_as_cuts():
             )
 
 
+@pytest.mark.parametrize("spline", [drawn(), drawn(True), uneven(), drawn(True, count=4)])
+def test_knots_are_added_without_changing_the_curve(spline):
+    begin, end = spline.range
+    fresh = np.random.default_rng(3).uniform(begin, end, 9)
+    finer = spline.refined(fresh).refined([begin + 0.37 * (end - begin), begin, end])
+    assert len(finer.control_points) == len(spline.control_points) + 10
+    assert finer.range == spline.range
+    assert np.isin(fresh, finer.knots).all()
+    at = everywhere(spline)
+    size = np.abs(spline.control_points).max()
+    np.testing.assert_allclose(finer.value(at), spline.value(at), atol=1e-13 * size)
+    assert finer.refined(fresh) is finer
+
+
 @pytest.mark.parametrize("spline", [drawn(), drawn(True), uneven()])
 def test_bezier_pieces_are_the_curve(spline):
     breaks = np.unique(spline.knots)
