@@ -1,0 +1,93 @@
+"""The three directions of the box, and places along lines in space seen through a camera."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.scene import Paint
+from bozzetto.view import Camera
+
+__all__ = ["AXES", "AXIS_PAINTS", "along", "vanishing_directions"]
+
+Array = NDArray[np.float64]
+
+AXES: Final = np.eye(3)
+"""Length, width and height of the box: x, y and z of the model."""
+
+AXIS_PAINTS: Final[tuple[Paint, Paint, Paint]] = ("accent", "second", (0x5E, 0x94, 0x62))
+"""Colours of x, y and z: the first two as on the ground, and a green that both themes bear."""
+
+END_ON: Final = 0.02
+"""Sine of the angle between a line and the line of sight below which the line is seen as a
+point: places along it cannot be told apart."""
+
+
+def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLike) -> float | None:
+    """How far along a line in space a place on the sheet is.
+
+    The foot of the place on the line's image, and there the place of the line that is seen:
+    what the pen does beside the line's image counts for nothing.
+
+    Parameters
+    ----------
+    camera : Camera
+    pixel : (2,) array_like
+        px.
+    point, direction : (3,) array_like
+        A place of the line that is in front of the eye, and the line's unit direction.
+
+    Returns
+    -------
+    float or None
+        mm from `point` in the sense of `direction`. None where the line is seen as a point,
+        or where the place is beyond its vanishing point.
+    """
+    base, way = np.asarray(point, float), np.asarray(direction, float)
+    seen, _ = camera.project(base)
+    if not np.isfinite(seen).all():
+        return None
+    if np.linalg.norm(np.cross(camera.rays(seen).directions[0], way)) < END_ON:
+        return None
+    # The image of a line is straight: two of its places say where it runs.
+    right, up, forward = camera.axes @ way
+    depth = float(camera.axes[2] @ (base - camera.eye))
+    across = np.array([right, -up])
+    if camera.kind == "perspective":
+        middle = 0.5 * np.asarray(camera.viewport)
+        focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
+        across = across * focal - forward * (seen[0] - middle)
+    across /= np.linalg.norm(across)
+    foot = seen[0] + across * float((np.asarray(pixel, float) - seen[0]) @ across)
+    origins, directions = camera.rays(foot)
+    # The ray of the foot and the line lie in one plane, and meet.
+    sight, between = directions[0], base - origins[0]
+    cosine = float(sight @ way)
+    sine_squared = 1.0 - cosine**2
+    if sine_squared < END_ON**4:
+        return None
+    distance = float((between @ sight) * cosine - between @ way) / sine_squared
+    if camera.kind == "perspective" and depth + distance * forward <= 0.0:
+        return None
+    return distance
+
+
+def vanishing_directions(camera: Camera) -> tuple[Array | None, ...]:
+    """The senses of the three axes that run away from the eye, unit vectors (3,).
+
+    None for an axis that has no vanishing point: in a parallel view, and for one that lies
+    across the line of sight.
+    """
+    if camera.kind == "orthographic":
+        return None, None, None
+    depths = camera.axes[2]
+    return tuple(
+        np.copysign(1.0, depth) * axis if abs(depth) > ACROSS else None
+        for axis, depth in zip(AXES, depths, strict=True)
+    )
+
+
+ACROSS: Final = 1e-6
+"""Cosine between an axis and the line of sight below which the axis lies across it."""
