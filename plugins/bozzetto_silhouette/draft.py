@@ -7,7 +7,6 @@ enough, on a lattice of a few dozen cells. Limbs thinner than two cells may be l
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +14,9 @@ import numpy as np
 from bozzetto_silhouette.composite import Composite
 from bozzetto_silhouette.implicit import Implicit, Placed
 from bozzetto_silhouette.leaf import body_of
+from bozzetto_silhouette.order import put_together
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
-from bozzetto_silhouette.straight import straight_body
+from bozzetto_silhouette.straight import acts_on, straight_body
 from bozzetto_silhouette.surface import Surface, extract
 
 __all__ = ["draft_surface"]
@@ -43,7 +43,7 @@ def draft_surface(state: SilhouetteState, cells: int) -> Surface | None:
     UserError
         If a part's ink is no outline.
     """
-    whole = _Fold(state, cells).of("")
+    whole = put_together(state, lambda part, before: _part(part, before, cells), _moved, _combined)
     if whole is None:
         return None
     bounds = whole.implicit.bounds
@@ -51,43 +51,16 @@ def draft_surface(state: SilhouetteState, cells: int) -> Surface | None:
     return surface if len(surface.faces) else None
 
 
-@dataclass(frozen=True, eq=False)
-class _Fold:
-    """One pass over the tree, as in `tree_body`."""
+def _part(part: Part, before: _Draft | None, cells: int) -> _Draft:
+    if before is not None and acts_on(part):
+        body = straight_body(part, before.implicit.bounds, cells)
+    else:
+        body = body_of(part, cells)
+    return _Draft(body.implicit, body.radius)
 
-    state: SilhouetteState
-    cells: int
 
-    def of(self, within: str) -> _Draft | None:
-        """The nodes of one group, put together."""
-        before: _Draft | None = None
-        first = True
-        for node in self.state.nodes:
-            if node.within != within or not node.visible:
-                continue
-            alone = self._alone(node, before)
-            if alone is None:
-                continue
-            if before is not None:
-                before = _combined(before, alone, node)
-            elif first or node.operation in ("add", "merge"):
-                before = alone
-            first = False
-        return before
-
-    def _alone(self, node: Part | Group, before: _Draft | None) -> _Draft | None:
-        """A node by itself, in the frame of its group."""
-        if isinstance(node, Part):
-            acts = node.surface == "straight" and node.operation in ("carve", "intersect")
-            if acts and before is not None:
-                body = straight_body(node, before.implicit.bounds, self.cells)
-            else:
-                body = body_of(node, self.cells)
-            return _Draft(body.implicit, body.radius)
-        inside = self.of(node.id)
-        if inside is None:
-            return None
-        return _Draft(Placed(inside.implicit, node.pose), inside.radius * node.pose.scale)
+def _moved(draft: _Draft, group: Group) -> _Draft:
+    return _Draft(Placed(draft.implicit, group.pose), draft.radius * group.pose.scale)
 
 
 def _combined(before: _Draft, draft: _Draft, node: Part | Group) -> _Draft:

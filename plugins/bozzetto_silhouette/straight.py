@@ -28,7 +28,7 @@ from bozzetto_silhouette.sight import Sight, sight_through
 from bozzetto_silhouette.soundness import soundness_of
 from bozzetto_silhouette.state import Cut, Part
 
-__all__ = ["Sweep", "corners_of", "straight_body"]
+__all__ = ["Sweep", "acts_on", "corners_of", "straight_body"]
 
 Points = NDArray[np.float64]
 
@@ -133,6 +133,11 @@ class Sweep:
     @property
     def _size(self) -> float:
         return float(np.ptp(self.rim.points, axis=0).max())
+
+
+def acts_on(part: Part) -> bool:
+    """Whether a part goes straight through what comes before it, however thick that is."""
+    return part.surface == "straight" and part.operation in ("carve", "intersect")
 
 
 def straight_body(part: Part, around: Points | None, resolution: int) -> Body:

@@ -52,6 +52,13 @@ def test_nothing_is_nothing() -> None:
     assert tree.tree_body(SilhouetteState((Group(id="g"),)), 32) is None
 
 
+def test_what_acts_on_a_hidden_shape_does_not_take_its_place() -> None:
+    hidden = part("a", visible=False)
+    assert volume(hidden, part("b", operation="carve")) == 0.0
+    added = part("c", x=300.0)
+    assert volume(hidden, part("b", operation="carve"), added) == pytest.approx(BALL, rel=0.05)
+
+
 def test_what_carves_everything_leaves_nothing_and_more_can_follow() -> None:
     gone = part("a"), part("b", operation="carve")
     assert volume(*gone) == 0.0
