@@ -1,8 +1,9 @@
 """Ink JSON (``bozzetto-ink/1``): every sample, column and camera, in plain text.
 
 ``x`` and ``y`` are canvas pixels, y down; ``pressure`` is 0 … 1, ``t`` seconds. All but
-``x`` and ``y`` may be left out. ``curve`` is the stroke's group. A stroke that was drawn
-through another camera than the sheet's carries its own ``camera`` and ``canvas``.
+``x`` and ``y`` may be left out. ``curve`` is the stroke's group; a number is taken for its
+digits. A stroke that was drawn through another camera than the sheet's carries its own
+``camera`` and ``canvas``.
 ``steps`` say how the strokes were used; see `exchange.ink_steps`.
 """
 
@@ -53,7 +54,7 @@ class _StrokeRecord(msgspec.Struct):
     twist: Numbers | None = None
     tool: Literal["pen", "eraser", "mouse", "imported"] = "pen"
     color: tuple[Byte, Byte, Byte] | None = None
-    curve: Annotated[str, Meta(max_length=1000)] = ""
+    curve: Annotated[str, Meta(max_length=1000)] | int = ""
     camera: CameraRecord | None = None
     canvas: CanvasRecord | None = None
 
@@ -119,7 +120,7 @@ def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord
             camera = camera_from(record.camera, record.canvas or canvas)
         x, y = columns.pop("x"), columns.pop("y")
         return Stroke(
-            x, y, camera, **columns, tool=record.tool, color=record.color, group=record.curve
+            x, y, camera, **columns, tool=record.tool, color=record.color, group=str(record.curve)
         )
     except UserError as error:
         raise FormatError(f"{place}: {error.message}") from error

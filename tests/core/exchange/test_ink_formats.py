@@ -104,6 +104,13 @@ def test_the_smallest_file_by_hand():
     assert drawing.name == "name"
 
 
+def test_a_curve_may_be_named_by_a_number():
+    made = ink_json.read_drawing(document().replace(b'"roof"', b"7"), "name")
+    assert made.strokes[1].group == "7"
+    with pytest.raises(FormatError):
+        ink_json.read_drawing(document().replace(b'"roof"', b"7.5"), "name")
+
+
 def test_a_byte_order_mark_is_no_damage():
     assert ink_json.read_drawing(b"\xef\xbb\xbf" + document(), "name").strokes[1].group == "roof"
 
