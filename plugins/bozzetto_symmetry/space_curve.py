@@ -62,13 +62,16 @@ def across(points: ArrayLike, *, ring: bool = False) -> Spline:
     Returns
     -------
     Spline
-        2k − 1 control points over −1 … 1, the middle one first in `points`; a ring has 2k − 2.
+        2k − 1 control points over −1 … 1, the middle one first in `points`; the mirror image
+        of the place at u is that at −u. A ring has 2k − 2 over 0 … 1: it leaves the plane at
+        0, with the half, and is back on it at ½.
     """
     half = np.array(points, float)
     half[0, 1] = 0.0
     if ring:
         half[-1, 1] = 0.0
-        once = np.vstack([half, (half * MIRROR)[-2:0:-1]])
+        # A basis function has its middle one knot before its number: the first goes second.
+        once = np.vstack([half[1:2] * MIRROR, half, (half * MIRROR)[-2:1:-1]])
         return Spline(uniform_knots(len(once), True), np.vstack([once, once[:DEGREE]]), closed=True)
     whole = np.vstack([(half * MIRROR)[:0:-1], half])
     upper = uniform_knots(len(whole), False)

@@ -1,0 +1,342 @@
+"""The symmetric spline that explains all the ink of a curve, in all views at once.
+
+A bundle adjustment: the control points of a half are moved until the images of the curve and
+of its mirror image lie in the middle of the ink that shows them. The ink decides across
+itself only; where that says next to nothing about space, because the curve points at the
+vanishing point, the curve goes on as smoothly as it can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto_symmetry.sighting import END_NOISE, TREMOR, Ink, inked
+from bozzetto_symmetry.space_curve import Reading, SpaceCurve
+from bozzetto_symmetry.starting import ROUGHNESS, approximated, half_of, length_of, stations_of
+from bozzetto_symmetry.stereo import Stereo
+from bozzetto_symmetry.symmetric_basis import SymmetricBasis
+from bozzetto_symmetry.through import FEWEST, MORE, MOST, Controls, through
+from bozzetto_symmetry.uncertainty import image_slopes
+
+__all__ = ["Bundled", "Sight", "bundled", "through"]
+
+Array = NDArray[np.float64]
+
+ENOUGH: Final = 0.1
+"""Distance of the ink from the image of the curve (rms, px) at which more control points are
+of no use: a tenth of what a hand can do, for the error in space is several times as large."""
+
+NOISE_FACTOR: Final = 1.3
+"""The same as a multiple of the hand's noise."""
+
+ROUNDS: Final = 10
+"""Most Gauss–Newton steps with one number of control points."""
+
+GAIN: Final = 0.002
+"""Share of what is to be made small that a step must take away for another one to follow."""
+
+DAMPING: Final = (1e-4, 10.0, 1e4)
+"""First damping of the steps, as a share of the diagonal of the equations, what it is
+multiplied by where a step makes it worse, and where the search is given up."""
+
+LEASH: Final = 0.1
+"""Standard deviation of the first guess as a share of the length: it holds what no ink does."""
+
+NO_GAIN: Final = 0.9
+"""Share of the best distance that more control points must reach to be better."""
+
+LOST: Final = 4.0
+"""Distance (rms, px) above which the feet of the ink may be on the wrong branches."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """The ink of one curve in one view.
+
+    Parameters
+    ----------
+    stereo : Stereo
+    near : tuple of (n, 2) float
+        Pieces of ink, px, that show the half that was drawn.
+    far : tuple of (n, 2) float
+        Those that show its mirror image.
+    noise : float
+        Standard deviation of the hand across the ink, px.
+    """
+
+    stereo: Stereo
+    near: tuple[Array, ...]
+    far: tuple[Array, ...] = ()
+    noise: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bundled:
+    """A curve, and how well the ink determines it.
+
+    Attributes
+    ----------
+    curve : SpaceCurve
+    rms : float
+        Root mean square distance of the ink from the images of the curve, px.
+    """
+
+    curve: SpaceCurve
+    rms: float
+    _basis: SymmetricBasis = field(repr=False)
+    _covariance: Array = field(repr=False)
+
+    def sigma(self, parameters: ArrayLike) -> Array:
+        """Standard deviation of the curve across itself, (n,) mm.
+
+        From the covariance of the control points at the noise of the views. What moves a
+        place along the curve is left out, it does not change the curve; at a free end it
+        counts.
+
+        Parameters
+        ----------
+        parameters : (n,) array_like
+            Of `curve.spline`.
+        """
+        at = np.atleast_1d(np.asarray(parameters, float))
+        values = self._basis.values(at)
+        rows = [self._basis.rows(values, np.tile(axis, (len(at), 1))) for axis in np.eye(3)]
+        stacked = np.stack(rows, axis=1)
+        spread = np.einsum("naf,fg,nbg->nab", stacked, self._covariance, stacked)
+        tangent = self.curve.spline.derivative(at)
+        length = np.linalg.norm(tangent, axis=1, keepdims=True)
+        unit = np.divide(tangent, length, out=np.zeros_like(tangent), where=length > 0)
+        if not self._basis.periodic:
+            low, high = self._basis.whole.range
+            unit[(at <= low) | (at >= high)] = 0.0
+        along = np.einsum("na,nab,nb->n", unit, spread, unit)
+        across = np.trace(spread, axis1=1, axis2=2) - along
+        return np.asarray(np.sqrt(np.maximum(across, 0.0)))
+
+
+def bundled(
+    reading: Reading,
+    points: ArrayLike,
+    covariances: ArrayLike,
+    sights: Sequence[Sight],
+    *,
+    closed: bool = False,
+    ring: bool = False,
+    controls: Controls = "adaptive",
+) -> Bundled:
+    """Fit one symmetric spline to all ink of all views.
+
+    Least squares of the distances of the ink across the image of the curve, each over the
+    noise of its hand, with feet found anew at every step (Gauss–Newton, tangent distance
+    minimisation; Wang, Pottmann & Liu 2006, section 3.3), and of the curve's third
+    derivative, which decides only where the ink does not.
+
+    Parameters
+    ----------
+    reading : {"pair", "self", "plane"}
+    points : (k, 3) array_like
+        Where the curve is, roughly, mm, in order: along the side that was drawn; of a curve
+        across the plane along all of it, beginning with the half that was drawn first, or
+        along that half from the plane outwards. Those that are not finite are left out.
+    covariances : (k, 3, 3) array_like
+        Of these places, mm².
+    sights : sequence of Sight
+    closed : bool
+        The side that was drawn is closed.
+    ring : bool
+        The curve across the plane is closed.
+    controls : {"adaptive", "seven"}
+        Control points of a half. "adaptive" takes 7, then 3 more until the ink is within
+        0.1 px (rms) or 1.3 times the noise of the hand, or more are of no use.
+
+    Returns
+    -------
+    Bundled
+
+    Raises
+    ------
+    UserError
+        If the points are a dot, or no view has ink that shows the curve.
+    """
+    place = np.reshape(np.asarray(points, float), (-1, 3))
+    spread = np.reshape(np.asarray(covariances, float), (-1, 3, 3))
+    pairwise = closed and reading != "self"
+    basis = SymmetricBasis(reading, FEWEST, pairwise, ring)
+    place, spread = half_of(place, spread, basis)
+    stations = stations_of(place, spread, basis)
+    most = MOST if controls == "adaptive" else FEWEST
+    enough = [max(ENOUGH, NOISE_FACTOR * sight.noise) for sight in sights]
+
+    best: _Fit | None = None
+    made: _Fit | None = None
+    count, idle = FEWEST, 0
+    while count <= most and idle < 2:
+        basis = SymmetricBasis(reading, count, pairwise, ring)
+        made = _fitted(basis, place, spread, stations, sights, made)
+        if best is None or made.rms < NO_GAIN * best.rms:
+            best, idle = made, 0
+        else:
+            idle += 1
+        if made.excess(enough) <= 1.0:
+            break
+        count += MORE
+    assert best is not None
+    return Bundled(
+        best.problem.basis.curve(best.points), best.rms, best.problem.basis, best.covariance()
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """What holds a curve beside the ink: rows that say ``matrix @ free = target``."""
+
+    basis: SymmetricBasis
+    matrix: Array
+    target: Array
+
+    @classmethod
+    def of(cls, basis: SymmetricBasis, start: Array, inks: Sequence[Ink]) -> _Problem:
+        low, high = basis.half
+        at = np.linspace(low, high, 2 * basis.count, endpoint=not basis.periodic)
+        values = basis.values(at)
+        length = length_of(basis.at(values, start))
+        leash = [
+            basis.rows(values, np.tile(axis, (len(at), 1))) / (LEASH * length * len(at) ** 0.5)
+            for axis in np.eye(3)
+        ]
+        free = start.ravel()[basis.free]
+        rows = [np.vstack(leash)]
+        targets = [rows[0] @ free]
+        rows.append(basis.bending() / (ROUGHNESS * length))
+        targets.append(np.zeros(len(rows[1])))
+        for end in _loose_ends(basis, inks):
+            row = _end_row(basis, start, end, inks[0])
+            rows.append(row)
+            targets.append(row @ free)
+        return cls(basis, np.vstack(rows), np.concatenate(targets))
+
+
+def _loose_ends(basis: SymmetricBasis, inks: Sequence[Ink]) -> list[float]:
+    """Parameters of the ends of the half that no ink shows."""
+    if basis.periodic:
+        return []
+    ends = basis.half[1:] if basis.reading == "self" else basis.half
+    return [end for end in ends if not any((ink.feet[ink.held] == end).any() for ink in inks)]
+
+
+def _end_row(basis: SymmetricBasis, start: Array, end: float, ink: Ink) -> Array:
+    """An end stays where it is along the curve, as well as a hand could say."""
+    values = basis.values([end])
+    tangent = basis.at(basis.values([end], 1), start)
+    slopes = image_slopes(ink.stereo, basis.at(values, start))[0]
+    scale = float(np.linalg.norm(slopes)) / (END_NOISE * ink.noise)
+    return basis.rows(values, tangent * scale / max(float(np.linalg.norm(tangent)), 1e-300))
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """A curve on the way, with the feet of the ink on it."""
+
+    problem: _Problem
+    points: Array
+    inks: tuple[Ink, ...]
+    normal: Array
+    right: Array
+    cost: float
+    rms: float
+
+    @classmethod
+    def at(cls, problem: _Problem, points: Array, inks: Sequence[Ink], steps: int = 1) -> _Fit:
+        basis = problem.basis
+        inks = tuple(ink.settled(basis, points, steps=steps) for ink in inks)
+        rest = problem.target - problem.matrix @ points.ravel()[basis.free]
+        normal = problem.matrix.T @ problem.matrix
+        right = problem.matrix.T @ rest
+        cost, squares, count = float(rest @ rest), 0.0, 0
+        for ink in inks:
+            rows, off = _equations(ink, basis, points)
+            normal += rows.T @ rows
+            right += rows.T @ off
+            cost += float(off @ off)
+            distance = off[: len(ink.share)] * ink.noise / np.sqrt(ink.share)
+            squares, count = squares + float(distance @ distance), count + len(distance)
+        if not np.isfinite(cost):
+            cost = np.inf
+        return cls(problem, points, inks, normal, right, cost, (squares / count) ** 0.5)
+
+    def stepped(self, damping: float) -> _Fit:
+        """After one damped Gauss–Newton step."""
+        damped = self.normal + damping * np.diag(np.diag(self.normal))
+        step = np.linalg.solve(damped, self.right)
+        points = self.problem.basis.moved(self.points, step)
+        return _Fit.at(self.problem, points, self.inks)
+
+    def excess(self, enough: Sequence[float]) -> float:
+        """The distance of the ink as a multiple of what is enough."""
+        return self.rms / min(enough)
+
+    def covariance(self) -> Array:
+        """Of the free coordinates, mm²: what a hand's noise along the ink does to them."""
+        basis = self.problem.basis
+        inner = self.problem.matrix.T @ self.problem.matrix
+        for ink in self.inks:
+            rows, _ = _equations(ink, basis, self.points)
+            count = len(ink.share)
+            ends, rows = rows[count:], rows[:count] * np.sqrt(ink.share)[:, None]
+            gap = ink.along[:, None] - ink.along
+            alike = np.exp(-((gap / (2.0 * TREMOR)) ** 2)) * (ink.piece[:, None] == ink.piece)
+            inner += rows.T @ alike @ rows + ends.T @ ends
+        inverse = np.linalg.inv(self.normal)
+        return np.asarray(inverse @ inner @ inverse)
+
+
+def _equations(ink: Ink, basis: SymmetricBasis, points: Array) -> tuple[Array, Array]:
+    """Rows and right side of one view: across the ink, and along it at the ends it shows."""
+    off = ink.deviation(basis, points)
+    scale = np.sqrt(ink.share) / ink.noise
+    across = np.einsum("ni,nij->nj", off.normal * scale[:, None], off.slopes)
+    held = ink.held
+    along = off.along[held] / (END_NOISE * ink.noise)
+    ends = np.einsum("ni,nij->nj", along, off.slopes[held])
+    rows = (basis.rows(off.values, across), basis.rows(off.values[held], ends))
+    rest = (off.across * scale, (off.offset[held] * along).sum(axis=1))
+    return np.vstack(rows), np.concatenate(rest)
+
+
+def _fitted(
+    basis: SymmetricBasis,
+    points: Array,
+    covariances: Array,
+    stations: Array,
+    sights: Sequence[Sight],
+    before: _Fit | None,
+) -> _Fit:
+    """The best curve with one number of control points."""
+    start = approximated(basis, points, covariances, stations)
+    inks = [
+        ink
+        for sight in sights
+        if (ink := inked(sight.stereo, sight.near, sight.far, sight.noise, basis, start))
+    ]
+    if not inks:
+        raise UserError("No ink shows this curve. Draw it again.")
+    fit = _Fit.at(_Problem.of(basis, start, inks), start, inks, steps=0)
+    damping, more, most = DAMPING
+    for _ in range(ROUNDS):
+        tried = fit.stepped(damping)
+        gain = fit.cost - tried.cost
+        if gain >= 0.0:
+            fit, damping = tried, damping / more
+            if gain < GAIN * fit.cost:
+                break
+        elif damping >= most:
+            break
+        else:
+            damping *= more * more
+    return fit

@@ -1,0 +1,126 @@
+"""A first symmetric curve through places in space that are known better and worse."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto_symmetry.symmetric_basis import SymmetricBasis
+
+__all__ = ["ROUGHNESS", "approximated", "half_of", "length_of", "stations_of"]
+
+Array = NDArray[np.float64]
+
+ROUGHNESS: Final = 1000.0
+"""Third derivative, by a parameter from 0 to 1, that a curve of unit length may well have: a
+wave and a half over the whole curve with an amplitude of a fifth of it."""
+
+KNOWN: Final = 0.002
+"""Standard deviation, as a share of the length, below which a place counts as no better."""
+
+DOUBTFUL: Final = 0.01
+"""Standard deviation, as a share of the length, from which steps along a direction say
+little about the length of the way."""
+
+STATIONS: Final = 10
+"""Control points of the curve by which places are given their stations."""
+
+
+def length_of(points: Array) -> float:
+    """Of the chain through points, mm."""
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[Array, Array]:
+    """The half of a curve, in the order of its parameter, from what may be all of it.
+
+    A curve across the plane given whole, from one free end to the other, begins with the
+    half that was drawn first; a ring given whole goes round once. What is given from the
+    plane outwards is a half already. Points that are not finite are left out.
+
+    Raises
+    ------
+    UserError
+        If fewer than two points are left that differ.
+    """
+    known = np.isfinite(points).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    place, spread = points[known], covariances[known]
+    if len(place) < 2 or not np.ptp(place, axis=0).max() > 0:
+        raise UserError("The curve comes out as a dot. Draw it larger, or turn the box.")
+    if basis.reading == "self":
+        heights = place[:, 1]
+        most = np.abs(heights).max()
+        if heights.max() > 0.1 * most and heights.min() < -0.1 * most:
+            changes = np.flatnonzero(np.diff(heights > 0))
+            middle = int(changes[np.argmin(np.abs(changes + 1 - 0.5 * len(place)))]) + 1
+            place, spread = place[:middle][::-1], spread[:middle][::-1]
+        foot = place[:1] * (1.0, 0.0, 1.0)
+        place, spread = np.vstack((foot, place)), np.vstack((spread[:1], spread))
+        if basis.ring:
+            foot = place[-1:] * (1.0, 0.0, 1.0)
+            place, spread = np.vstack((place, foot)), np.vstack((spread, spread[-1:]))
+    return place, spread
+
+
+def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Array:
+    """Shares of the half's parameters, (n,), by the length of the way.
+
+    Where places are known badly in one direction they jump about in it, and their chords are
+    far too long: a step counts by what is known of it. Then the way is measured on a smooth
+    curve through them.
+    """
+    ring = basis.closed
+    steps = np.diff(points, axis=0, append=points[:1]) if ring else np.diff(points, axis=0)
+    spread = 0.5 * (covariances + np.roll(covariances, -1, axis=0))[: len(steps)]
+    doubt = (DOUBTFUL * length_of(points)) ** 2
+    discounted = np.linalg.solve(np.eye(3) + spread / doubt, steps[:, :, None])[:, :, 0]
+    lengths = np.sqrt(np.maximum((steps * discounted).sum(axis=1), 0.0))
+    stations = _shares(lengths, len(points))
+    smooth = SymmetricBasis(basis.reading, STATIONS, basis.closed, basis.ring)
+    made = approximated(smooth, points, covariances, stations)
+    low, high = smooth.half
+    fine = np.linspace(0.0, 1.0, 20 * STATIONS + 1)
+    way = smooth.at(smooth.values(low + (high - low) * fine * (1 - 1e-12)), made)
+    passed = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    return np.asarray(np.interp(stations, fine, _shares(passed, len(fine))))
+
+
+def _shares(lengths: Array, count: int) -> Array:
+    """Shares of the whole way at each of `count` places."""
+    total = float(lengths.sum())
+    if not total > 0:
+        return np.linspace(0.0, 1.0, count)
+    return np.concatenate(([0.0], np.cumsum(lengths)))[:count] / total
+
+
+def approximated(
+    basis: SymmetricBasis, points: Array, covariances: Array, stations: Array
+) -> Array:
+    """Control points of a half through places, by least squares with their covariances.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+    covariances : (n, 3, 3) float
+        mm²; only their ratios count.
+    stations : (n,) float
+        Shares of the half, 0 … 1.
+
+    Returns
+    -------
+    (count, 3) float
+    """
+    length = length_of(points)
+    floor = (KNOWN * length) ** 2 * np.eye(3)
+    weight = np.linalg.cholesky(np.linalg.inv(covariances + floor))
+    low, high = basis.half
+    values = basis.values(low + (high - low) * stations)
+    matrix = np.vstack([basis.rows(values, weight[:, :, axis]) for axis in range(3)])
+    target = np.concatenate([(points * weight[:, :, axis]).sum(axis=1) for axis in range(3)])
+    smooth = basis.bending() / (ROUGHNESS * length)
+    normal = matrix.T @ matrix + smooth.T @ smooth
+    normal += 1e-12 * np.trace(normal) / len(normal) * np.eye(len(normal))
+    return basis.moved(np.zeros((basis.count, 3)), np.linalg.solve(normal, matrix.T @ target))
