@@ -1,0 +1,250 @@
+"""Which strokes belong together: drawn alongside one another, or one continuing another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.ink.resample import arc_length, resample
+
+__all__ = ["Bond", "bonds_between", "grouped"]
+
+Array = NDArray[np.float64]
+
+STEP: Final = 4.0
+"""Distance of the places at which strokes are compared, px."""
+
+MOST_PLACES: Final = 100
+"""Most places of a stroke: bounds the time of many long strokes."""
+
+BESIDE_SHARE: Final = 0.04
+"""Distance within which strokes may run alongside, as a share of the longer one's length."""
+
+BESIDE: Final = (8.0, 16.0)
+"""Least and greatest of that distance, px."""
+
+PARALLEL: Final = 0.7
+"""Cosine of the angle between strokes that run alongside one another."""
+
+GOOD_PART: Final = 0.5
+"""Share of the shorter stroke that has to run alongside the other."""
+
+TOUCHING: Final = 5.0
+"""Mean distance of two strokes, px, that were drawn over one another, and surely not the two
+sides of a pair."""
+
+CONTINUING: Final = 0.85
+"""Cosine of the bend at which one stroke still continues another."""
+
+GAP_SHARE: Final = 0.04
+"""Widest gap of a continued stroke, as a share of the shorter piece."""
+
+GAP: Final = (3.0, 10.0)
+"""Least and greatest of that gap, px."""
+
+END: Final = 10.0
+"""Length over which the direction of an end is taken, px."""
+
+CONTRAST: Final = 1.8
+"""How much farther apart than the strokes of one side two sides are drawn."""
+
+BENT: Final = 0.25
+"""Price of a bend of 90° where strokes have to be united, as a share of the shorter one's
+length."""
+
+
+@dataclass(frozen=True)
+class Bond:
+    """How two strokes hang together.
+
+    Attributes
+    ----------
+    distance : float
+        Mean distance where they run alongside, or the gap between two ends; px.
+    over : bool
+        Drawn over one another, not continued.
+    sure : bool
+        Close enough by itself; else only where strokes have to be united.
+    """
+
+    distance: float
+    over: bool
+    sure: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Trail:
+    places: Array
+    tangents: Array
+    length: float
+
+    @classmethod
+    def of(cls, pixels: Array) -> _Trail:
+        length = float(arc_length(pixels)[-1])
+        places = resample(pixels, count=int(np.clip(length / STEP, 8, MOST_PLACES)))
+        tangents = np.gradient(places, axis=0)
+        tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-300)
+        return cls(places, tangents, length)
+
+    def end(self, last: bool) -> tuple[Array, Array]:
+        """The place of an end, and the direction in which the stroke leaves through it."""
+        spacing = self.length / (len(self.places) - 1)
+        back = int(np.clip(round(END / max(spacing, 1e-9)), 1, len(self.places) - 1))
+        at, inner = (-1, -1 - back) if last else (0, back)
+        way = self.places[at] - self.places[inner]
+        return self.places[at], way / max(float(np.linalg.norm(way)), 1e-300)
+
+
+def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
+    """Put strokes in one or two groups, the one of the first stroke first.
+
+    Strokes that run alongside one another over a good part of the shorter one, or continue
+    one another, belong together; strokes that merely cross do not. Where more than two
+    groups are left, those are united that continue or accompany one another best. Two
+    strokes are taken for one only if they lie within a few pixels; more strokes are told
+    apart by contrast: the two sides of a pair, seen from the side, may be nearer to one
+    another than the strokes of a broad scribble are.
+
+    Parameters
+    ----------
+    lines : sequence of (n, 2) float
+        Each stroke smoothed, px.
+    apart : bool
+        Two groups are wanted.
+    """
+    count = len(lines)
+    if count == 1:
+        return [[0]]
+    bonds = bonds_between(lines)
+    groups = [{k} for k in range(count)]
+    least = 1 if not apart else 2
+    sizes = [float(arc_length(line)[-1]) for line in lines]
+    while len(groups) > least:
+        first, second, bond = _nearest(groups, bonds, sizes)
+        if len(groups) <= 2 and not (bond.sure and _no_pair(groups, bonds, bond)):
+            break
+        groups[first] |= groups[second]
+        del groups[second]
+    return [sorted(group) for group in sorted(groups, key=min)]
+
+
+def _nearest(
+    groups: Sequence[set[int]], bonds: Sequence[Sequence[Bond]], sizes: Sequence[float]
+) -> tuple[int, int, Bond]:
+    """The two groups that hang together best: surely so, then by their distance."""
+    best: tuple[tuple[bool, float], int, int, Bond] | None = None
+    for second in range(1, len(groups)):
+        for first in range(second):
+            bond = _bond(groups[first], groups[second], bonds, sizes)
+            rank = (not bond.sure, bond.distance)
+            if best is None or rank < best[0]:
+                best = (rank, first, second, bond)
+    assert best is not None
+    return best[1:]
+
+
+def _bond(
+    one: set[int], other: set[int], bonds: Sequence[Sequence[Bond]], sizes: Sequence[float]
+) -> Bond:
+    """How two groups hang together.
+
+    Where several strokes run alongside, the mean of their distances counts, as in average
+    linkage: one stroke that strays towards the other side does not unite the sides.
+    """
+    pairs = [bonds[i][j] for i in one for j in other]
+    over = [bond for bond in pairs if bond.over and bond.sure]
+    if over:
+        weights = [
+            min(sizes[i], sizes[j])
+            for i in one
+            for j in other
+            if bonds[i][j].over and bonds[i][j].sure
+        ]
+        mean = float(np.average([bond.distance for bond in over], weights=weights))
+        return Bond(mean, True, True)
+    return min(pairs, key=lambda bond: (not bond.sure, bond.distance))
+
+
+def _no_pair(groups: Sequence[set[int]], bonds: Sequence[Sequence[Bond]], bond: Bond) -> bool:
+    """Whether the last two groups are one side after all."""
+    if not bond.over:
+        return True
+    within = [
+        bonds[i][j].distance
+        for group in groups
+        for i in group
+        for j in group
+        if i < j and bonds[i][j].over and bonds[i][j].sure
+    ]
+    if not within:
+        return bond.distance <= TOUCHING
+    return bond.distance <= CONTRAST * max(float(np.mean(within)), 0.5 * TOUCHING)
+
+
+def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
+    """How each stroke hangs together with each other one."""
+    trails = [_Trail.of(line) for line in lines]
+    none = Bond(0.0, False, False)
+    made = [[none] * len(trails) for _ in trails]
+    for j in range(1, len(trails)):
+        for i in range(j):
+            made[i][j] = made[j][i] = _between(trails[i], trails[j])
+    return made
+
+
+def _between(one: _Trail, other: _Trail) -> Bond:
+    offset = one.places[:, None] - other.places
+    apart = np.linalg.norm(offset, axis=2)
+    reach = float(np.clip(BESIDE_SHARE * max(one.length, other.length), *BESIDE))
+    shorter, longer, square = (
+        (one, other, apart) if one.length <= other.length else (other, one, apart.T)
+    )
+    nearest = square.argmin(axis=1)
+    rows = np.arange(len(nearest))
+    # Places stand some pixels apart along the stroke: only the distance across it counts.
+    tangents = longer.tangents[nearest]
+    step = shorter.places - longer.places[nearest]
+    across = np.abs(step[:, 0] * tangents[:, 1] - step[:, 1] * tangents[:, 0])
+    inside = (nearest > 0) & (nearest < len(longer.places) - 1)
+    distance = np.where(inside, across, square[rows, nearest])
+    parallel = np.abs((shorter.tangents * tangents).sum(axis=1)) > PARALLEL
+    beside = (distance < reach) & parallel
+    if beside.mean() >= GOOD_PART:
+        return Bond(float(distance[beside].mean()), True, True)
+    overlap = _overlapping(beside, nearest, len(longer.places))
+    if overlap:
+        return Bond(float(distance[beside].mean()), False, True)
+    return _continued(one, other)
+
+
+def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: int) -> bool:
+    """Whether one stroke begins alongside the end of the other: a continued one, overlapping."""
+    if beside.sum() < 3 or beside.sum() != np.ptp(np.flatnonzero(beside)) + 1:
+        return False
+    own_end = bool(beside[0] or beside[-1])
+    met = nearest[beside]
+    return own_end and bool(met.min() == 0 or met.max() == count - 1)
+
+
+def _continued(one: _Trail, other: _Trail) -> Bond:
+    """The best joint of an end of one stroke with an end of the other."""
+    shorter = min(one.length, other.length)
+    widest = float(np.clip(GAP_SHARE * shorter, *GAP))
+    best = Bond(np.inf, False, False)
+    for last in (False, True):
+        place, way = one.end(last)
+        for other_last in (False, True):
+            there, back = other.end(other_last)
+            gap = float(np.linalg.norm(there - place))
+            straight = float(-(way @ back))
+            ahead = gap < GAP[0] or float(way @ (there - place)) > 0.5 * gap
+            if gap <= widest and straight > CONTINUING and ahead:
+                found = Bond(gap, False, True)
+            else:
+                found = Bond(gap + BENT * shorter * (1.0 - straight), False, False)
+            best = min(best, found, key=lambda bond: (not bond.sure, bond.distance))
+    return best

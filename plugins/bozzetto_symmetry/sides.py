@@ -1,0 +1,149 @@
+"""From the strokes of one view to one or two settled sides of a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.resample import arc_length, resample
+from bozzetto.ink.settle import fading, settle
+from bozzetto_symmetry.grouping import bonds_between, grouped
+from bozzetto_symmetry.line import Line, drawn_line, evenly_spaced, pen_down
+
+__all__ = ["Side", "settled", "sides_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One side of a curve in one view: a single line, however often it was drawn.
+
+    Attributes
+    ----------
+    pixels : (n, 2) float
+        Evenly spaced, in the sense of the first stroke; a closed side does not repeat its
+        first point.
+    closed : bool
+    noise : float
+        Standard deviation of the line across itself, px: what of the hand can be told from
+        the form, over the root of how often the line was drawn. Never below 0.
+    strokes : tuple of int
+        Which of the given strokes.
+    sure : bool
+        Whether several strokes settle into one line well.
+    """
+
+    pixels: Array
+    closed: bool
+    noise: float
+    strokes: tuple[int, ...]
+    sure: bool = True
+
+
+def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]:
+    """Put the strokes of one view in sides, and settle each.
+
+    A side may be scribbled over with many strokes in any sense, drawn in consecutive pieces,
+    and in turn with the other one (`bozzetto_symmetry.grouping`). A side of one stroke, or
+    of pieces that continue one another, keeps its own form; strokes over one another settle,
+    older ones fading.
+
+    Parameters
+    ----------
+    strokes : sequence of Stroke
+        Of one camera, in the order drawn. Dots are left out.
+    asked : {"auto", "pair", "self", "plane", "half"}
+        "pair" keeps two sides apart that would be taken for one; one side is enough for
+        the last three, so that strokes on both sides of the plane are put together.
+
+    Returns
+    -------
+    tuple of Side
+        One or two; the side whose stroke came first is the first.
+
+    Raises
+    ------
+    UserError
+        If there is no stroke with a length.
+    """
+    drawn = {k: points for k, s in enumerate(strokes) if len(points := pen_down(s)) > 1}
+    if not drawn:
+        raise UserError("There is only a dot. Draw the whole curve.")
+    numbers = list(drawn)
+    lines = [drawn_line(drawn[k]) for k in numbers]
+    # A closed line is compared with its gap, as the pen went.
+    groups = grouped([line.pixels for line in lines], apart=asked == "pair")
+    sides = []
+    for group in groups:
+        members = tuple(numbers[k] for k in group)
+        if len(group) == 1:
+            line = lines[group[0]]
+            sides.append(Side(line.pixels, line.closed, line.noise, members))
+        else:
+            sides.append(_united({k: strokes[k] for k in members}, [lines[k] for k in group]))
+    return tuple(sides)
+
+
+def settled(sides: Sequence[Side], strokes: Sequence[Stroke]) -> Side:
+    """Several sides as the one that they may be after all."""
+    members = sorted(k for side in sides for k in side.strokes)
+    return _united(
+        {k: strokes[k] for k in members}, [drawn_line(pen_down(strokes[k])) for k in members]
+    )
+
+
+def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
+    """One side of several strokes: pieces one after the other, or all settled together."""
+    places = [pen_down(stroke) for stroke in strokes.values()]
+    bonds = bonds_between([line.pixels for line in lines])
+    if not any(bond.over for row in bonds for bond in row):
+        line = drawn_line(_chained(places))
+        return Side(line.pixels, line.closed, line.noise, tuple(strokes))
+    found = settle(places, fading(list(strokes.values())))
+    pixels = evenly_spaced(_in_sense_of(places[0], found.points, found.closed), closed=found.closed)
+    ring = np.vstack((pixels, pixels[:1])) if found.closed else pixels
+    ink = np.vstack([line.pixels for line in lines])
+    times = sum(float(arc_length(line.pixels)[-1]) for line in lines)
+    times = max(1.0, times / max(float(arc_length(ring)[-1]), 1e-9))
+    scatter = float(1.4826 * np.median(distances_to_polyline(ink, ring)))
+    return Side(pixels, found.closed, scatter / times**0.5, tuple(strokes), found.sure)
+
+
+def _chained(places: Sequence[Array]) -> Array:
+    """Pieces in one line, each joined where the gap is least; in the sense of the first."""
+    chain, rest = places[0], list(places[1:])
+    while rest:
+        joints = [
+            (float(np.linalg.norm(chain[at] - piece[end])), k, at, end)
+            for k, piece in enumerate(rest)
+            for at in (-1, 0)
+            for end in (0, -1)
+        ]
+        _, k, at, end = min(joints)
+        piece = rest.pop(k)
+        if at == -1:
+            chain = np.vstack((chain, piece if end == 0 else piece[::-1]))
+        else:
+            chain = np.vstack((piece if end == -1 else piece[::-1], chain))
+    return chain
+
+
+def _in_sense_of(stroke: Array, points: Array, closed: bool) -> Array:
+    """The settled line in the sense of a stroke; a ring begins where that begins."""
+    line = points[:-1] if closed and np.allclose(points[0], points[-1]) else points
+    ink = resample(stroke, count=64)
+    feet = np.linalg.norm(ink[:, None] - line, axis=2).argmin(axis=1)
+    steps = np.diff(feet)
+    if closed:
+        steps = (steps + len(line) // 2) % len(line) - len(line) // 2
+        line = np.roll(line, -int(feet[0]), axis=0)
+    if np.sign(steps).sum() < 0:
+        return np.roll(line[::-1], 1, axis=0) if closed else line[::-1]
+    return line
