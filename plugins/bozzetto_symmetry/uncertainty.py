@@ -58,12 +58,13 @@ def pair_covariances(
     Returns
     -------
     (n, 3, 3) float
-        mm² per px², positive definite. Where a view says nothing at all about a direction,
-        the standard deviation in it is a hundred visible heights of the sheet.
+        mm² per px², positive definite. Where a pair says nothing at all about a direction,
+        or there is no partner (NaN), the standard deviation in it is a hundred visible
+        heights of the sheet.
     """
     points = stereo.intersected(near, far)
     tangents = np.reshape(np.asarray(far_tangents, float), (-1, 2))
-    normals = np.column_stack((-tangents[:, 1], tangents[:, 0]))
+    normals = np.nan_to_num(np.column_stack((-tangents[:, 1], tangents[:, 0])))
     mirrored = image_slopes(stereo, points * MIRROR) * MIRROR
     across = np.einsum("ni,nij->nj", normals, mirrored)[:, None]
     return _inverted(stereo, np.concatenate((image_slopes(stereo, points), across), axis=1))

@@ -207,7 +207,7 @@ class Camera:
         towards = np.asarray(normal, float)
         towards = towards / np.linalg.norm(towards)
         slope = directions @ towards
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             along = ((np.asarray(point, float) - origins) @ towards) / slope
             along = np.where(np.abs(slope) > PARALLEL, along, np.nan)
         if self.kind == "perspective":
