@@ -1,0 +1,276 @@
+"""Construction lines: straight strokes that find their place in space.
+
+A stroke towards a vanishing point is a line along that axis (Bae, Kijima & Kim 2004 draw in
+a box for this reason; Schmidt et al. 2009 call it a scaffold). Its depth comes from what it
+touches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.plugin import Context
+from bozzetto.scene import Layer, Lines
+from bozzetto.view import Camera
+from bozzetto_symmetry.axes import AXES, along
+from bozzetto_symmetry.grid import clipped
+from bozzetto_symmetry.plane import Point
+from bozzetto_symmetry.state import Line, SymmetryState
+from bozzetto_symmetry.targets import Targets, nearest_target
+from bozzetto_symmetry.visibility import shown_lines
+
+__all__ = ["CHOSEN_WIDTH", "Straight", "axis_of", "line_layer", "line_of", "without_lines"]
+
+Array = NDArray[np.float64]
+
+TOWARDS: Final = np.radians(6.0)
+"""Angle between a stroke and the direction of a vanishing point, up to which it is meant to
+go there."""
+
+STRAIGHT: Final = 0.15
+"""How far a stroke may leave its chord, as a share of the chord."""
+
+SHORTEST: Final = 12.0
+"""Least length of a stroke, px: below, the hand gives it no direction."""
+
+GRAZING: Final = np.sin(np.radians(5.0))
+"""Sine of the angle between a plane and the line of sight below which nothing can be drawn
+on the plane."""
+
+FARTHEST: Final = 1e7
+"""Greatest coordinate of a line's ends, mm."""
+
+ERASED: Final = 0.5
+"""Share of the eraser's path that must lie along a line."""
+
+ERASER_REACH: Final = 10.0
+"""How near to a line that is, px."""
+
+LINE_WIDTH: Final = 1.2
+CHOSEN_WIDTH: Final = 2.0
+"""px."""
+
+
+@dataclass(frozen=True)
+class Straight:
+    """A line in space that a stroke stands for.
+
+    Parameters
+    ----------
+    begin, end : (x, y, z)
+        In the sense of the stroke; in the model's frame, mm.
+    axis : int, optional
+        Which axis of the box it runs along; None where it runs along none.
+    """
+
+    begin: Point
+    end: Point
+    axis: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Anchor:
+    """What lies under an end of the stroke."""
+
+    point: Array
+    known: bool
+    """A point, curve or edge, not just a surface."""
+
+
+def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Context) -> Straight:
+    """The straight line in space that a stroke stands for.
+
+    1. A stroke from one known place to another joins them, in any direction.
+    2. A stroke towards a vanishing point (within 6°) runs along that axis, through the known
+       place at its start or its end; else through the visible surface there; else from the
+       far wall of the box that its start lies on, seen from inside; beside the box from the
+       centre plane.
+    3. A stroke between two places of visible surfaces joins them.
+    4. Any other stroke lies in a plane: that of the wall that it is drawn over, moved to its
+       known end where there is one.
+
+    Parameters
+    ----------
+    stroke : Stroke
+    state : SymmetryState
+    known : Targets
+    context : Context
+        Its visible surfaces, and how near counts as touching.
+
+    Raises
+    ------
+    UserError
+        If the stroke is too short or not straight, or would run beyond all bounds.
+    """
+    begin, end = _chord(stroke)
+    camera = stroke.camera
+    anchors = [_anchor(pixel, camera, known, context) for pixel in (begin, end)]
+    first, last = anchors
+    if first is not None and last is not None and first.known and last.known:
+        return _checked(first.point, last.point, axis_of(begin, end, camera))
+    axis = axis_of(begin, end, camera)
+    if axis is not None:
+        return _along_axis(axis, (begin, end), anchors, camera, state)
+    if first is not None and last is not None:
+        return _checked(first.point, last.point, None)
+    return _on_wall((begin, end), anchors, camera, state)
+
+
+def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
+    """The axis towards whose vanishing point a stroke runs, or away from it; None for none.
+
+    Parameters
+    ----------
+    begin, end : (2,) float
+        px.
+    camera : Camera
+        In the model's frame.
+    """
+    middle, chord = 0.5 * (begin + end), end - begin
+    chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
+    least, found = float(np.sin(TOWARDS)), None
+    for axis, way in enumerate(AXES):
+        right, up, forward = camera.axes @ way
+        toward = np.array([right, -up])
+        if camera.kind == "perspective":
+            focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
+            toward = focal * toward - forward * (middle - 0.5 * np.asarray(camera.viewport))
+            toward /= focal
+        length = float(np.linalg.norm(toward))
+        if length < GRAZING:
+            continue  # it is seen as a point here
+        sine = abs(float(toward[0] * chord[1] - toward[1] * chord[0])) / length
+        if sine < least:
+            least, found = sine, axis
+    return found
+
+
+def line_layer(state: SymmetryState, lines: Sequence[Line]) -> Layer:
+    """Construction lines as they are shown; the chosen one in the accent colour."""
+    items = tuple(
+        Lines(
+            np.array([line.begin, line.end], np.float32),
+            color="accent" if line.id == state.selected else "ghost",
+            width=CHOSEN_WIDTH if line.id == state.selected else LINE_WIDTH,
+        )
+        for line in lines
+    )
+    return Layer("construction lines", items)
+
+
+def without_lines(state: SymmetryState, eraser: Stroke) -> SymmetryState:
+    """Without the construction lines that the eraser runs along or across to and fro.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    gone = []
+    for line in shown_lines(state):
+        ends, _ = eraser.camera.project([line.begin, line.end])
+        if not np.isfinite(ends).all():
+            continue
+        near = distances_to_polyline(eraser.points, ends) <= ERASER_REACH
+        if near.mean() >= ERASED:
+            gone.append(line.id)
+    if not gone:
+        raise UserError("There is no construction line here. Rub along one.")
+    return state.without(*gone)
+
+
+def _chord(stroke: Stroke) -> tuple[Array, Array]:
+    """Both ends of a straight stroke, px."""
+    points = stroke.points
+    begin, end = points[0], points[-1]
+    length = float(np.linalg.norm(end - begin))
+    reach = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if reach < SHORTEST:
+        raise UserError("This is too short for a line. Draw it longer.")
+    if distances_to_polyline(points, np.stack((begin, end))).max() > STRAIGHT * length:
+        raise UserError("A construction line is straight. Draw it in one straight stroke.")
+    return begin, end
+
+
+def _anchor(pixel: Array, camera: Camera, known: Targets, context: Context) -> _Anchor | None:
+    place = nearest_target(pixel, camera, known, 2.0 * context.pen.tolerance)
+    if place is not None:
+        return _Anchor(np.asarray(place.point), known=True)
+    hits = context.surface_hit(camera.rays(pixel))
+    return _Anchor(hits.points[0], known=False) if hits.hit[0] else None
+
+
+def _along_axis(
+    axis: int,
+    ends: tuple[Array, Array],
+    anchors: Sequence[_Anchor | None],
+    camera: Camera,
+    state: SymmetryState,
+) -> Straight:
+    ranks = [2 if a is not None and a.known else int(a is not None) for a in anchors]
+    held = int(ranks[1] > ranks[0])
+    anchor = anchors[held]
+    point = _on_far_wall(ends[0], camera, state)[0] if anchor is None else anchor.point
+    way = along(camera, ends[1 - held], point, AXES[axis])
+    if way is None:
+        raise UserError("The line would have no end there. Turn the view, or draw it shorter.")
+    other = point + way * AXES[axis]
+    return _checked(other, point, axis) if held else _checked(point, other, axis)
+
+
+def _on_wall(
+    ends: tuple[Array, Array],
+    anchors: Sequence[_Anchor | None],
+    camera: Camera,
+    state: SymmetryState,
+) -> Straight:
+    """In the plane of the wall under the stroke, through the end that is held."""
+    place, normal = _on_far_wall(0.5 * (ends[0] + ends[1]), camera, state)
+    held = next((anchor for anchor in anchors if anchor is not None), None)
+    point = place if held is None else held.point
+    first, last = camera.on_plane(ends, point, normal)
+    if anchors[0] is not None:
+        first = anchors[0].point
+    if anchors[1] is not None:
+        last = anchors[1].point
+    return _checked(first, last, None)
+
+
+def _on_far_wall(pixel: Array, camera: Camera, state: SymmetryState) -> tuple[Array, Array]:
+    """Where a line of sight leaves the box, and the normal of that wall.
+
+    Beside the box it is the centre plane, and where that is seen edge-on the plane through
+    the middle of the box that faces the eye.
+    """
+    (origin,), (way,) = camera.rays(pixel)
+    _, end, inside = clipped([origin], [way], state.centre, state.size)
+    if inside[0] and (end[0] > 0.0 or camera.kind == "orthographic"):
+        place = origin + end[0] * way
+        share = np.abs(place - state.centre) / np.asarray(state.size)
+        return place, AXES[int(np.argmax(share))]
+    normal = np.asarray(state.plane.normal)
+    if abs(float(way @ normal)) > GRAZING:
+        (place,) = camera.on_plane(pixel, state.plane.point, normal)
+        if np.isfinite(place).all():
+            return place, normal
+    facing = AXES[int(np.argmax(np.abs(way)))]
+    (place,) = camera.on_plane(pixel, state.centre, facing)
+    return place, facing
+
+
+def _checked(begin: Array, end: Array, axis: int | None) -> Straight:
+    ends = np.stack((begin, end))
+    if not np.isfinite(ends).all() or np.abs(ends).max() > FARTHEST:
+        raise UserError("The line would run beyond all bounds. Turn the view, or draw it shorter.")
+    if (begin == end).all():
+        raise UserError("The line begins and ends in one place. Draw it longer.")
+    first, last = (tuple(float(v) for v in point) for point in ends)
+    return Straight(first, last, axis)  # type: ignore[arg-type]

@@ -1,0 +1,84 @@
+"""Construction lines: straight strokes along the box, or from one known place to another."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Layer, Lines, Paint, Scene
+from bozzetto_symmetry.axes import AXIS_PAINTS
+from bozzetto_symmetry.lines import CHOSEN_WIDTH, Straight, line_of, without_lines
+from bozzetto_symmetry.space_curve import SpaceCurve
+from bozzetto_symmetry.state import Line, SymmetryState
+from bozzetto_symmetry.targets import Targets, targets
+from bozzetto_symmetry.trace import traced
+from bozzetto_symmetry.visibility import shown_curves
+
+__all__ = ["DrawLine"]
+
+
+class DrawLine:
+    """Every stroke is a straight line in space; the eraser takes lines away."""
+
+    id = "line"
+    title = "Line"
+    icon = "icons/line.svg"
+    hint = "Draw a line towards a vanishing point, or from one corner or curve to another."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
+        """The line in space, in the colour of the axis that it runs along."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        try:
+            line = line_of(gesture.strokes[-1], state, _known(state, context), context)
+        except UserError:
+            return Scene()
+        return Scene((Layer("line in the hand", (_lines(line),)),))
+
+    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+        """Add a line for every stroke; what one ends on may be the one before.
+
+        Raises
+        ------
+        UserError
+            If a stroke is too short or not straight, or the eraser meets no line.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw the line with the pen.")
+        for stroke in gesture.strokes:
+            if stroke.tool == "eraser":
+                state = without_lines(state, stroke)
+                continue
+            line = line_of(stroke, state, _known(state, context), context)
+            state = state.with_node(
+                Line(
+                    id=state.unused_id(),
+                    name=state.unused_name("Line"),
+                    begin=line.begin,
+                    end=line.end,
+                )
+            )
+        return state
+
+
+def _known(state: SymmetryState, context: Context) -> Targets:
+    """Everything to draw from and to; a curve that cannot be solved is left out."""
+    curves: list[SpaceCurve] = []
+    for curve in shown_curves(state):
+        try:
+            found = traced(curve, state).curve
+        except UserError:
+            continue
+        if found is not None:
+            curves.append(found)
+    return targets(state, curves, context)
+
+
+def _lines(line: Straight) -> Lines:
+    paint: Paint = "ink" if line.axis is None else AXIS_PAINTS[line.axis]
+    ends = np.array([line.begin, line.end], np.float32)
+    return Lines(ends, color=paint, width=CHOSEN_WIDTH, hidden="show")

@@ -1,0 +1,206 @@
+"""What depends on where one looks from: the back walls' grids, and where the edges vanish."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene import Item, Label, Layer, Lines, Paint, Scene
+from bozzetto.view import Camera
+from bozzetto_symmetry.axes import AXES, AXIS_PAINTS, vanishing_directions
+from bozzetto_symmetry.box import EDGE_WIDTH, grid_lines, segments
+from bozzetto_symmetry.grid import grid_in_box, grid_step
+from bozzetto_symmetry.state import SymmetryState
+from bozzetto_symmetry.targets import box_edges
+
+__all__ = ["back_faces", "seen_from", "vanishing_marks", "vanishing_points"]
+
+Array = NDArray[np.float64]
+
+NEAR_CANVAS: Final = 3.0
+"""Distance from the middle of the canvas, in widths of it, beyond which nobody looks for a
+vanishing point."""
+
+ARM: Final = 7.0
+"""Length of the arms of a mark, px."""
+
+MARK_WIDTH: Final = 1.6
+"""px."""
+
+CONVERGED: Final = 0.97
+"""Share of the way to the vanishing point that lengthened edges go, on the sheet."""
+
+PIECES: Final = 16
+"""Pieces of a lengthened edge, over which it fades."""
+
+LINE_WIDTH, LINE_END_WIDTH = 1.0, 0.25
+"""Of lengthened edges where they leave the box and at their ends, px."""
+
+LINE_OPACITY: Final = 0.6
+
+WIDER: Final = 3.0
+"""How much larger than the box the ground's grid is that shows the perspective."""
+
+
+def seen_from(state: SymmetryState, camera: Camera) -> Scene:
+    """What belongs to the box in one view; shown over the box itself.
+
+    The edges in front are firmer, the walls behind bear grids, and where vanishing lines are
+    asked for there are lengthened edges, a wider ground, and the points at which they meet.
+
+    Parameters
+    ----------
+    state : SymmetryState
+    camera : Camera
+        In the model's frame.
+    """
+    layers = [Layer("front edges", (segments(front_edges(state, camera), "ghost", EDGE_WIDTH),))]
+    if state.grid:
+        layers.append(Layer("back walls", tuple(_walls(state, camera))))
+    if state.vanishing:
+        layers.append(Layer("vanishing lines", tuple(_lengthened(state, camera))))
+        return Scene(tuple(layers)) + vanishing_marks(state, camera)
+    return Scene(tuple(layers))
+
+
+def back_faces(state: SymmetryState, camera: Camera) -> list[tuple[int, int]]:
+    """Axis and sense (1, -1) of the faces that one looks at from inside the box."""
+    centre, half = np.asarray(state.centre), 0.5 * np.asarray(state.size)
+    found = []
+    for axis in range(3):
+        for sense in (1, -1):
+            outwards = sense * AXES[axis]
+            if camera.kind == "orthographic":
+                facing = float(camera.axes[2] @ outwards)
+            else:
+                facing = float((centre + half[axis] * outwards - camera.eye) @ outwards)
+            if facing > 0.0:
+                found.append((axis, sense))
+    return found
+
+
+def front_edges(state: SymmetryState, camera: Camera) -> Array:
+    """The edges of the box that no face of it covers, (n, 2, 3) mm."""
+    back = set(back_faces(state, camera))
+    edges = box_edges(state)
+    aside = np.sign(edges.mean(axis=1) - state.centre).astype(int)
+    covered = [
+        all((axis, int(s)) in back for axis, s in enumerate(row) if axis != k // 4)
+        for k, row in enumerate(aside)
+    ]
+    return np.asarray(edges[~np.array(covered)])
+
+
+def _walls(state: SymmetryState, camera: Camera) -> Iterator[Item]:
+    step = grid_step(max(state.size))
+    for axis, sense in back_faces(state, camera):
+        if (axis, sense) == FLOOR:
+            continue
+        middle = np.asarray(state.centre) + 0.5 * sense * state.size[axis] * AXES[axis]
+        first, second = AXES[[(axis + 1) % 3, (axis + 2) % 3]]
+        grid = grid_in_box(middle, first, second, step, centre=state.centre, size=state.size)
+        yield from grid_lines(grid, "grid")
+
+
+FLOOR: Final = (2, -1)
+"""Axis and sense of the lower face, whose grid is always there."""
+
+
+# -- where edges vanish ------------------------------------------------------------------------
+
+
+def vanishing_points(camera: Camera) -> tuple[Array | None, ...]:
+    """Where the three axes vanish on the sheet, (2,) px each; None where they do not.
+
+    A point further away than `NEAR_CANVAS` counts as none.
+    """
+    found: list[Array | None] = []
+    middle = 0.5 * np.asarray(camera.viewport)
+    focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
+    for way in vanishing_directions(camera):
+        if way is None:
+            found.append(None)
+            continue
+        right, up, forward = camera.axes @ way
+        place = middle + focal / forward * np.array([right, -up])
+        near = float(np.linalg.norm(place - middle)) <= NEAR_CANVAS * camera.viewport[0]
+        found.append(place if near else None)
+    return tuple(found)
+
+
+def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
+    """Crosses where the axes of the box vanish, with their letters.
+
+    A vanishing point is nowhere in space: each cross stands on its line of sight, at the
+    depth of the target, and so large that it is `ARM` pixels there.
+
+    Parameters
+    ----------
+    state : SymmetryState
+    camera : Camera
+        In the model's frame.
+    """
+    items: list[Item] = []
+    for place, paint, letter in zip(vanishing_points(camera), AXIS_PAINTS, "xyz", strict=True):
+        if place is not None:
+            items += _cross(camera, place, paint, letter)
+    return Scene((Layer("vanishing points", tuple(items)),)) if items else Scene()
+
+
+def _cross(camera: Camera, place: Array, paint: Paint, letter: str) -> tuple[Item, Item]:
+    forward = camera.axes[2]
+    on_sheet = np.asarray(camera.target, float)
+    arms = ARM * np.array([(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)])
+    ends = camera.on_plane(place + arms, on_sheet, forward)
+    ((x, y, z),) = camera.on_plane(place, on_sheet, forward).tolist()
+    lines = Lines(
+        ends.astype(np.float32),
+        np.array([0, 2], np.int32),
+        color=paint,
+        width=MARK_WIDTH,
+        hidden="show",
+    )
+    return lines, Label((x, y, z), letter, paint)
+
+
+def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
+    """The edges carried on to where they meet, and a ground that is wider than the box."""
+    ways = vanishing_directions(camera)
+    edges = box_edges(state).reshape(3, 4, 2, 3)
+    share = np.linspace(0.0, 1.0, PIECES + 1)
+    widths = (LINE_WIDTH + (LINE_END_WIDTH - LINE_WIDTH) * share).astype(np.float32)
+    for way, parallel, paint, axis in zip(ways, edges, AXIS_PAINTS, AXES, strict=True):
+        lines = []
+        for edge in parallel:
+            if way is None:
+                lines.append(edge[1] + state.diagonal * share[:, None] * axis)
+                lines.append(edge[0] - state.diagonal * share[:, None] * axis)
+                continue
+            far = edge[int(np.argmax(edge @ way))]
+            depth = float(camera.axes[2] @ (far - camera.eye))
+            if depth > 0.0:
+                lines.append(far + _to_horizon(depth, way, camera, share) * way)
+        if lines:
+            yield Lines(
+                np.concatenate(lines).astype(np.float32),
+                np.arange(len(lines), dtype=np.int32) * len(share),
+                color=paint,
+                width=np.tile(widths, len(lines)),
+                opacity=LINE_OPACITY,
+            )
+    low = np.asarray(state.centre) - (0.0, 0.0, 0.5 * state.height)
+    size = np.asarray(state.size) * (WIDER, WIDER, 1.0)
+    grid = grid_in_box(
+        low, AXES[0], AXES[1], grid_step(max(state.size)), centre=state.centre, size=size
+    )
+    yield from grid_lines(grid, "grid")
+
+
+def _to_horizon(depth: float, way: Array, camera: Camera, share: Array) -> Array:
+    """Ways, (n, 1) mm, at equal steps on the sheet from a depth to nearly the horizon."""
+    steepness = float(camera.axes[2] @ way)
+    seen = CONVERGED * share
+    return np.asarray((depth / steepness * seen / (1.0 - seen))[:, None])
