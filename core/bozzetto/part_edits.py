@@ -19,7 +19,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.parameters import parameter_fields, set_parameters
 from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.parts import HasParts
+from bozzetto.plugin.parts import HasParts, ReleasesParts
 from bozzetto.plugin.registry import Registry
 
 __all__ = ["PartEdit", "PartEdits"]
@@ -105,10 +105,10 @@ class PartEdits:
         changed = self._edited(model, lambda tree: tree.shown(part_id, visible))
         return PartEdit(changed, f"{'Show' if visible else 'Hide'} “{self._name(model, part_id)}”")
 
-    def delete(self, model: Model, part_id: str) -> PartEdit:
-        """Take a part out, with all that is in it."""
-        changed = self._edited(model, lambda tree: tree.without(part_id))
-        return PartEdit(changed, f"Delete “{self._name(model, part_id)}”")
+    def delete(self, model: Model, *part_ids: str) -> PartEdit:
+        """Take parts out, with all that is in them."""
+        changed = self._edited(model, lambda tree: tree.without(*part_ids))
+        return PartEdit(changed, f"Delete {self._names_of(model, part_ids)}")
 
     def duplicate(self, model: Model, part_id: str) -> PartEdit:
         """Put a copy behind a part, with all that is in it; the copy is chosen."""
@@ -132,8 +132,24 @@ class PartEdits:
             return tree.grouped(ids, group)
 
         changed = self._edited(model, change)
-        what = f"“{self._name(model, ids[0])}”" if len(ids) == 1 else f"{len(ids)} parts"
-        return PartEdit(changed, f"Group {what}")
+        return PartEdit(changed, f"Group {self._names_of(model, ids)}")
+
+    def ungroup(self, model: Model, group_id: str) -> PartEdit:
+        """Dissolve a group: what is in it stands where it stood."""
+        modeler = self._modeler_of(model)
+
+        def change(tree: PartTree) -> PartTree:
+            if isinstance(modeler, ReleasesParts):
+                return tree.ungrouped(group_id, modeler.released)
+            return tree.ungrouped(group_id)
+
+        changed = self._edited(model, change)
+        return PartEdit(changed, f"Ungroup “{self._name(model, group_id)}”")
+
+    def only(self, model: Model, part_ids: Iterable[str]) -> Model:
+        """The model with nothing but some of its parts and the groups around them."""
+        ids = tuple(part_ids)
+        return self._changed(model, lambda tree: tree.only(ids))
 
     def set(self, model: Model, part_id: str, values: Mapping[str, object]) -> PartEdit:
         """Change parameters of a part."""
@@ -194,6 +210,12 @@ class PartEdits:
         if not isinstance(modeler, HasParts):
             raise UserError(f"“{model.name}” is not made of parts.")
         return modeler
+
+    def _names_of(self, model: Model, part_ids: tuple[str, ...]) -> str:
+        """In a label: the one part's name, or how many there are."""
+        if len(part_ids) == 1:
+            return f"“{self._name(model, part_ids[0])}”"
+        return f"{len(part_ids)} parts"
 
     def _name(self, model: Model, part_id: str) -> str:
         return str(self._read(model, self._modeler_of(model)).part(part_id).name)

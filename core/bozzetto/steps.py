@@ -10,6 +10,7 @@ from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import (
+    CommandStep,
     DeleteStep,
     DragStep,
     DrawStep,
@@ -22,11 +23,13 @@ from bozzetto.ink.steps import (
     ShowStep,
     Step,
     TapStep,
+    UngroupStep,
 )
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
+from bozzetto.view.camera import Camera
 
 if TYPE_CHECKING:
     from bozzetto.workbench import Workbench
@@ -67,9 +70,13 @@ def _after(bench: Workbench, model: Model, step: Step, drawing: Drawing, context
     edits = bench.parts
     strokes = drawing.strokes
 
+    def seen(camera: Camera) -> Context:
+        scene = context.scene + _scene(bench, model)
+        curves = context.curves + bench.curves.of((model,))
+        return replace(context, camera=camera, scene=scene, curves=curves)
+
     def gesture(tool: str, made: Gesture) -> Model:
-        seen = replace(context, camera=made.camera, scene=context.scene + _scene(bench, model))
-        return bench.apply(model, bench.tool(model.modeler, tool), made, seen)
+        return bench.apply(model, bench.tool(model.modeler, tool), made, seen(made.camera))
 
     part = _finder(bench, model)
     match step:
@@ -97,6 +104,11 @@ def _after(bench: Workbench, model: Model, step: Step, drawing: Drawing, context
             return edits.move(model, part(name), part(into) if into else "", at).model
         case GroupStep(names):
             return edits.group(model, [part(name) for name in names]).model
+        case UngroupStep(name):
+            return edits.ungroup(model, part(name)).model
+        case CommandStep(name):
+            command = bench.commands.find(model.modeler, name)
+            return bench.commands.run(model, command, seen(drawing.camera))
         case _:
             assert_never(step)
 

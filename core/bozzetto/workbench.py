@@ -7,29 +7,33 @@ registry's guard.
 
 from __future__ import annotations
 
-import math
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from bozzetto.document.codec import OpaqueState
 from bozzetto.document.model import Document, Model, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
+from bozzetto.in_world import plain, scene_in_world, shapes_in_world
 from bozzetto.ink.drawing import Drawing
+from bozzetto.known_curves import KnownCurves
+from bozzetto.model_commands import ModelCommands
 from bozzetto.part_edits import PartEdits
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture, Ink
+from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.registry import Registry
-from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
+from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.steps import run_steps
+from bozzetto.view.camera import Camera
 
 __all__ = ["Workbench"]
 
@@ -49,6 +53,10 @@ class Workbench:
     ----------
     parts : PartEdits
         What can be done to the parts of a model.
+    commands : ModelCommands
+        What a modeler can do to a model at one word.
+    curves : KnownCurves
+        What solved models offer to snap to and to start from.
 
     Notes
     -----
@@ -59,6 +67,8 @@ class Workbench:
     def __init__(self, registry: Registry) -> None:
         self.registry = registry
         self.parts = PartEdits(registry)
+        self.commands = ModelCommands(registry)
+        self.curves = KnownCurves(registry)
         self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
         self._lock = threading.Lock()
         self._moved: tuple[Scene, Placement, Scene] | None = None
@@ -127,7 +137,7 @@ class Workbench:
         scene = self.registry.guard.call(
             model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
         )
-        return _as_shown(self.registry.guard.check_scene(model.modeler, scene), model)
+        return scene_in_world(self.registry.guard.check_scene(model.modeler, scene), model)
 
     def _in_frame_of(
         self, model: Model, gesture: Gesture, context: Context
@@ -170,9 +180,10 @@ class Workbench:
     ) -> Model:
         """A model made from a whole drawing, as if it had been drawn by hand.
 
-        Where the drawing says in which steps it was made, these are taken one by one.
+        Where the drawing says in which steps it was made, these are taken one by one. What it
+        says beyond its strokes is in the context all the way (`Context.facts`).
         """
-        context = context or Context(camera=drawing.camera)
+        context = replace(context or Context(camera=drawing.camera), facts=drawing.extra)
         model = self.create(modeler_id, context, name=drawing.name)
         modeler = self.registry.modeler(modeler_id)
         if drawing.steps:
@@ -203,10 +214,59 @@ class Workbench:
         """
         modeler = self.registry.modeler(modeler_id)
         if not isinstance(modeler, ReadsShapes):
-            raise UserError(f"{modeler.title} cannot start from a mesh. Choose another modeler.")
+            raise UserError(
+                f"{modeler.title} cannot start from what is there. Choose another modeler."
+            )
         state = self.registry.guard.call(modeler_id, "read_shapes", modeler.read_shapes, shapes)
         self.registry.guard.check_state(modeler_id, modeler.state_type, state)
         return Model(new_id(), name, modeler_id, state, state_version=modeler.state_version)
+
+    def from_models(
+        self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
+    ) -> Model:
+        """A model that starts from what others hand over, where they stand; see `from_shapes`.
+
+        Parameters
+        ----------
+        modeler_id : str
+        models : iterable of Model
+        job : Job
+            Solves what is not yet solved.
+        name : str
+            By default that of the first model.
+        """
+        row = tuple(models)
+        if not row:
+            raise UserError("Choose the objects to start from.")
+        shapes = self.shapes(row, job)
+        if not shapes:
+            raise UserError(f"“{row[0].name}” has no shape to start from. Draw something first.")
+        return self.from_shapes(modeler_id, shapes, name or row[0].name)
+
+    # -- looking --
+
+    def view_advice(self, model: Model, camera: Camera) -> ViewAdvice | None:
+        """What a model's modeler says of a view of it; None where it gives no advice.
+
+        The camera is in the world, and so is what comes back.
+        """
+        modeler = self._modeler_of(model)
+        if not isinstance(modeler, AdvisesView):
+            return None
+        advice = self.registry.guard.call(
+            model.modeler,
+            "view_advice",
+            modeler.view_advice,
+            model.state,
+            camera.moved(model.placement.inverse()),
+        )
+        advice = self.registry.guard.check_advice(model.modeler, advice)
+        better = advice.better
+        return replace(
+            advice,
+            better=None if better is None else better.moved(model.placement),
+            scene=scene_in_world(advice.scene, model),
+        )
 
     # -- solving --
 
@@ -217,6 +277,8 @@ class Workbench:
             return known
         modeler = self._modeler_of(model)
         result = self.registry.guard.call(model.modeler, "solve", modeler.solve, model.state, job)
+        with suppress(PluginFault):  # told by the guard; the shape is none the worse for it
+            self.curves.learn(model, result)
         with self._lock:
             self._results[id(model.state), job.quality] = (model.state, result)
             while len(self._results) > KEPT_RESULTS:
@@ -244,7 +306,7 @@ class Workbench:
         modeler = self._modeler_of(model)
         scene = self.registry.guard.call(model.modeler, "scene", modeler.scene, model.state, result)
         scene = self.registry.guard.check_scene(model.modeler, scene)
-        return _as_shown(scene, model)
+        return scene_in_world(scene, model)
 
     def scene(self, document: Document, job: Job | None = None) -> Scene:
         """All visible models and underlays of a document.
@@ -292,7 +354,7 @@ class Workbench:
                 model.modeler, "shapes", modeler.shapes, model.state, result
             )
             self.registry.guard.check_shapes(model.modeler, shapes)
-            total += _named(shapes, model).placed(model.placement)
+            total += shapes_in_world(shapes, model)
         return total
 
     def report(self, model: Model, job: Job) -> dict[str, Any]:
@@ -305,7 +367,7 @@ class Workbench:
             model.modeler, "report", modeler.report, model.state, result
         )
         said = self.registry.guard.check_report(model.modeler, said)
-        return {str(key): _plain(value) for key, value in said.items()}
+        return {str(key): plain(value) for key, value in said.items()}
 
     def _modeler_of(self, model: Model) -> Modeler[Any, Any]:
         self._refuse_closed(model)
@@ -317,63 +379,3 @@ class Workbench:
                 f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
                 "installed or switched off. Install it to change this object."
             )
-
-
-def _as_shown(scene: Scene, model: Model) -> Scene:
-    """A modeler's scene in the world: in the model's colour, placed, marked as its own."""
-    if model.color is not None:
-        scene = _tinted(scene, model.color)
-    return scene.placed(model.placement).owned(model.id)
-
-
-def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
-    """Shaded parts in the model's colour, where they carry no colours of their own."""
-
-    def tint(item: Any) -> Any:
-        plain = isinstance(item, Shaded) and item.color == "clay"
-        return replace(item, color=color) if plain else item
-
-    return Scene(
-        tuple(
-            replace(layer, items=tuple(tint(item) for item in layer.items))
-            for layer in scene.layers
-        )
-    )
-
-
-def _named(shapes: Shapes, model: Model) -> Shapes:
-    """Parts named after the model, numbered where there are several, in its colour."""
-
-    def named(parts: tuple[Any, ...]) -> tuple[Any, ...]:
-        made = []
-        for number, part in enumerate(parts, 1):
-            name = model.name if len(parts) == 1 else f"{model.name} {number}"
-            changes: dict[str, Any] = {"name": name}
-            if hasattr(part, "color") and part.color is None:
-                changes["color"] = model.color
-            made.append(replace(part, **changes))
-        return tuple(made)
-
-    return Shapes(
-        named(shapes.solids),
-        named(shapes.surfaces),
-        named(shapes.curves),
-        named(shapes.skeletons),
-    )
-
-
-def _plain(value: Any) -> Any:
-    """A JSON value from what a modeler reported; numbers that are not finite become None."""
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    return str(value)

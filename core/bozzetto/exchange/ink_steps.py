@@ -18,6 +18,7 @@ from bozzetto.exchange.camera_record import (
 )
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_STEPS, at_most
 from bozzetto.ink.steps import (
+    CommandStep,
     DeleteStep,
     DragStep,
     DrawStep,
@@ -30,6 +31,7 @@ from bozzetto.ink.steps import (
     ShowStep,
     Step,
     TapStep,
+    UngroupStep,
 )
 
 __all__ = ["read_steps", "step_record"]
@@ -46,6 +48,8 @@ VERBS: Final[dict[str, type[Step]]] = {
     "duplicate": DuplicateStep,
     "move": MoveStep,
     "group": GroupStep,
+    "ungroup": UngroupStep,
+    "command": CommandStep,
 }
 """The key that says what a step does."""
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from bozzetto.view.camera import Camera
 
 __all__ = [
+    "CommandStep",
     "DeleteStep",
     "DragStep",
     "DrawStep",
@@ -24,6 +25,7 @@ __all__ = [
     "ShowStep",
     "Step",
     "TapStep",
+    "UngroupStep",
     "Value",
 ]
 
@@ -122,6 +124,20 @@ class GroupStep:
     group: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class UngroupStep:
+    """A group dissolved; what is in it stays."""
+
+    ungroup: str
+
+
+@dataclass(frozen=True)
+class CommandStep:
+    """A command of the modeler run."""
+
+    command: str
+
+
 Step = (
     DrawStep
     | DragStep
@@ -134,4 +150,6 @@ Step = (
     | DuplicateStep
     | MoveStep
     | GroupStep
+    | UngroupStep
+    | CommandStep
 )

@@ -7,40 +7,55 @@ A plugin imports from here, from `bozzetto.ink`, `bozzetto.view`, `bozzetto.geom
 from __future__ import annotations
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context, PenSettings
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.memory import Memory
-from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
+from bozzetto.plugin.modeler import (
+    Modeler,
+    OffersCurves,
+    ReadsDrawings,
+    ReadsShapes,
+    Reports,
+    Tool,
+)
 from bozzetto.plugin.panel import PanelHost
 from bozzetto.plugin.parameters import Parameter
-from bozzetto.plugin.parts import HasParts, switched_on
+from bozzetto.plugin.parts import HasParts, ReleasesParts, switched_on
+from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
 
 __all__ = [
     "API_VERSION",
+    "AdvisesView",
     "Cancelled",
+    "Command",
     "Context",
     "Drag",
     "Gesture",
+    "HasCommands",
     "HasParts",
     "Ink",
     "Job",
     "Memory",
     "Modeler",
+    "OffersCurves",
     "PanelHost",
     "Parameter",
     "PenSettings",
     "ReadsDrawings",
     "ReadsShapes",
+    "ReleasesParts",
     "Reports",
     "Tap",
     "Tool",
     "Unfinished",
     "UserError",
+    "ViewAdvice",
     "hookimpl",
     "switched_on",
 ]
 
-API_VERSION = (1, 1)
+API_VERSION = (1, 2)
 """Version of this contract: a plugin's manifest names the range it was written for."""

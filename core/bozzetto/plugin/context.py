@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from bozzetto.geometry.placement import Placement
+from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
@@ -41,6 +44,12 @@ class Context:
         The plane of bilateral symmetry, mm.
     underlay : Image, optional
         The picture under the sheet, if any.
+    facts : mapping
+        What an ink file says beyond its strokes (`Drawing.extra`), plain JSON values; empty
+        where nothing is read from a file. For `Modeler.create`.
+    curves : tuple of Curve
+        Those of all visible models that are solved, in world coordinates: to snap to, and to
+        start from.
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -49,6 +58,8 @@ class Context:
     symmetry_point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     symmetry_normal: tuple[float, float, float] = (0.0, 1.0, 0.0)
     underlay: Image | None = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    curves: tuple[Curve, ...] = ()
 
     def surface_hit(self, rays: Rays) -> Hits:
         """Where rays first meet a visible surface, whoever made it."""
@@ -67,4 +78,5 @@ class Context:
             symmetry_point=triple(placement.points(self.symmetry_point)),
             symmetry_normal=triple(placement.directions(self.symmetry_normal)),
             underlay=underlay,
+            curves=Shapes(curves=self.curves).placed(placement).curves,
         )

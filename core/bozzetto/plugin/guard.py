@@ -16,8 +16,11 @@ from typing import Any, TypeVar
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.geometry.shapes import Shapes
+from bozzetto.plugin.commands import Command
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.soundness import (
+    sound_advice,
+    sound_commands,
     sound_parts,
     sound_report,
     sound_scene,
@@ -25,6 +28,7 @@ from bozzetto.plugin.soundness import (
     sound_tools,
 )
 from bozzetto.plugin.unchanged import Remembered
+from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Scene
 
 __all__ = ["Guard", "Overrun", "PluginFault"]
@@ -194,6 +198,26 @@ class Guard:
             If one lacks something that `Tool` asks for, or two have the same id.
         """
         return self._check(modeler_id, "tools", lambda: sound_tools(tools))
+
+    def check_commands(self, modeler_id: str, commands: Any) -> tuple[Command, ...]:
+        """Return the commands of a modeler.
+
+        Raises
+        ------
+        PluginFault
+            If one is no `Command` or lacks something, or two have the same id.
+        """
+        return self._check(modeler_id, "commands", lambda: sound_commands(commands))
+
+    def check_advice(self, modeler_id: str, advice: Any) -> ViewAdvice:
+        """Return what a modeler says of a view.
+
+        Raises
+        ------
+        PluginFault
+            If it is no `ViewAdvice`, or holds something that cannot be shown.
+        """
+        return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
 
     def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
         """Return the parts of a state.

@@ -65,6 +65,8 @@ class ModelerInfo:
         Whether a person can choose it.
     order : int
         Place in the row of modelers, small first.
+    reads_shapes : bool
+        Whether it can start from the shapes of other models.
     """
 
     id: str
@@ -78,3 +80,4 @@ class ModelerInfo:
     panel: bool = False
     listed: bool = True
     order: int = 50
+    reads_shapes: bool = False

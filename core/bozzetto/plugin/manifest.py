@@ -76,6 +76,7 @@ class _ModelerTable(msgspec.Struct, frozen=True):
     samples: list[str | _SampleTable] = []
     panel: bool = False
     listed: bool = True
+    reads_shapes: bool = False
     order: int = 50
 
 
@@ -116,6 +117,8 @@ class ModelerEntry:
         Whether a person can choose it; false where models are only made from files.
     order : int
         Place in the row of modelers, small first.
+    reads_shapes : bool
+        Whether it can start from the shapes of other models (`ReadsShapes`).
     """
 
     id: str
@@ -126,6 +129,7 @@ class ModelerEntry:
     panel: bool = False
     listed: bool = True
     order: int = 50
+    reads_shapes: bool = False
 
 
 @dataclass(frozen=True)
@@ -232,6 +236,7 @@ def _entry(table: _ModelerTable) -> ModelerEntry:
         table.panel,
         table.listed,
         table.order,
+        table.reads_shapes,
     )
 
 

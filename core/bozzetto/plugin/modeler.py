@@ -11,14 +11,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
 
-from bozzetto.geometry.shapes import Shapes
+from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 
-__all__ = ["Modeler", "ReadsDrawings", "ReadsShapes", "Reports", "Tool"]
+__all__ = ["Modeler", "OffersCurves", "ReadsDrawings", "ReadsShapes", "Reports", "Tool"]
 
 State = TypeVar("State")
 Result = TypeVar("Result")
@@ -134,10 +134,26 @@ class ReadsDrawings(Protocol):
 
 @runtime_checkable
 class ReadsShapes(Protocol):
-    """A modeler that can start from what another program made."""
+    """A modeler that can start from what another program or another modeler made.
+
+    Its manifest says ``reads_shapes = true``, so that it is offered where a person looks for a
+    use of a shape.
+    """
 
     def read_shapes(self, shapes: Shapes) -> Any:
-        """A state from the meshes and curves of a file."""
+        """A state from meshes and curves; `UserError` where there is nothing of use in them."""
+        ...
+
+
+@runtime_checkable
+class OffersCurves(Protocol):
+    """A modeler whose curves others may want to snap to, or to start from."""
+
+    def curves(self, state: Any, result: Any) -> Sequence[Curve]:
+        """The curves of a result, mm, in the model's own frame: see `Context.curves`.
+
+        Asked after every solve, in both qualities: quick.
+        """
         ...
 
 

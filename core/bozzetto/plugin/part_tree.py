@@ -96,18 +96,29 @@ class PartTree:
         part = self.part(part_id)
         return self._with(set_parameters(part, dict(values), f"“{part.name}”"))
 
-    def without(self, part_id: str) -> PartTree:
-        """Without a part and what is in it; its neighbour is chosen if it was."""
-        gone = {part.id for part in self.family(part_id)}
+    def without(self, *part_ids: str) -> PartTree:
+        """Without some parts and what is in them; a neighbour is chosen if one of them was."""
+        gone = {part.id for part_id in part_ids for part in self.family(part_id)}
         kept = tuple(part for part in self.parts if part.id not in gone)
-        left = PartTree(kept, self.groups - gone, self.selected)
-        if self.selected not in gone:
-            return left
-        group = self.part(part_id).within
-        row = self.within(group)
-        place = row.index(self.part(part_id))
-        near = (*row[place + 1 :], *reversed(row[:place]))
-        return replace(left, selected=near[0].id if near else group)
+        near = self.selected
+        while near in gone:
+            part = self.part(near)
+            row = self.within(part.within)
+            place = row.index(part)
+            others = (*row[place + 1 :], *reversed(row[:place]))
+            near = next((other.id for other in others if other.id not in gone), part.within)
+        return PartTree(kept, self.groups - gone, near)
+
+    def only(self, part_ids: Iterable[str]) -> PartTree:
+        """With nothing but some parts, what is in them, and the groups around them."""
+        kept = {part.id for part_id in part_ids for part in self.family(part_id)}
+        for part_id in tuple(kept):
+            around = self.part(part_id).within
+            while around:
+                kept.add(around)
+                around = self.part(around).within
+        parts = tuple(part for part in self.parts if part.id in kept)
+        return PartTree(parts, self.groups & kept, self.selected if self.selected in kept else "")
 
     def doubled(self, part_id: str) -> PartTree:
         """With a copy right behind a part, of all that is in it too; the copy is chosen."""
@@ -173,6 +184,33 @@ class PartTree:
         for number, part in enumerate(members):
             tree = tree.moved(part.id, group.id, number)
         return tree
+
+    def ungrouped(
+        self, group_id: str, released: Callable[[Any, Any], Any] = lambda part, group: part
+    ) -> PartTree:
+        """With a group dissolved: what is in it stands where it stood.
+
+        Parameters
+        ----------
+        group_id : str
+        released : callable
+            ``released(part, group)`` gives a part without the group's influence.
+        """
+        group = self.part(group_id)
+        if group_id not in self.groups:
+            raise UserError(f"“{group.name}” is no group. Choose a group.")
+        freed = {
+            part.id: replace(
+                released(part, group), within=group.within, visible=part.visible and group.visible
+            )
+            for part in self.within(group_id)
+        }
+        others = tuple(part for part in self.parts if part.id not in freed)
+        place = others.index(group)
+        parts = (*others[:place], *freed.values(), *others[place + 1 :])
+        first = next(iter(freed), group.within)
+        selected = first if self.selected == group_id else self.selected
+        return PartTree(parts, self.groups - {group_id}, selected)
 
     def _with(self, part: Any) -> PartTree:
         parts = tuple(part if old.id == part.id else old for old in self.parts)

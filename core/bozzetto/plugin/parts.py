@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-__all__ = ["HasParts", "Part", "switched_on"]
+__all__ = ["HasParts", "Part", "ReleasesParts", "switched_on"]
 
 
 class Part(Protocol):
@@ -95,4 +95,16 @@ class HasParts(Protocol):
 
     def new_group(self, state: Any) -> Any:
         """An empty group with an unused id and name; None where there are no groups."""
+        ...
+
+
+@runtime_checkable
+class ReleasesParts(Protocol):
+    """A modeler whose groups do more than hold: they move what is in them, for example."""
+
+    def released(self, part: Any, group: Any) -> Any:
+        """A part as it must be when the group right around it is dissolved.
+
+        Its `within` and its visibility are the host's work.
+        """
         ...

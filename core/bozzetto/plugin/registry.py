@@ -359,6 +359,7 @@ def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
         entry.panel,
         entry.listed,
         entry.order,
+        entry.reads_shapes,
     )
 
 

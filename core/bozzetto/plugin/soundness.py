@@ -12,7 +12,9 @@ import numpy as np
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.plugin.commands import Command
 from bozzetto.plugin.part_tree import PartTree
+from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import (
     Handle,
     Image,
@@ -23,8 +25,18 @@ from bozzetto.scene.display_list import (
     Scene,
     Shaded,
 )
+from bozzetto.view.camera import Camera
 
-__all__ = ["Unsound", "sound_parts", "sound_report", "sound_scene", "sound_shapes", "sound_tools"]
+__all__ = [
+    "Unsound",
+    "sound_advice",
+    "sound_commands",
+    "sound_parts",
+    "sound_report",
+    "sound_scene",
+    "sound_shapes",
+    "sound_tools",
+]
 
 MOST_ITEMS: Final = 20_000
 """Items of one model's scene; beyond that a viewport crawls. Lines and points hold many."""
@@ -38,7 +50,12 @@ LONGEST_LABEL: Final = 200
 MOST_PARTS: Final = 20_000
 """Parts that one model hands over."""
 
+MOST_COMMANDS: Final = 200
+"""Commands of one modeler; nobody would find more in a menu."""
+
 HIDDEN: Final = ("hide", "faint", "dashed", "show")
+
+LEVELS: Final = ("good", "warn", "refuse")
 
 
 class Unsound(ValueError):
@@ -124,6 +141,45 @@ def sound_tools(tools: Any) -> tuple[Any, ...]:
         if not all(callable(getattr(tool, name, None)) for name in ("preview", "apply")):
             raise Unsound(f"{type(tool).__name__} needs the methods preview and apply")
     return tuple(tools)
+
+
+def sound_commands(commands: Any) -> tuple[Command, ...]:
+    """Return the commands as a tuple if each has what `Command` asks for.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(commands, list | tuple):
+        raise Unsound(f"{type(commands).__name__} where a list of commands belongs")
+    _expect(len(commands) <= MOST_COMMANDS, "the number of commands")
+    for command in commands:
+        if not isinstance(command, Command):
+            raise Unsound(f"{type(command).__name__} where a Command belongs")
+        for name in ("id", "title", "help", "key"):
+            _text(getattr(command, name), f"Command.{name}")
+        _expect(bool(command.id and command.title), "a command without an id or a title")
+        for name in ("run", "enabled"):
+            _expect(callable(getattr(command, name)), f"{name} of the command {command.id!r}")
+    ids = [command.id for command in commands]
+    _expect(len(set(ids)) == len(ids), "an id of a command (given twice)")
+    return tuple(commands)
+
+
+def sound_advice(advice: Any) -> ViewAdvice:
+    """Return what was said of a view if it can be shown.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(advice) is not ViewAdvice:
+        raise Unsound(f"{type(advice).__name__} where a ViewAdvice belongs")
+    _expect(advice.level in LEVELS, "ViewAdvice.level")
+    _text(advice.message, "ViewAdvice.message")
+    _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
+    sound_scene(advice.scene)
+    return advice
 
 
 def sound_report(report: Any) -> dict[str, Any]:

@@ -91,10 +91,11 @@ def test_manifest_keys_are_explained(tmp_path):
         "order": "1",
         "listed": "false",
         "panel": "true",
+        "reads_shapes": "true",
     }
     assert keys == values.keys()
     top = ("id", "title", "version", "summary", "api")
-    inner = ("id", "title", "icon", "hint", "samples", "order", "listed", "panel")
+    inner = ("id", "title", "icon", "hint", "samples", "order", "listed", "reads_shapes", "panel")
     text = "\n".join(f"{key} = {values[key]}" for key in top)
     text += "\n[[modeler]]\n" + "\n".join(f"{key} = {values[key]}" for key in inner)
     (tmp_path / "plugin.toml").write_text(text)

@@ -23,6 +23,7 @@ from bozzetto.plugin.job import Job
 from bozzetto.plugin.parameters import Field, parameter_fields
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import HasParts
+from bozzetto.plugin.testing.abilities import ABILITIES
 from bozzetto.plugin.testing.sameness import difference, fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
@@ -410,6 +411,7 @@ CHECKS: Final = tuple(
         check_determinism,
         check_parameters,
         check_parts,
+        *ABILITIES,
         check_preview_time,
         check_elsewhere,
     )

@@ -13,11 +13,13 @@ from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.stroke import Stroke
+from bozzetto.plugin.commands import Command
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Tool
 from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench import Workbench
@@ -69,8 +71,19 @@ class Shell:
         return self.model.state
 
     def context(self) -> Context:
-        """The world around a gesture made now, with every model's scene in it."""
-        return Context(camera=self.camera, scene=self.workbench.scene(self.document, Job()))
+        """The world around a gesture made now, with every model's scene and curves in it."""
+        scene = self.workbench.scene(self.document, Job())
+        return Context(
+            camera=self.camera, scene=scene, curves=self.workbench.curves.of(self.document)
+        )
+
+    def commands(self) -> tuple[Command, ...]:
+        """The commands of the model's modeler; empty where it has none."""
+        return self.workbench.commands.of(self.model.modeler)
+
+    def advice(self, camera: Camera | None = None) -> ViewAdvice | None:
+        """What the modeler says of a view, by default of `camera`; None where it says nothing."""
+        return self.workbench.view_advice(self.model, camera or self.camera)
 
     def tools(self) -> tuple[Tool[Any], ...]:
         """The tools of the model's modeler."""
@@ -133,6 +146,19 @@ class Shell:
     def preview(self, gesture: Gesture, *, tool: Tool[Any]) -> Scene:
         """What is shown while the pen is down."""
         return self.workbench.preview(self.model, tool, gesture, self.context())
+
+    def run(self, command: str) -> Model:
+        """Run a command by its id."""
+        commands = self.workbench.commands
+        found = commands.find(self.model.modeler, command)
+        return self._keep(found.title, commands.run(self.model, found, self.context()))
+
+    def use(self, modeler: str) -> Model:
+        """Begin a model of another modeler that starts from the shapes of this one."""
+        modeler_id = self.registry.resolve(modeler)
+        model = self.workbench.from_models(modeler_id, [self.model], Job())
+        self._model_id = model.id
+        return self._keep("use", model)
 
     def set(self, **values: object) -> Model:
         """Change parameters."""

@@ -17,7 +17,7 @@ from bozzetto.plugin.testing.pen import Pen
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.view.camera import Camera
 
-__all__ = ["Broken", "Sketch", "Subject", "ensure", "odd_gestures", "plain_sketch"]
+__all__ = ["Broken", "Sketch", "Subject", "ensure", "odd_cameras", "odd_gestures", "plain_sketch"]
 
 TAPS = ((450.0, 350.0), (750.0, 400.0), (600.0, 600.0))
 """Where a plain sketch touches the sheet, pixels."""
@@ -110,7 +110,7 @@ def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gestur
             Ink((pen.circle(radius=300), pen.circle(radius=100)), committed=True),
         )
     elif tool.gesture == "tap":
-        for camera in _odd_cameras():
+        for camera in odd_cameras():
             for x, y in ((600.0, 450.0), (0.0, 0.0), (-1e6, 1e6), (1e-9, 1e7)):
                 yield f"a tap at {x:g}, {y:g} ({camera.kind})", Tap(x, y, camera)
     else:
@@ -122,7 +122,8 @@ def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gestur
                 yield f"{name} with the handle {handle!r}", Drag(handle, stroke)
 
 
-def _odd_cameras() -> tuple[Camera, ...]:
+def odd_cameras() -> tuple[Camera, ...]:
+    """Views from which nobody would draw everything, and the usual one."""
     return (
         Camera(),
         Camera("orthographic", eye=(0.0, 0.0, 800.0), up=(0.0, 0.0, 1.0)),
@@ -145,5 +146,5 @@ def _odd_strokes() -> Iterator[tuple[str, Stroke]]:
     yield "no pressure at all", pen.but(pressure=0.0).circle()
     yield "the eraser", pen.but(tool="eraser").along([(300, 300), (900, 600)])
     yield "a shaking hand", pen.but(tremor=60.0).circle()
-    for odd in _odd_cameras()[1:]:
+    for odd in odd_cameras()[1:]:
         yield f"a circle in another view ({odd.kind})", Pen(odd).circle()

@@ -1,0 +1,81 @@
+"""What a modeler answers as a document has it: named, coloured, placed; and plain values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bozzetto.document.model import Model
+from bozzetto.geometry.shapes import Shapes
+from bozzetto.scene.display_list import Scene, Shaded
+
+__all__ = ["plain", "scene_in_world", "shapes_in_world"]
+
+
+def scene_in_world(scene: Scene, model: Model) -> Scene:
+    """A modeler's scene in the world: in the model's colour, placed, marked as its own."""
+    if model.color is not None:
+        scene = _tinted(scene, model.color)
+    return scene.placed(model.placement).owned(model.id)
+
+
+def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
+    """Shaded parts in the model's colour, where they carry no colours of their own."""
+
+    def tint(item: Any) -> Any:
+        bare = isinstance(item, Shaded) and item.color == "clay"
+        return replace(item, color=color) if bare else item
+
+    return Scene(
+        tuple(
+            replace(layer, items=tuple(tint(item) for item in layer.items))
+            for layer in scene.layers
+        )
+    )
+
+
+def shapes_in_world(shapes: Shapes, model: Model) -> Shapes:
+    """A modeler's shapes in the world: in the model's name and colour, placed."""
+    return _named(shapes, model).placed(model.placement)
+
+
+def _named(shapes: Shapes, model: Model) -> Shapes:
+    """Parts named after the model, numbered where there are several, in its colour."""
+
+    def named(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+        made = []
+        for number, part in enumerate(parts, 1):
+            name = model.name if len(parts) == 1 else f"{model.name} {number}"
+            changes: dict[str, Any] = {"name": name}
+            if hasattr(part, "color") and part.color is None:
+                changes["color"] = model.color
+            made.append(replace(part, **changes))
+        return tuple(made)
+
+    return Shapes(
+        named(shapes.solids),
+        named(shapes.surfaces),
+        named(shapes.curves),
+        named(shapes.skeletons),
+    )
+
+
+def plain(value: Any) -> Any:
+    """A JSON value from what a modeler reported; numbers that are not finite become None."""
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    return str(value)

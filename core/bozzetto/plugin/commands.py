@@ -1,0 +1,54 @@
+"""Commands: what a modeler can do to a model at one word, without a gesture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+from bozzetto.plugin.context import Context
+
+__all__ = ["Command", "HasCommands"]
+
+
+def _always(state: Any) -> bool:
+    return True
+
+
+@dataclass(frozen=True)
+class Command:
+    """One thing that can be done to a state.
+
+    Parameters
+    ----------
+    id : str
+        Unique within the modeler; steps of ink files name it.
+    title : str
+        In menus and in the command palette, and the name of the step in the history.
+    help : str
+        One sentence: what it does, for whom it is there.
+    run : callable
+        ``run(state, context)`` gives the new state, as `Tool.apply` does; a `UserError` says
+        what to do instead.
+    key : str
+        A key or a combination as Qt writes it, such as "X" or "Shift+J"; "" for none. The
+        program's own keys come first: where it has this one, the command has none.
+    enabled : callable
+        ``enabled(state)``: whether the command means something now. Quick.
+    """
+
+    id: str
+    title: str
+    help: str
+    run: Callable[[Any, Context], Any]
+    key: str = ""
+    enabled: Callable[[Any], bool] = _always
+
+
+@runtime_checkable
+class HasCommands(Protocol):
+    """A modeler with commands."""
+
+    def commands(self) -> Sequence[Command]:
+        """All commands, in the order in which they are listed."""
+        ...

@@ -1,0 +1,138 @@
+"""The contract of what a modeler may do besides: commands, view advice, curves, shapes read.
+
+Each check passes where the modeler does not do it; see `checks` for the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from bozzetto.document.codec import state_digest
+from bozzetto.errors import UserError
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
+from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.modeler import OffersCurves, ReadsShapes
+from bozzetto.plugin.testing.sameness import same
+from bozzetto.plugin.testing.shell import Shell
+from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_cameras
+from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.view.camera import Camera
+
+__all__ = ["ABILITIES"]
+
+WORSE: Final = {"good": 0, "warn": 1, "refuse": 2}
+"""The levels of advice, best first."""
+
+PREVIEW: Final = Job(quality="preview")
+
+
+def check_commands(subject: Subject) -> None:
+    """Every command runs or refuses in plain words; what it makes can be stored and solved."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            commands = shell.workbench.commands
+            for command in shell.commands():
+                ensure(bool(command.help.strip()), f"the command {command.id} needs a help")
+                if not commands.can_run(shell.model, command):
+                    continue
+                digest = state_digest(shell.state)
+                try:
+                    made = commands.run(shell.model, command, shell.context())
+                    again = commands.run(shell.model, command, shell.context())
+                    ensure(same(made.state, again.state), f"{command.id} differs the second time")
+                    shell.workbench.solve(made, PREVIEW)
+                except UserError as problem:
+                    ensure(bool(problem.message.strip()), "a UserError needs words")
+                except PluginFault as problem:
+                    raise Broken(f"the command {command.id}: {problem}") from problem
+                ensure(state_digest(shell.state) == digest, f"{command.id} changed its argument")
+
+
+def check_view_advice(subject: Subject) -> None:
+    """Advice can be given of every view, and what is called better is not worse."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            if not isinstance(shell.registry.modeler(subject.modeler), AdvisesView):
+                return
+            for camera in odd_cameras():
+                advice = _advice(shell, camera)
+                ensure(bool(advice.message.strip()), "view advice needs a message")
+                if advice.better is not None:
+                    better = _advice(shell, advice.better)
+                    ensure(
+                        WORSE[better.level] <= WORSE[advice.level],
+                        f"the view that is called better is {better.level!r}, not {advice.level!r}",
+                    )
+
+
+def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
+    try:
+        advice = shell.advice(camera)
+    except UserError as problem:
+        raise Broken(f"view_advice raised UserError ({problem}); say it in the advice") from problem
+    assert advice is not None
+    return advice
+
+
+def check_curves(subject: Subject) -> None:
+    """Curves that are offered are sound, in both qualities; an empty state offers none."""
+    with subject.shell() as shell:
+        if not isinstance(shell.registry.modeler(subject.modeler), OffersCurves):
+            return
+        shell.workbench.curves.learn(shell.model, shell.solve())
+        ensure(not shell.context().curves, "an empty state must offer no curves")
+    with subject.drawn() as shell:
+        for job in (PREVIEW, Job()):
+            shell.workbench.curves.learn(shell.model, shell.solve(job))
+
+
+def check_read_shapes(subject: Subject) -> None:
+    """Shapes of any kind are taken, or refused in plain words."""
+    with subject.shell() as shell:
+        able = isinstance(shell.registry.modeler(subject.modeler), ReadsShapes)
+        told = shell.registry.info(subject.modeler).reads_shapes
+        ensure(able or not told, "the manifest says reads_shapes, and there is no read_shapes")
+        for shapes in _given() if able else ():
+            try:
+                model = shell.workbench.from_shapes(subject.modeler, shapes, "Given")
+                shell.workbench.solve(model, PREVIEW)
+            except UserError as problem:
+                ensure(bool(problem.message.strip()), "a UserError needs words")
+
+
+def _given() -> tuple[Shapes, ...]:
+    """A solid, a straight curve, a rational circle and a skeleton, each alone."""
+    corners = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], np.float32)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
+    straight = Curve(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([[0.0, 0, 0], [30.0, 5, 9]]))
+    square = [[5, 0], [5, 5], [0, 5], [-5, 5], [-5, 0], [-5, -5], [0, -5], [5, -5], [5, 0]]
+    around = np.column_stack([np.array(square, float), np.zeros(9)])
+    quarter = np.sqrt(0.5)
+    circle = Curve(
+        2,
+        np.array([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4], float),
+        around,
+        np.array([1.0, quarter] * 4 + [1.0]),
+        closed=True,
+    )
+    bone = Skeleton(np.array([[0.0, 0, 0], [9.0, 0, 0]]), np.ones(2), np.array([[0, 1]], np.int32))
+    return (
+        Shapes(solids=(Solid(Mesh(corners, faces)),)),
+        Shapes(curves=(straight,)),
+        Shapes(curves=(circle, straight)),
+        Shapes(skeletons=(bone,)),
+    )
+
+
+ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
+    check_commands,
+    check_view_advice,
+    check_curves,
+    check_read_shapes,
+)
+"""What `checks.CHECKS` asks besides."""

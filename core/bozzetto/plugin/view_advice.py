@@ -1,0 +1,43 @@
+"""View advice: a modeler says how well something can be drawn as the sheet is seen now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol, runtime_checkable
+
+from bozzetto.scene.display_list import Scene
+from bozzetto.view.camera import Camera
+
+__all__ = ["AdvisesView", "ViewAdvice"]
+
+
+@dataclass(frozen=True)
+class ViewAdvice:
+    """How good a view is to draw in, and which one is better.
+
+    Parameters
+    ----------
+    level : {"good", "warn", "refuse"}
+        Whether drawing here goes well, badly, or not at all.
+    message : str
+        A few words for the light above the sheet, such as "12° to the centre plane".
+    better : Camera, optional
+        Where to turn to, in the frame of the model.
+    scene : Scene
+        What hangs on the view, such as vanishing points; a layer stands in for the one of
+        the same name in the modeler's own scene.
+    """
+
+    level: Literal["good", "warn", "refuse"]
+    message: str
+    better: Camera | None = None
+    scene: Scene = field(default_factory=Scene)
+
+
+@runtime_checkable
+class AdvisesView(Protocol):
+    """A modeler for which it matters from where one draws."""
+
+    def view_advice(self, state: Any, camera: Camera) -> ViewAdvice:
+        """What to say of a view; asked up to ten times a second while the view turns."""
+        ...
