@@ -11,7 +11,8 @@ ray of `far` are the lines ``y = e_y + m1 w`` and ``y = -e_y - m2 w``; they meet
 3. neither has: both are the line through the eye and its image (for parallel rays all are
    parallel to the normal, and left and right are seen in one place);
 4. m1 + m2 is 0: the rays are parallel;
-5. w is below 0: they part, and their backward extensions meet behind the eye.
+5. w is below 0, or the rays run opposite ways along the plane, having the vanishing point
+   between them: they part, and meet behind an eye.
 
 Two more are special and can be solved:
 
@@ -105,7 +106,8 @@ def special_case(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> Codes:
         # Both slopes at once, over the product of the two levels: nothing is divided.
         slopes = first[:, 1] * level_far + second[:, 1] * level
         apart = np.abs(slopes) < TINY * (level + level_far)
-        parting = slopes * stereo.camera.eye[1] > 0.0
+        facing = first[:, 0] * second[:, 0] + first[:, 2] * second[:, 2]
+        parting = (slopes * stereo.camera.eye[1] > 0.0) | (facing <= 0.0)
     together = np.linalg.norm(one - other, axis=1) < SAME
     codes = np.select(
         [upright & upright_far, upright | upright_far, apart, parting, together],

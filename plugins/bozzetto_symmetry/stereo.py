@@ -189,7 +189,10 @@ class Stereo:
         slopes = one[:, 1] / level + other[:, 1] / np.hypot(other[:, 0], other[:, 2])
         difference = other[:, 1] / np.hypot(other[:, 0], other[:, 2]) - one[:, 1] / level
         way = -2.0 * ey / slopes
-        way = np.where(way > 0, way, np.nan)
+        # A point and its image lie the same way along the plane: no pair has the vanishing
+        # point between its places.
+        facing = one[:, 0] * other[:, 0] + one[:, 2] * other[:, 2]
+        way = np.where((way > 0) & (facing > 0), way, np.nan)
         return np.column_stack(
             (ex + way * one[:, 0] / level, ey * difference / slopes, ez + way * one[:, 2] / level)
         )

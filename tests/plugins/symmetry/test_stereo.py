@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -9,19 +11,21 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.plane import CentrePlane
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 
+Kind = Literal["perspective", "orthographic"]
+
 DIAGONAL = float(np.linalg.norm((200.0, 100.0, 100.0)))
 RANDOM = np.random.default_rng(4)
 POINTS = RANDOM.uniform((-100, 5, -50), (100, 50, 50), (50, 3))
 
 
-def camera(azimuth: float, elevation: float, kind: str = "perspective") -> Camera:
+def camera(azimuth: float, elevation: float, kind: Kind = "perspective") -> Camera:
     """A view at an angle, degrees, from the centre plane; the box is about 400 px wide."""
     a, e = np.radians((azimuth, elevation))
     eye = 3.0 * DIAGONAL * np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
     return Camera(kind=kind, eye=tuple(eye), fov_y=41.11, height=550.0)
 
 
-VIEWS = [
+VIEWS: list[tuple[float, float, Kind]] = [
     (azimuth, elevation, kind)
     for azimuth, elevation in [(1, 10), (30, 20), (60, -40), (88, 5), (-45, 30),
                                (120, 20), (200, 60), (250, -5), (300, 80), (15, 0)]
@@ -40,7 +44,7 @@ def least_squares(stereo: Stereo, near: np.ndarray, far: np.ndarray) -> np.ndarr
 
 
 @pytest.mark.parametrize(("azimuth", "elevation", "kind"), VIEWS)
-def test_closed_form_is_least_squares(azimuth: float, elevation: float, kind: str) -> None:
+def test_closed_form_is_least_squares(azimuth: float, elevation: float, kind: Kind) -> None:
     stereo = Stereo(camera(azimuth, elevation, kind))
     near, far = stereo.project(POINTS), stereo.project(POINTS * MIRROR)
     made = stereo.intersected(near, far)
@@ -50,7 +54,7 @@ def test_closed_form_is_least_squares(azimuth: float, elevation: float, kind: st
 
 @pytest.mark.parametrize(("azimuth", "elevation", "kind"), VIEWS)
 def test_mirrored_places_share_their_epipolar_line(
-    azimuth: float, elevation: float, kind: str
+    azimuth: float, elevation: float, kind: Kind
 ) -> None:
     stereo = Stereo(camera(azimuth, elevation, kind))
     near, far = stereo.project(POINTS), stereo.project(POINTS * MIRROR)
@@ -65,7 +69,7 @@ def test_mirrored_places_share_their_epipolar_line(
 
 @pytest.mark.parametrize(("azimuth", "elevation", "kind"), VIEWS)
 def test_pixels_per_angle_is_what_a_small_step_across_shows(
-    azimuth: float, elevation: float, kind: str
+    azimuth: float, elevation: float, kind: Kind
 ) -> None:
     stereo = Stereo(camera(azimuth, elevation, kind))
     near = stereo.project(POINTS)
@@ -95,7 +99,7 @@ def test_the_ordinary_plane_moves_nothing() -> None:
 
 
 @pytest.mark.parametrize("kind", ["perspective", "orthographic"])
-def test_no_view_warns_or_gives_infinities(kind: str) -> None:
+def test_no_view_warns_or_gives_infinities(kind: Kind) -> None:
     for azimuth, elevation in [(0, 0), (90, 0), (90, 90), (0, 90), (1e-7, 0), (90, 1e-9)]:
         stereo = Stereo(camera(azimuth, elevation, kind))
         pixels = RANDOM.uniform(0, 900, (200, 2))
@@ -110,3 +114,11 @@ def test_points_behind_the_eye_are_none() -> None:
     stereo = Stereo(Camera(eye=(0.0, -300.0, 0.0), target=(0.0, 0.0, 0.0)))
     crossed = stereo.intersected([(300.0, 300.0)], [(310.0, 300.0)])
     assert np.isnan(crossed).all() or crossed[0, 1] > -300.0
+
+
+def test_places_on_both_sides_of_the_vanishing_point_are_no_pair() -> None:
+    stereo = Stereo(camera(75, 20))
+    x, y, w = stereo.vanishing_point
+    way = np.array([30.0, 40.0])
+    one, other = np.array([x / w, y / w]) + np.outer((1.0, -0.1), way)
+    assert np.isnan(stereo.intersected([one, other], [other, one])).all()
