@@ -16,9 +16,9 @@ __all__ = ["COLORS", "heat_bands"]
 
 Array = NDArray[np.float64]
 
-COLORS: Final[tuple[Paint, Paint, Paint]] = ((0, 150, 110), "warning", (206, 52, 46))
-"""Well known, wants a look, next to unknown. The green is bluish, the red is dark, so that
-people who do not tell red from green tell these; both stand out from either paper."""
+COLORS: Final[tuple[Paint, Paint, Paint]] = ((0, 140, 130), "warning", (200, 52, 60))
+"""Well known, wants a look, next to unknown. The green is bluish, so that people
+who do not tell red from green tell these; all three stand out from either paper."""
 
 WIDTHS: Final = (2.5, 3.0, 3.5)
 """Pixels: what is less known is wider, whatever its colour."""
