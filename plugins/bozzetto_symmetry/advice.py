@@ -15,7 +15,7 @@ from bozzetto.view.navigation import turn
 from bozzetto_symmetry.plane import CentrePlane, Point
 from bozzetto_symmetry.special_cases import CAUSES, REMEDIES, Case, special_case
 from bozzetto_symmetry.stereo import MIRROR, Stereo
-from bozzetto_symmetry.uncertainty import image_slopes, pair_covariances, sigmas
+from bozzetto_symmetry.uncertainty import image_slopes, point_covariances, sigmas
 
 __all__ = ["Advice", "Level", "advice"]
 
@@ -149,7 +149,7 @@ def advice(
     -------
     Advice
     """
-    points = np.asarray(centre, float) + SPREAD * diagonal * CUBE
+    points = _places(camera, np.asarray(centre, float), diagonal)
     lines = _lines(directions, plane)
 
     def uncertainty(view: Camera) -> float:
@@ -203,14 +203,20 @@ def _best_turn(camera: Camera, uncertainty: Callable[[Camera], float]) -> tuple[
 
 def _predicted(stereo: Stereo, points: Array, lines: Array) -> float:
     """Median uncertainty of points on lines of all directions, mm for 1 px; plane's frame."""
-    image = points * MIRROR
-    tangents = np.einsum("pij,lj->pli", image_slopes(stereo, image), lines * MIRROR)
-    length = np.linalg.norm(tangents, axis=2, keepdims=True)
+    slopes = image_slopes(stereo, points * MIRROR)
+    tangents = np.einsum("pij,lj->pli", slopes, lines * MIRROR).reshape(-1, 2)
+    length = np.linalg.norm(tangents, axis=1, keepdims=True)
     tangents = np.divide(tangents, length, out=np.zeros_like(tangents), where=length > 0.0)
-    near, far = (
-        np.repeat(stereo.project(places), len(lines), axis=0) for places in (points, image)
-    )
-    return float(np.median(sigmas(pair_covariances(stereo, near, far, tangents.reshape(-1, 2)))))
+    places = np.repeat(points, len(lines), axis=0)
+    return float(np.median(sigmas(point_covariances(stereo, places, tangents))))
+
+
+def _places(camera: Camera, centre: Array, diagonal: float) -> Array:
+    """Around the place of the box that the view is about, no farther apart than what is seen."""
+    way = np.asarray(camera.target) - centre
+    length = float(np.linalg.norm(way))
+    middle = centre + way * min(1.0, 0.5 * diagonal / length if length > 0.0 else 1.0)
+    return np.asarray(middle + SPREAD * min(diagonal, camera.visible_height) * CUBE)
 
 
 def _lines(directions: ArrayLike | None, plane: CentrePlane) -> Array:

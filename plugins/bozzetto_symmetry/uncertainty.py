@@ -14,7 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 
-__all__ = ["HAND", "heat", "pair_covariances", "plane_covariances", "sigmas"]
+__all__ = [
+    "HAND",
+    "heat",
+    "image_slopes",
+    "pair_covariances",
+    "plane_covariances",
+    "point_covariances",
+    "sigmas",
+]
 
 Array = NDArray[np.float64]
 
@@ -62,12 +70,17 @@ def pair_covariances(
         or there is no partner (NaN), the standard deviation in it is a hundred visible
         heights of the sheet.
     """
-    points = stereo.intersected(near, far)
+    return point_covariances(stereo, stereo.intersected(near, far), far_tangents)
+
+
+def point_covariances(stereo: Stereo, points: ArrayLike, far_tangents: ArrayLike) -> Array:
+    """Covariances as in `pair_covariances` of points (n, 3) mm that are known already."""
+    place = np.reshape(np.asarray(points, float), (-1, 3))
     tangents = np.reshape(np.asarray(far_tangents, float), (-1, 2))
     normals = np.nan_to_num(np.column_stack((-tangents[:, 1], tangents[:, 0])))
-    mirrored = image_slopes(stereo, points * MIRROR) * MIRROR
+    mirrored = image_slopes(stereo, place * MIRROR) * MIRROR
     across = np.einsum("ni,nij->nj", normals, mirrored)[:, None]
-    return _inverted(stereo, np.concatenate((image_slopes(stereo, points), across), axis=1))
+    return _inverted(stereo, np.concatenate((image_slopes(stereo, place), across), axis=1))
 
 
 def plane_covariances(stereo: Stereo, pixels: ArrayLike) -> Array:
