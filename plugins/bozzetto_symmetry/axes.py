@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.scene import Paint
 from bozzetto.view import Camera
 
-__all__ = ["AXES", "AXIS_PAINTS", "along", "vanishing_directions"]
+__all__ = ["AXES", "AXIS_PAINTS", "along", "receding"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,9 @@ AXIS_PAINTS: Final[tuple[Paint, Paint, Paint]] = ("accent", "second", (0x5E, 0x9
 END_ON: Final = 0.02
 """Sine of the angle between a line and the line of sight below which the line is seen as a
 point: places along it cannot be told apart."""
+
+ACROSS: Final = 1e-6
+"""Cosine between a direction and the line of sight below which it lies across."""
 
 
 def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLike) -> float | None:
@@ -74,20 +77,14 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
     return distance
 
 
-def vanishing_directions(camera: Camera) -> tuple[Array | None, ...]:
-    """The senses of the three axes that run away from the eye, unit vectors (3,).
+def receding(camera: Camera, direction: ArrayLike) -> Array | None:
+    """The sense of a direction that runs away from the eye, unit vector (3,).
 
-    None for an axis that has no vanishing point: in a parallel view, and for one that lies
-    across the line of sight.
+    None where lines of this direction do not vanish in a point: in a parallel view, and
+    where they lie across the line of sight.
     """
-    if camera.kind == "orthographic":
-        return None, None, None
-    depths = camera.axes[2]
-    return tuple(
-        np.copysign(1.0, depth) * axis if abs(depth) > ACROSS else None
-        for axis, depth in zip(AXES, depths, strict=True)
-    )
-
-
-ACROSS: Final = 1e-6
-"""Cosine between an axis and the line of sight below which the axis lies across it."""
+    way = np.asarray(direction, float)
+    depth = float(camera.axes[2] @ way)
+    if camera.kind == "orthographic" or abs(depth) <= ACROSS:
+        return None
+    return np.asarray(np.copysign(1.0, depth) * way)

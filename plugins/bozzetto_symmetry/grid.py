@@ -126,8 +126,9 @@ def grid_in_box(
 
 def _on_edge(places: Array, aside: Array, centre: ArrayLike, size: ArrayLike) -> NDArray[np.bool_]:
     """Whether a step aside from places of the box leaves it on one hand."""
-    half = 0.5 * np.asarray(size, float) * (1.0 + FLUSH)
-    step = 1e-3 * float(half.min()) * aside
+    half = 0.5 * np.asarray(size, float)
+    least = float(half.min())
+    half, step = half + FLUSH * least, 1e3 * FLUSH * least * aside
     offset = places - np.asarray(centre, float)
     leaves = [(np.abs(offset + sign * step) > half).any(axis=1) for sign in (1.0, -1.0)]
     return np.asarray(leaves[0] | leaves[1])

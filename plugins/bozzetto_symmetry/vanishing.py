@@ -6,17 +6,17 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.scene import Item, Label, Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
-from bozzetto_symmetry.axes import AXES, AXIS_PAINTS, vanishing_directions
+from bozzetto_symmetry.axes import AXES, AXIS_PAINTS, receding
 from bozzetto_symmetry.box import EDGE_WIDTH, grid_lines, segments
 from bozzetto_symmetry.grid import grid_in_box, grid_step
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.targets import box_edges
 
-__all__ = ["back_faces", "seen_from", "vanishing_marks", "vanishing_points"]
+__all__ = ["back_faces", "seen_from", "vanishing_marks", "vanishing_point"]
 
 Array = NDArray[np.float64]
 
@@ -40,6 +40,9 @@ LINE_WIDTH, LINE_END_WIDTH = 1.0, 0.25
 """Of lengthened edges where they leave the box and at their ends, px."""
 
 LINE_OPACITY: Final = 0.6
+
+GRID_OPACITY: Final = 0.24
+"""Of grids: as faint on the sheet as the colour of grids, and curves under them stay whole."""
 
 WIDER: Final = 3.0
 """How much larger than the box the ground's grid is that shows the perspective."""
@@ -102,7 +105,7 @@ def _walls(state: SymmetryState, camera: Camera) -> Iterator[Item]:
         middle = np.asarray(state.centre) + 0.5 * sense * state.size[axis] * AXES[axis]
         first, second = AXES[[(axis + 1) % 3, (axis + 2) % 3]]
         grid = grid_in_box(middle, first, second, step, centre=state.centre, size=state.size)
-        yield from grid_lines(grid, "grid")
+        yield from grid_lines(grid, "ghost", GRID_OPACITY)
 
 
 FLOOR: Final = (2, -1)
@@ -112,30 +115,27 @@ FLOOR: Final = (2, -1)
 # -- where edges vanish ------------------------------------------------------------------------
 
 
-def vanishing_points(camera: Camera) -> tuple[Array | None, ...]:
-    """Where the three axes vanish on the sheet, (2,) px each; None where they do not.
+def vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
+    """Where lines of a direction meet on the sheet, (2,) px; None where they do not.
 
     A point further away than `NEAR_CANVAS` counts as none.
     """
-    found: list[Array | None] = []
-    middle = 0.5 * np.asarray(camera.viewport)
+    way = receding(camera, direction)
+    if way is None:
+        return None
     focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-    for way in vanishing_directions(camera):
-        if way is None:
-            found.append(None)
-            continue
-        right, up, forward = camera.axes @ way
-        place = middle + focal / forward * np.array([right, -up])
-        near = float(np.linalg.norm(place - middle)) <= NEAR_CANVAS * camera.viewport[0]
-        found.append(place if near else None)
-    return tuple(found)
+    right, up, forward = camera.axes @ way
+    offset = focal / forward * np.array([right, -up])
+    near = float(np.linalg.norm(offset)) <= NEAR_CANVAS * camera.viewport[0]
+    return np.asarray(0.5 * np.asarray(camera.viewport) + offset) if near else None
 
 
 def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
     """Crosses where the axes of the box vanish, with their letters.
 
-    A vanishing point is nowhere in space: each cross stands on its line of sight, at the
-    depth of the target, and so large that it is `ARM` pixels there.
+    So does the normal of a centre plane that is not the box's own: mirrored places lie on
+    lines towards it. A vanishing point is nowhere in space: each cross stands on its line of
+    sight, at the depth of the target, and so large that its arms are `ARM` pixels there.
 
     Parameters
     ----------
@@ -143,14 +143,18 @@ def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
     camera : Camera
         In the model's frame.
     """
+    marked = list(zip(AXES, AXIS_PAINTS, "xyz", strict=True))
+    if state.symmetry == "free":
+        marked.append((np.asarray(state.plane.normal), "ink", "left and right"))
     items: list[Item] = []
-    for place, paint, letter in zip(vanishing_points(camera), AXIS_PAINTS, "xyz", strict=True):
+    for way, paint, text in marked:
+        place = vanishing_point(camera, way)
         if place is not None:
-            items += _cross(camera, place, paint, letter)
+            items += _cross(camera, place, paint, text)
     return Scene((Layer("vanishing points", tuple(items)),)) if items else Scene()
 
 
-def _cross(camera: Camera, place: Array, paint: Paint, letter: str) -> tuple[Item, Item]:
+def _cross(camera: Camera, place: Array, paint: Paint, text: str) -> tuple[Item, Item]:
     forward = camera.axes[2]
     on_sheet = np.asarray(camera.target, float)
     arms = ARM * np.array([(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)])
@@ -163,17 +167,16 @@ def _cross(camera: Camera, place: Array, paint: Paint, letter: str) -> tuple[Ite
         width=MARK_WIDTH,
         hidden="show",
     )
-    return lines, Label((x, y, z), letter, paint)
+    return lines, Label((x, y, z), text, paint)
 
 
 def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
     """The edges carried on to where they meet, and a ground that is wider than the box."""
-    ways = vanishing_directions(camera)
     edges = box_edges(state).reshape(3, 4, 2, 3)
     share = np.linspace(0.0, 1.0, PIECES + 1)
     widths = (LINE_WIDTH + (LINE_END_WIDTH - LINE_WIDTH) * share).astype(np.float32)
-    for way, parallel, paint, axis in zip(ways, edges, AXIS_PAINTS, AXES, strict=True):
-        lines = []
+    for axis, parallel, paint in zip(AXES, edges, AXIS_PAINTS, strict=True):
+        way, lines = receding(camera, axis), []
         for edge in parallel:
             if way is None:
                 lines.append(edge[1] + state.diagonal * share[:, None] * axis)
@@ -196,7 +199,7 @@ def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
     grid = grid_in_box(
         low, AXES[0], AXES[1], grid_step(max(state.size)), centre=state.centre, size=size
     )
-    yield from grid_lines(grid, "grid")
+    yield from grid_lines(grid, "ghost", GRID_OPACITY)
 
 
 def _to_horizon(depth: float, way: Array, camera: Camera, share: Array) -> Array:
