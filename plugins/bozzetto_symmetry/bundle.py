@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.sighting import END_NOISE, TREMOR, Ink, inked
+from bozzetto_symmetry.sighting import END_NOISE, LEAST_NOISE, Ink, inked
 from bozzetto_symmetry.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.starting import ROUGHNESS, approximated, half_of, length_of, stations_of
 from bozzetto_symmetry.stereo import Stereo
@@ -277,6 +277,14 @@ class _Fit:
         points = self.problem.basis.moved(self.points, step)
         return _Fit.at(self.problem, points, self.inks)
 
+    def refined(self, basis: SymmetricBasis) -> Array:
+        """Control points of nearly the same curve, with the same parameters, in another basis."""
+        old = self.problem.basis
+        stations = np.linspace(0.0, 1.0, 4 * basis.count, endpoint=not basis.closed)
+        low, high = basis.half
+        places = old.at(old.values(low + (high - low) * stations), self.points)
+        return approximated(basis, places, np.zeros((len(places), 3, 3)), stations)
+
     def excess(self, enough: Sequence[float]) -> float:
         """The distance of the ink as a multiple of what is enough."""
         return self.rms / min(enough)
@@ -290,8 +298,9 @@ class _Fit:
             count = len(ink.share)
             ends, rows = rows[count:], rows[:count] * np.sqrt(ink.share)[:, None]
             gap = ink.along[:, None] - ink.along
-            alike = np.exp(-((gap / (2.0 * TREMOR)) ** 2)) * (ink.piece[:, None] == ink.piece)
-            inner += rows.T @ alike @ rows + ends.T @ ends
+            alike = np.exp(-((gap / (2.0 * ink.tremor)) ** 2)) * (ink.piece[:, None] == ink.piece)
+            noisier = max(1.0, LEAST_NOISE / ink.noise) ** 2
+            inner += noisier * (rows.T @ alike @ rows + ends.T @ ends)
         inverse = np.linalg.inv(self.normal)
         return np.asarray(inverse @ inner @ inverse)
 
@@ -318,14 +327,15 @@ def _fitted(
     before: _Fit | None,
 ) -> _Fit:
     """The best curve with one number of control points."""
-    start = approximated(basis, points, covariances, stations)
-    inks = [
-        ink
-        for sight in sights
-        if (ink := inked(sight.stereo, sight.near, sight.far, sight.noise, basis, start))
-    ]
-    if not inks:
-        raise UserError("No ink shows this curve. Draw it again.")
+    start = (
+        approximated(basis, points, covariances, stations)
+        if before is None or before.rms > LOST
+        else before.refined(basis)
+    )
+    if before is not None and before.rms <= LOST:
+        inks = before.inks
+    else:
+        inks = _matched(sights, basis, start)
     fit = _Fit.at(_Problem.of(basis, start, inks), start, inks, steps=0)
     damping, more, most = DAMPING
     for _ in range(ROUNDS):
@@ -340,3 +350,14 @@ def _fitted(
         else:
             damping *= more * more
     return fit
+
+
+def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:
+    """The ink of the views, matched to a curve."""
+    inks = [
+        inked(sight.stereo, sight.near, sight.far, sight.noise, basis, points) for sight in sights
+    ]
+    found = tuple(ink for ink in inks if ink is not None)
+    if not found:
+        raise UserError("No ink shows this curve. Draw it again.")
+    return found

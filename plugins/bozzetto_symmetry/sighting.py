@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.ordered_feet import LAPS, ordered_feet
 from bozzetto.ink.resample import arc_length, resample
@@ -20,24 +20,36 @@ __all__ = ["LEAST_NOISE", "TREMOR", "Deviation", "Ink", "inked"]
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-TREMOR: Final = 12.0
-"""How far along the ink, px, a hand's deviation stays alike: it is white noise smoothed by a
-Gaussian of this width. Samples that are closer say the same thing again."""
+TREMOR: Final = (12.0, 0.04)
+"""How far along the ink a hand's deviation stays alike, px, or as a share of the ink's
+length, whichever is more: it is white noise smoothed by a Gaussian of this width. Samples
+that are closer say the same thing again."""
 
-INDEPENDENT: Final = 2.0 * float(np.sqrt(np.pi)) * TREMOR
-"""Length of ink, px, that counts as one measurement: the integral of the correlation."""
+INDEPENDENT: Final = 2.0 * float(np.sqrt(np.pi))
+"""Length of ink, in widths of the tremor, that counts as one measurement: the integral of
+the correlation."""
 
 LEAST_NOISE: Final = 0.3
 """Standard deviation, px, that every hand has at least; a screen's pixels alone make it."""
+
+CLEAN: Final = 0.1
+"""Standard deviation, px, below which ink is followed no more closely."""
 
 END_NOISE: Final = 2.0
 """How much worse a hand is at ending in the right place than at keeping on the curve."""
 
 SPACING: Final = 4.0
-"""Distance of the samples of ink, px: a third of `TREMOR`."""
+"""Distance of the samples of ink, px: a third of the least tremor."""
 
 MOST_SAMPLES: Final = 300
 """Of one piece of ink; on longer ink they are further apart."""
+
+CLOSED: Final = 0.05
+"""Gap between the ends of a piece of ink, as a share of its length, below which it goes round a
+closed curve once."""
+
+FIRST_STEPS: Final = 3
+"""Steps to the nearest places from where ink was first matched."""
 
 MATCHED: Final = 60
 """Samples of one piece of ink, and twice as many of the curve, when they are first matched."""
@@ -45,6 +57,10 @@ MATCHED: Final = 60
 AT_END: Final = (6.0, 0.04)
 """An end of ink that is this close to the image of an end of the curve (px, or as a share of
 the ink's length, whichever is more) shows that end."""
+
+
+COLUMNS: Final = ("pixels", "factors", "tremor", "share", "along", "piece", "held", "feet")
+"""What there is for every sample of ink."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +74,9 @@ class Ink:
     factors : (n, 3) float
         What the coordinates of the curve are multiplied by: the mirror, for the far side.
     noise : float
-        Standard deviation of the hand across the ink, px, not below `LEAST_NOISE`.
+        Standard deviation of the hand across the ink, px, not below `CLEAN`.
+    tremor : (n,) float
+        How far along the ink the noise stays alike, px.
     share : (n,) float
         How many measurements each sample is.
     along : (n,) float
@@ -75,11 +93,46 @@ class Ink:
     pixels: Array
     factors: Array
     noise: float
+    tremor: Array
     share: Array
     along: Array
     piece: Index
     held: NDArray[np.bool_]
     feet: Array
+
+    @classmethod
+    def of(
+        cls,
+        stereo: Stereo,
+        pixels: ArrayLike,
+        factors: Array,
+        noise: float,
+        piece: int,
+        closed: bool,
+    ) -> Ink | None:
+        """Samples of one piece of ink, not yet matched to a curve; None if it is a dot."""
+        drawn = np.reshape(np.asarray(pixels, float), (-1, 2))
+        length = float(arc_length(drawn)[-1]) if len(drawn) > 1 else 0.0
+        if not length > 0:
+            return None
+        gap = float(np.linalg.norm(drawn[0] - drawn[-1]))
+        closed = closed and len(drawn) > 2 and gap < CLOSED * length
+        length += gap if closed else 0.0
+        place = resample(drawn, spacing=max(SPACING, length / MOST_SAMPLES), closed=closed)
+        count = len(place)
+        tremor = max(TREMOR[0], TREMOR[1] * length)
+        return cls(
+            stereo,
+            place,
+            np.broadcast_to(factors, (count, 3)),
+            max(noise, CLEAN),
+            np.full(count, tremor),
+            np.full(count, min(1.0, length / count / (INDEPENDENT * tremor))),
+            np.linspace(0.0, length, count, endpoint=not closed),
+            np.full(count, piece),
+            np.zeros(count, bool),
+            np.zeros(count),
+        )
 
     def deviation(self, basis: SymmetricBasis, points: Array) -> Deviation:
         """How far the ink is from the image of a curve, with the feet as they are."""
@@ -97,11 +150,13 @@ class Ink:
     def settled(self, basis: SymmetricBasis, points: Array, *, steps: int = 1) -> Ink:
         """With the feet moved towards the nearest places of the curve's image.
 
-        A Gauss–Newton step of Hoschek's (1988) parameter correction; ends that are held stay.
+        A Gauss–Newton step of Hoschek's (1988) parameter correction; ends that are held stay,
+        and samples keep their order: in a hairpin the nearest place may be on the other leg.
         """
         ink = self
         reach = (basis.half[1] - basis.half[0]) / basis.count
         for _ in range(steps):
+            ink = ink._in_order(basis)
             off = ink.deviation(basis, points)
             speed = (off.tangent**2).sum(axis=1)
             step = np.zeros(len(speed))
@@ -109,6 +164,19 @@ class Ink:
             step = np.where(ink.held | ~np.isfinite(step), 0.0, np.clip(step, -reach, reach))
             ink = replace(ink, feet=basis.whole.within(ink.feet + step))
         return ink
+
+    def _in_order(self, basis: SymmetricBasis) -> Ink:
+        """With feet that turned back put between those of the samples beside."""
+        ways = np.diff(self.feet)
+        if basis.periodic:
+            ways = np.mod(ways + 0.5, 1.0) - 0.5
+        inner = (self.piece[2:] == self.piece[:-2]) & ~self.held[1:-1]
+        turned = 1 + np.flatnonzero(inner & (ways[:-1] * ways[1:] < 0.0))
+        if not len(turned):
+            return self
+        feet = self.feet.copy()
+        feet[turned] = self.feet[turned - 1] + 0.5 * (ways[turned - 1] + ways[turned])
+        return replace(self, feet=feet)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +221,8 @@ class Deviation:
 
 def inked(
     stereo: Stereo,
-    near: Sequence[Array],
-    far: Sequence[Array],
+    near: Sequence[ArrayLike],
+    far: Sequence[ArrayLike],
     noise: float,
     basis: SymmetricBasis,
     points: Array,
@@ -177,53 +245,37 @@ def inked(
     Ink or None
         None where the curve is not in front of the eye, or there is no ink.
     """
-    pieces = []
     low, high = basis.half
     at = np.linspace(low, high, 2 * MATCHED, endpoint=not basis.closed)
     half = basis.at(basis.values(at), points)
+    pieces: list[Ink] = []
     for side, factors in ((near, np.ones(3)), (far, MIRROR)):
         image = stereo.project(half * factors)
         if not np.isfinite(image).all():
             return None
         for pixels in side:
-            matched = _matched(np.asarray(pixels, float), image, at, basis, len(pieces))
-            if matched is not None:
-                count = len(matched[0])
-                pieces.append((*matched, np.broadcast_to(factors, (count, 3))))
+            ink = Ink.of(stereo, pixels, factors, noise, len(pieces), basis.closed)
+            if ink is not None:
+                pieces.append(_matched(ink, image, at, basis))
     if not pieces:
         return None
-    pixels, share, along, piece, held, feet, factors = map(
-        np.concatenate, zip(*pieces, strict=True)
-    )
-    level = max(noise, LEAST_NOISE)
-    ink = Ink(stereo, pixels, factors, level, share, along, piece, held, feet)
-    return _without_beyond(ink.settled(basis, points, steps=3), basis, points)
+    columns = {name: np.concatenate([getattr(ink, name) for ink in pieces]) for name in COLUMNS}
+    whole = replace(pieces[0], **columns).settled(basis, points, steps=FIRST_STEPS)
+    return whole if basis.periodic else _without_beyond(whole, basis, points)
 
 
-def _matched(
-    pixels: Array, image: Array, at: Array, basis: SymmetricBasis, number: int
-) -> tuple[Array, Array, Array, Index, NDArray[np.bool_], Array] | None:
-    """Samples of one piece of ink: pixels, share, along, piece, held, feet."""
-    length = float(arc_length(pixels)[-1]) if len(pixels) > 1 else 0.0
-    if not length > 0:
-        return None
-    if basis.closed:
-        length += float(np.linalg.norm(pixels[0] - pixels[-1]))
-    ring = basis.closed
-    place = resample(pixels, spacing=max(SPACING, length / MOST_SAMPLES), closed=ring)
-    along = length * np.arange(len(place)) / max(1, len(place) - (0 if ring else 1))
-    feet = _feet(place, length, image, at, closed=ring)
-    held = np.zeros(len(place), bool)
+def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis) -> Ink:
+    """One piece of ink with its feet, and which of its ends show an end of the curve."""
+    length = float(ink.along[-1])
+    feet = _feet(ink.pixels, length, image, at, closed=basis.closed)
+    held = ink.held.copy()
     if not basis.periodic:
         close = max(AT_END[0], AT_END[1] * length)
-        ends = (1,) if basis.reading == "self" else (0, 1)
-        for end in ends:
-            gaps = np.linalg.norm(place[[0, -1]] - image[-end], axis=1)
-            tip = int(np.argmin(gaps))
-            if gaps[tip] <= close:
-                held[-tip], feet[-tip] = True, basis.half[end]
-    share = np.full(len(place), min(1.0, length / len(place) / INDEPENDENT))
-    return place, share, along, np.full(len(place), number), held, feet
+        for end in (1,) if basis.reading == "self" else (0, 1):
+            tip = -int(np.argmin(np.abs(feet[[0, -1]] - basis.half[end])))
+            if np.linalg.norm(ink.pixels[tip] - image[-end]) <= close:
+                held[tip], feet[tip] = True, basis.half[end]
+    return replace(ink, feet=feet, held=held)
 
 
 def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool) -> Array:
@@ -242,8 +294,6 @@ def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool)
 
 def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | None:
     """Only the ink beside the curve, not what runs on beyond its ends."""
-    if basis.periodic:
-        return ink
     low, high = basis.whole.range
     off = ink.deviation(basis, points)
     slid = np.abs((off.offset * off.along).sum(axis=1))
@@ -251,7 +301,4 @@ def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | Non
     kept = ink.held | ~(clamped & (slid > SPACING))
     if not kept.any():
         return None
-    return Ink(
-        ink.stereo, ink.pixels[kept], ink.factors[kept], ink.noise, ink.share[kept],
-        ink.along[kept], ink.piece[kept], ink.held[kept], ink.feet[kept],
-    )  # fmt: skip
+    return replace(ink, **{name: getattr(ink, name)[kept] for name in COLUMNS})

@@ -14,9 +14,9 @@ __all__ = ["ROUGHNESS", "approximated", "half_of", "length_of", "stations_of"]
 
 Array = NDArray[np.float64]
 
-ROUGHNESS: Final = 1000.0
-"""Third derivative, by a parameter from 0 to 1, that a curve of unit length may well have: a
-wave and a half over the whole curve with an amplitude of a fifth of it."""
+ROUGHNESS: Final = 50.0
+"""Third derivative (rms), by a parameter from 0 to 1, that a curve of unit length may well
+have: that of a wave and a quarter with an amplitude of a sixth of the length."""
 
 KNOWN: Final = 0.002
 """Standard deviation, as a share of the length, below which a place counts as no better."""
