@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -33,12 +33,15 @@ PARALLEL: Final = 0.7
 GOOD_PART: Final = 0.5
 """Share of the shorter stroke that has to run alongside the other."""
 
-TOUCHING: Final = 5.0
-"""Mean distance of two strokes, px, that were drawn over one another, and surely not the two
-sides of a pair."""
+TOUCHING: Final = 2.5
+"""Mean distance of two strokes, px, that were surely drawn over one another. Farther apart they
+may be the two sides of a pair seen from the side, which the view has to decide."""
 
 CONTINUING: Final = 0.85
 """Cosine of the bend at which one stroke still continues another."""
+
+OVERLAP: Final = 5.0
+"""Greatest distance where one stroke takes up the end of another, px."""
 
 GAP_SHARE: Final = 0.04
 """Widest gap of a continued stroke, as a share of the shorter piece."""
@@ -49,8 +52,8 @@ GAP: Final = (3.0, 10.0)
 END: Final = 10.0
 """Length over which the direction of an end is taken, px."""
 
-CONTRAST: Final = 1.8
-"""How much farther apart than the strokes of one side two sides are drawn."""
+CONTRAST: Final = 1.3
+"""How much farther apart than the strokes of either are two groups that are surely one."""
 
 BENT: Final = 0.25
 """Price of a bend of 90° where strokes have to be united, as a share of the shorter one's
@@ -66,14 +69,20 @@ class Bond:
     distance : float
         Mean distance where they run alongside, or the gap between two ends; px.
     over : bool
-        Drawn over one another, not continued.
+        Drawn over one another, at least in part; not merely continued.
     sure : bool
         Close enough by itself; else only where strokes have to be united.
+    gap : float
+        Least distance between an end of one and an end of the other, px.
+    part : float
+        Length that was drawn over, px.
     """
 
     distance: float
     over: bool
     sure: bool
+    gap: float = np.inf
+    part: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +113,10 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
 
     Strokes that run alongside one another over a good part of the shorter one, or continue
     one another, belong together; strokes that merely cross do not. Where more than two
-    groups are left, those are united that continue or accompany one another best. Two
-    strokes are taken for one only if they lie within a few pixels; more strokes are told
-    apart by contrast: the two sides of a pair, seen from the side, may be nearer to one
-    another than the strokes of a broad scribble are.
+    groups are left, those are united that continue or accompany one another best. The last
+    two are united only where nothing else can be meant: the two sides of a pair may be as
+    near to one another as the strokes of a scribble, and the halves of a curve across the
+    plane continue one another. What two groups mean is for `bozzetto_symmetry.reading`.
 
     Parameters
     ----------
@@ -125,7 +134,7 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     sizes = [float(arc_length(line)[-1]) for line in lines]
     while len(groups) > least:
         first, second, bond = _nearest(groups, bonds, sizes)
-        if len(groups) <= 2 and not (bond.sure and _no_pair(groups, bonds, bond)):
+        if len(groups) == 2 and not _one_side(groups, bonds, bond):
             break
         groups[first] |= groups[second]
         del groups[second]
@@ -165,14 +174,21 @@ def _bond(
             if bonds[i][j].over and bonds[i][j].sure
         ]
         mean = float(np.average([bond.distance for bond in over], weights=weights))
-        return Bond(mean, True, True)
+        return Bond(mean, True, True, min(bond.gap for bond in pairs))
     return min(pairs, key=lambda bond: (not bond.sure, bond.distance))
 
 
-def _no_pair(groups: Sequence[set[int]], bonds: Sequence[Sequence[Bond]], bond: Bond) -> bool:
-    """Whether the last two groups are one side after all."""
-    if not bond.over:
-        return True
+def _one_side(
+    groups: Sequence[set[int]],
+    bonds: Sequence[Sequence[Bond]],
+    bond: Bond,
+    sizes: Sequence[float],
+) -> bool:
+    """Whether the last two groups are surely one side."""
+    drawn_over = sum(bonds[i][j].part for i in groups[0] for j in groups[1])
+    shorter = min(sum(sizes[i] for i in group) for group in groups)
+    if not (bond.over and bond.sure) or drawn_over < GOOD_PART * shorter:
+        return False
     within = [
         bonds[i][j].distance
         for group in groups
@@ -180,15 +196,13 @@ def _no_pair(groups: Sequence[set[int]], bonds: Sequence[Sequence[Bond]], bond: 
         for j in group
         if i < j and bonds[i][j].over and bonds[i][j].sure
     ]
-    if not within:
-        return bond.distance <= TOUCHING
-    return bond.distance <= CONTRAST * max(float(np.mean(within)), 0.5 * TOUCHING)
+    return bond.distance <= max(TOUCHING, CONTRAST * float(np.mean(within or [0.0])))
 
 
 def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
     """How each stroke hangs together with each other one."""
     trails = [_Trail.of(line) for line in lines]
-    none = Bond(0.0, False, False)
+    none = Bond(np.inf, False, False)
     made = [[none] * len(trails) for _ in trails]
     for j in range(1, len(trails)):
         for i in range(j):
@@ -211,14 +225,15 @@ def _between(one: _Trail, other: _Trail) -> Bond:
     across = np.abs(step[:, 0] * tangents[:, 1] - step[:, 1] * tangents[:, 0])
     inside = (nearest > 0) & (nearest < len(longer.places) - 1)
     distance = np.where(inside, across, square[rows, nearest])
-    parallel = np.abs((shorter.tangents * tangents).sum(axis=1)) > PARALLEL
-    beside = (distance < reach) & parallel
-    if beside.mean() >= GOOD_PART:
-        return Bond(float(distance[beside].mean()), True, True)
-    overlap = _overlapping(beside, nearest, len(longer.places))
-    if overlap:
-        return Bond(float(distance[beside].mean()), False, True)
-    return _continued(one, other)
+    cosine = np.abs((shorter.tangents * tangents).sum(axis=1))
+    beside = (distance < reach) & (cosine > PARALLEL)
+    joint = _continued(one, other)
+    if beside.mean() < GOOD_PART:
+        beside = (distance < OVERLAP) & (cosine > CONTINUING)
+        if not _overlapping(beside, nearest, len(longer.places)):
+            return joint
+    part = float(beside.mean()) * shorter.length
+    return Bond(float(distance[beside].mean()), True, True, joint.gap, part)
 
 
 def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: int) -> bool:
@@ -234,7 +249,7 @@ def _continued(one: _Trail, other: _Trail) -> Bond:
     """The best joint of an end of one stroke with an end of the other."""
     shorter = min(one.length, other.length)
     widest = float(np.clip(GAP_SHARE * shorter, *GAP))
-    best = Bond(np.inf, False, False)
+    best, least = Bond(np.inf, False, False), np.inf
     for last in (False, True):
         place, way = one.end(last)
         for other_last in (False, True):
@@ -243,8 +258,9 @@ def _continued(one: _Trail, other: _Trail) -> Bond:
             straight = float(-(way @ back))
             ahead = gap < GAP[0] or float(way @ (there - place)) > 0.5 * gap
             if gap <= widest and straight > CONTINUING and ahead:
-                found = Bond(gap, False, True)
+                found = Bond(gap, False, True, gap)
             else:
-                found = Bond(gap + BENT * shorter * (1.0 - straight), False, False)
+                found = Bond(gap + BENT * shorter * (1.0 - straight), False, False, gap)
+            least = min(least, gap)
             best = min(best, found, key=lambda bond: (not bond.sure, bond.distance))
-    return best
+    return replace(best, gap=least)

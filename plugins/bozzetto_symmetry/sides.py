@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,17 @@ from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.ink.resample import arc_length, resample
 from bozzetto.ink.settle import fading, settle
 from bozzetto_symmetry.grouping import bonds_between, grouped
-from bozzetto_symmetry.line import Line, drawn_line, evenly_spaced, pen_down
+from bozzetto_symmetry.line import CLOSING, SPACING, Line, drawn_line, evenly_spaced, pen_down
 
-__all__ = ["Side", "settled", "sides_of"]
+__all__ = ["Side", "sides_of", "united"]
 
 Array = NDArray[np.float64]
+
+MEETING: Final = 0.08
+"""Widest gap between the halves of one curve across the plane, as a share of the shorter one."""
+
+UNDRAWN: Final = 3
+"""Steps of a settled ring without ink that are no gap: the ink has steps of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,14 +98,6 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     return tuple(sides)
 
 
-def settled(sides: Sequence[Side], strokes: Sequence[Stroke]) -> Side:
-    """Several sides as the one that they may be after all."""
-    members = sorted(k for side in sides for k in side.strokes)
-    return _united(
-        {k: strokes[k] for k in members}, [drawn_line(pen_down(strokes[k])) for k in members]
-    )
-
-
 def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
     """One side of several strokes: pieces one after the other, or all settled together."""
     places = [pen_down(stroke) for stroke in strokes.values()]
@@ -106,14 +105,62 @@ def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
     if not any(bond.over for row in bonds for bond in row):
         line = drawn_line(_chained(places))
         return Side(line.pixels, line.closed, line.noise, tuple(strokes))
-    found = settle(places, fading(list(strokes.values())))
-    pixels = evenly_spaced(_in_sense_of(places[0], found.points, found.closed), closed=found.closed)
-    ring = np.vstack((pixels, pixels[:1])) if found.closed else pixels
-    ink = np.vstack([line.pixels for line in lines])
-    times = sum(float(arc_length(line.pixels)[-1]) for line in lines)
-    times = max(1.0, times / max(float(arc_length(ring)[-1]), 1e-9))
+    return _settled(places, fading(list(strokes.values())), tuple(strokes))
+
+
+def united(one: Side, other: Side) -> Side | None:
+    """Two sides as the one that they may be: where they run alongside or their ends meet.
+
+    Returns
+    -------
+    Side or None
+        In the sense of the first; None where they are two in any case.
+    """
+    if one.closed or other.closed:
+        return None
+    bond = bonds_between([one.pixels, other.pixels])[0][1]
+    members = tuple(sorted((*one.strokes, *other.strokes)))
+    if bond.over:
+        return _settled([one.pixels, other.pixels], np.ones(2), members)
+    if bond.gap > MEETING * min(_length(one.pixels), _length(other.pixels)):
+        return None
+    line = drawn_line(_chained([one.pixels, other.pixels]))
+    noise = max(one.noise, other.noise)
+    return Side(line.pixels, line.closed, noise, members, one.sure and other.sure)
+
+
+def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) -> Side:
+    """Lines over one another as one, in the sense of the first."""
+    found = settle(places, weights)
+    line = found.points
+    closed = found.closed
+    if closed:
+        line, closed = _opened(line[:-1], places)
+    pixels = evenly_spaced(_in_sense_of(places[0], line, closed), closed=closed)
+    ring = np.vstack((pixels, pixels[:1])) if closed else pixels
+    ink = np.vstack([evenly_spaced(place) for place in places])
+    times = max(1.0, SPACING * len(ink) / max(_length(ring), SPACING))
     scatter = float(1.4826 * np.median(distances_to_polyline(ink, ring)))
-    return Side(pixels, found.closed, scatter / times**0.5, tuple(strokes), found.sure)
+    return Side(pixels, closed, scatter / times**0.5, members, found.sure)
+
+
+def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
+    """A ring without the part that nobody drew, if that is too wide for a mere gap."""
+    ink = np.vstack([evenly_spaced(place) for place in places])
+    step = _length(np.vstack((ring, ring[:1]))) / len(ring)
+    apart = np.linalg.norm(ring[:, None] - ink, axis=2)
+    met = np.unique(apart.argmin(axis=0))
+    behind = np.diff(np.append(met, met[0] + len(ring)))
+    widest = int(np.argmax(behind))
+    diagonal = float(np.linalg.norm(np.ptp(ring, axis=0)))
+    if behind[widest] * step <= max(CLOSING * diagonal, UNDRAWN * step):
+        return ring, True
+    begin = met[(widest + 1) % len(met)]
+    return np.roll(ring, -begin, axis=0)[: len(ring) - behind[widest] + 1], False
+
+
+def _length(points: Array) -> float:
+    return float(arc_length(points)[-1])
 
 
 def _chained(places: Sequence[Array]) -> Array:
@@ -137,7 +184,7 @@ def _chained(places: Sequence[Array]) -> Array:
 
 def _in_sense_of(stroke: Array, points: Array, closed: bool) -> Array:
     """The settled line in the sense of a stroke; a ring begins where that begins."""
-    line = points[:-1] if closed and np.allclose(points[0], points[-1]) else points
+    line = points
     ink = resample(stroke, count=64)
     feet = np.linalg.norm(ink[:, None] - line, axis=2).argmin(axis=1)
     steps = np.diff(feet)
