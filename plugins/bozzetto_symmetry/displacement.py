@@ -68,25 +68,21 @@ def displaced(
     """
     station, wanted = np.asarray(at, float), np.asarray(shifts, float)
     unit = np.asarray(pixel, float)
-    moved = wanted.any(axis=1)
+    moved = np.asarray((wanted != 0.0).any(axis=1))
     if symmetric:
         known = _known(halves_of(spline), station, moved)
         station, wanted, unit, moved = station[known], wanted[known], unit[known], moved[known]
-    change = np.zeros_like(spline.control_points)
-    off = np.linalg.norm(wanted, axis=1) / unit
-    if off.max(initial=0.0) <= CLOSE_ENOUGH:
+    if (np.linalg.norm(wanted, axis=1) <= CLOSE_ENOUGH * unit).all():
         return spline
     finer = spline
-    for _ in range(MOST_HALVINGS + 1):
-        change, off = _change(finer, station, wanted, unit, moved, symmetric)
+    change, off = _change(finer, station, wanted, unit, moved, symmetric)
+    for _ in range(MOST_HALVINGS):
         knots = _halvings(finer, station, off > CLOSE_ENOUGH)
-        if symmetric and len(knots):
-            knots = _both_sides(finer, knots)
         if not len(knots):
             break
-        finer = finer.refined(knots)
+        finer = finer.refined(_both_sides(finer, knots) if symmetric else knots)
         finer = made_symmetric(finer) if symmetric else finer
-    change, _ = _change(finer, station, wanted, unit, moved, symmetric)
+        change, off = _change(finer, station, wanted, unit, moved, symmetric)
     return Spline(finer.knots, finer.control_points + change, finer.closed)
 
 
@@ -111,29 +107,23 @@ def _change(
 ) -> tuple[Array, Array]:
     """Displacement of the control points, and how far each place is off then, px."""
     basis = _basis(spline, at)
-    count = basis.shape[1]
-    change = np.zeros((count, 3))
-    partner = halves_of(spline).partner if symmetric else np.arange(count)
+    numbers = np.arange(basis.shape[1])
+    partner = halves_of(spline).partner if symmetric else numbers
     touched = basis + basis[:, partner]
     free = (touched[~moved] == 0.0).all(axis=0) & (touched > 0.0).any(axis=0)
-    # Of control points that belong together the first one is sought.
-    free &= np.arange(count) <= partner
-    for axis, factor in enumerate(MIRROR):
-        columns = basis[:, free]
-        if symmetric:
-            apart = partner[free] != np.flatnonzero(free)
-            columns = columns + factor * apart * basis[:, partner[free]]
-        else:
-            apart = np.zeros(int(free.sum()), bool)
-        sought = apart | (factor > 0) if symmetric else np.ones(len(apart), bool)
-        rows = columns[:, sought] / unit[:, None]
+    change = np.zeros((len(numbers), 3))
+    for axis, factor in enumerate(MIRROR if symmetric else np.ones(3)):
+        # Of control points that belong together the first one is sought; one that is its own
+        # partner does not leave the plane.
+        lone = numbers == partner
+        sought = np.flatnonzero(free & ((numbers < partner) | (lone & (factor > 0.0))))
+        columns = basis[:, sought] + np.where(lone[sought], 0.0, factor * basis[:, partner[sought]])
+        rows = columns / unit[:, None]
         normal = rows.T @ rows
         normal[np.diag_indices_from(normal)] += HOLD * max(1e-300, float(np.trace(normal)))
-        solved = np.linalg.solve(normal, rows.T @ (shifts[:, axis] / unit))
-        own = np.flatnonzero(free)[sought]
-        change[own, axis] = solved
-        if symmetric:
-            change[partner[own], axis] = factor * solved
+        solution = np.linalg.solve(normal, rows.T @ (shifts[:, axis] / unit))
+        change[partner[sought], axis] = factor * solution
+        change[sought, axis] = solution
     off = np.linalg.norm(basis @ change - shifts, axis=1) / unit
     if spline.closed:
         change = np.vstack((change, change[:DEGREE]))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Memory
 from bozzetto_symmetry.joining import closed_up, joined, joined_across
 from bozzetto_symmetry.modification import Forces, drawn_over
 from bozzetto_symmetry.snapping import snapped
@@ -18,6 +19,8 @@ __all__ = ["Edited", "Solve", "applied", "edited"]
 
 Solve = Callable[[Curve, SymmetryState], SpaceCurve | None]
 """The curve in space of another recipe; None where it has none yet."""
+
+_edited: Memory[SpaceCurve] = Memory(limit=512)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +61,21 @@ def applied(curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solv
 
 
 def edited(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:
-    """Do one edit.
+    """Do one edit; remembered, so that one more costs no more than itself.
 
     Raises
     ------
     UserError
         If it does not fit the curve.
     """
+    question = (
+        curve, edit, state.plane, state.centre, state.size,
+        state.restitution, state.location, state.pressure,
+    )  # fmt: skip
+    return _edited.recall(question, lambda: _done(curve, edit, state, solve))
+
+
+def _done(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:
     match edit:
         case Modification():
             return _modified(curve, edit, state)

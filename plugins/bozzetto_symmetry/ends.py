@@ -1,0 +1,115 @@
+"""The free ends of curves in space, and what becomes of two that are joined."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto_symmetry.editing import edited
+from bozzetto_symmetry.space_curve import SpaceCurve
+from bozzetto_symmetry.state import Curve, Edit, Joint, SymmetryState
+from bozzetto_symmetry.stereo import MIRROR
+from bozzetto_symmetry.trace import solved
+
+__all__ = ["End", "ends_of", "nearest_end", "with_edit", "with_joint"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """A free end of a curve or of its mirror image.
+
+    Attributes
+    ----------
+    node : Curve
+    curve : SpaceCurve
+    number : {0, 1}
+        As the edits count: of a curve across the plane it is 1.
+    mirrored : bool
+        It is the mirror image of that end.
+    point : (3,) float
+        In the frame of the centre plane, mm.
+    """
+
+    node: Curve
+    curve: SpaceCurve
+    number: int
+    mirrored: bool
+    point: Array
+
+
+def ends_of(curves: Sequence[tuple[Curve, SpaceCurve]]) -> list[End]:
+    """All free ends of some curves and their mirror images; a closed curve has none."""
+    found = []
+    for node, curve in curves:
+        if curve.closed:
+            continue
+        for number in (1,) if curve.reading == "self" else (0, 1):
+            point = curve.spline.value([curve.spline.range[number]])[0]
+            for mirrored in (False,) if curve.reading == "plane" else (False, True):
+                place = point * MIRROR if mirrored else point
+                found.append(End(node, curve, number, mirrored, place))
+    return found
+
+
+def nearest_end(end: End, others: Sequence[End]) -> tuple[End, float] | None:
+    """The end in space that is nearest to another, and how far away it is, mm.
+
+    Its own place does not count, nor what could not be joined: the other end of the image
+    of its own curve.
+    """
+    away = [
+        (float(np.linalg.norm(other.point - end.point)), number)
+        for number, other in enumerate(others)
+        if _can_meet(end, other)
+    ]
+    if not away:
+        return None
+    least, number = min(away)
+    return others[number], least
+
+
+def _can_meet(one: End, other: End) -> bool:
+    if one.node.id != other.node.id:
+        return True
+    return (one.number == other.number) != (one.mirrored == other.mirrored)
+
+
+def with_edit(state: SymmetryState, node: Curve, curve: SpaceCurve, edit: Edit) -> SymmetryState:
+    """The state in which one more edit is done to a curve.
+
+    Raises
+    ------
+    UserError
+        If the edit does not fit the curve.
+    """
+    edited(curve, edit, state, solved)
+    return state.with_node(replace(node, edits=(*node.edits, edit)))
+
+
+def with_joint(state: SymmetryState, first: End, second: End) -> SymmetryState:
+    """The state in which two ends are one place of one curve.
+
+    Two curves become the first one. Both ends of a curve close it; an end and its mirror
+    image make a curve across the plane.
+
+    Raises
+    ------
+    UserError
+        If these ends cannot be joined.
+    """
+    if first.node.id == second.node.id:
+        if not _can_meet(first, second):
+            raise UserError("These are ends of one curve that cannot meet. Join other ends.")
+        across = first.mirrored != second.mirrored
+        joint = Joint(first.number, Curve(), second.number, mirrored=across)
+        return with_edit(state, first.node, first.curve, joint)
+    across = first.mirrored != second.mirrored
+    joint = Joint(first.number, second.node, second.number, mirrored=across)
+    made = with_edit(state, first.node, first.curve, joint)
+    return replace(made.without(second.node.id), selected=first.node.id)

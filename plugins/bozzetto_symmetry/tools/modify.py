@@ -1,0 +1,106 @@
+"""Modify: a stroke over a curve bends it, in any view; its mirror image goes along."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final, Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Layer, Scene
+from bozzetto_symmetry.aiming import Seen, seen_curves, target_of
+from bozzetto_symmetry.editing import edited
+from bozzetto_symmetry.showing import curve_lines
+from bozzetto_symmetry.space_curve import SpaceCurve
+from bozzetto_symmetry.state import Curve, Edit, Modification, SymmetryState
+from bozzetto_symmetry.stereo import Stereo
+from bozzetto_symmetry.tools.eraser import erased
+from bozzetto_symmetry.trace import solved
+
+__all__ = ["Modify"]
+
+WIDTH: Final = 2.5
+"""Of the curve that would come, px."""
+
+SETTLES: Final = 14.0
+"""Mean distance, px, within which a stroke goes with the ones drawn just before: the curve
+settles between them. One drawn farther away overrules them."""
+
+_NOTHING: Final = "There is no curve near the stroke. Draw over the curve that is to change."
+
+
+class Modify:
+    """The nearest curve gives way to what is drawn over it, or over its mirror image.
+
+    Each stroke acts at once on the curve as it stands. Strokes close to the ones before act
+    together with them, and the firmer ones count for more.
+    """
+
+    id = "modify"
+    title = "Modify"
+    icon = "icons/modify.svg"
+    hint = "Draw over a curve where it is to run; press harder to pull it closer."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
+        """The curve that would come."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        stroke = gesture.strokes[-1]
+        try:
+            _, curve = _changed(state, stroke)
+        except UserError:
+            return Scene()
+        camera = Stereo.of(stroke.camera, state.plane).camera
+        return Scene((Layer("preview", curve_lines(curve, state, camera, "accent", WIDTH)),))
+
+    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+        """Bend the curves that the strokes are drawn over.
+
+        Raises
+        ------
+        UserError
+            If there is no curve near a stroke, or the view says too little about it.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw over a curve with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
+        for stroke in gesture.strokes:
+            node, _ = _changed(state, stroke)
+            state = state.with_node(node)
+        return state
+
+
+def _changed(state: SymmetryState, stroke: Stroke) -> tuple[Curve, SpaceCurve]:
+    """The curve that a stroke is drawn over, with what the stroke does to it."""
+    target = target_of(seen_curves(state, stroke.camera), stroke.points, state.selected)
+    if target is None:
+        raise UserError(_NOTHING)
+    before, change = _modification(target, stroke)
+    base = replace(target.node, edits=before)
+    start = target.curve if before == target.node.edits else solved(base, state)
+    assert start is not None  # no edit makes a curve wait again
+    curve = edited(start, change, state, solved)
+    return replace(base, edits=(*before, change)), curve
+
+
+def _modification(target: Seen, stroke: Stroke) -> tuple[tuple[Edit, ...], Modification]:
+    """The edits before, and the change: the last one with this stroke, or one of its own."""
+    edits = target.node.edits
+    alone = Modification(Strokes((stroke,)), target.mirrored)
+    if not edits or not isinstance(edits[-1], Modification):
+        return edits, alone
+    last = edits[-1]
+    if last.mirrored != target.mirrored or last.strokes[0].camera != stroke.camera:
+        return edits, alone
+    away = min(
+        float(np.mean(distances_to_polyline(stroke.points, one.points))) for one in last.strokes
+    )
+    if away > SETTLES:
+        return edits, alone
+    return edits[:-1], replace(last, strokes=last.strokes.extended((stroke,)))
