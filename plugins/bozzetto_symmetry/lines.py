@@ -41,6 +41,10 @@ STRAIGHT: Final = 0.15
 SHORTEST: Final = 12.0
 """Least length of a stroke, px: below, the hand gives it no direction."""
 
+REACH: Final = 2.0
+"""How near to a known place an end must be, as a multiple of the pen's tolerance: one for the
+hand that begins, one for what it aims at."""
+
 GRAZING: Final = np.sin(np.radians(5.0))
 """Sine of the angle between a plane and the line of sight below which nothing can be drawn
 on the plane."""
@@ -76,26 +80,31 @@ class Straight:
     axis: int | None
 
 
+POINT, CURVE, SURFACE = 3, 2, 1
+"""How much what lies under an end of the stroke counts: a single place, a place along a curve
+or an edge, a place of a surface."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Anchor:
-    """What lies under an end of the stroke."""
+    """What lies under an end of the stroke, and how much it counts."""
 
     point: Array
-    known: bool
-    """A point, curve or edge, not just a surface."""
+    rank: int
 
 
 def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Context) -> Straight:
     """The straight line in space that a stroke stands for.
 
-    1. A stroke from one known place to another joins them, in any direction.
+    1. A stroke from one known point (an end, a corner) to another joins them, in any
+       direction.
     2. A stroke towards a vanishing point (within 6°) runs along that axis, through the known
        place at its start or its end; else through the visible surface there; else from the
        far wall of the box that its start lies on, seen from inside; beside the box from the
-       centre plane.
-    3. A stroke between two places of visible surfaces joins them.
-    4. Any other stroke lies in a plane: that of the wall that it is drawn over, moved to its
-       known end where there is one.
+       centre plane. It stops at a known place that it meets in space.
+    3. Any other stroke between two known places or places of visible surfaces joins them.
+    4. The rest lies in a plane: that of the wall that it is drawn over, moved to its known
+       end where there is one.
 
     Parameters
     ----------
@@ -110,18 +119,17 @@ def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Conte
     UserError
         If the stroke is too short or not straight, or would run beyond all bounds.
     """
-    begin, end = _chord(stroke)
+    ends = _chord(stroke)
     camera = stroke.camera
-    anchors = [_anchor(pixel, camera, known, context) for pixel in (begin, end)]
-    first, last = anchors
-    if first is not None and last is not None and first.known and last.known:
-        return _checked(first.point, last.point, axis_of(begin, end, camera))
-    axis = axis_of(begin, end, camera)
+    first, last = (_anchor(pixel, camera, known, context) for pixel in ends)
+    if first is not None and last is not None and first.rank == last.rank == POINT:
+        return _checked(first.point, last.point)
+    axis = axis_of(*ends, camera)
     if axis is not None:
-        return _along_axis(axis, (begin, end), anchors, camera, state)
+        return _along_axis(axis, ends, (first, last), camera, state, context)
     if first is not None and last is not None:
-        return _checked(first.point, last.point, None)
-    return _on_wall((begin, end), anchors, camera, state)
+        return _checked(first.point, last.point)
+    return _on_wall(ends, (first, last), camera, state)
 
 
 def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
@@ -201,11 +209,12 @@ def _chord(stroke: Stroke) -> tuple[Array, Array]:
 
 
 def _anchor(pixel: Array, camera: Camera, known: Targets, context: Context) -> _Anchor | None:
-    place = nearest_target(pixel, camera, known, 2.0 * context.pen.tolerance)
+    place = nearest_target(pixel, camera, known, REACH * context.pen.tolerance)
     if place is not None:
-        return _Anchor(np.asarray(place.point), known=True)
+        rank = POINT if place.kind in ("end", "crossing", "corner") else CURVE
+        return _Anchor(np.asarray(place.point), rank)
     hits = context.surface_hit(camera.rays(pixel))
-    return _Anchor(hits.points[0], known=False) if hits.hit[0] else None
+    return _Anchor(hits.points[0], SURFACE) if hits.hit[0] else None
 
 
 def _along_axis(
@@ -214,16 +223,32 @@ def _along_axis(
     anchors: Sequence[_Anchor | None],
     camera: Camera,
     state: SymmetryState,
+    context: Context,
 ) -> Straight:
-    ranks = [2 if a is not None and a.known else int(a is not None) for a in anchors]
+    """Along an axis, through the end that counts most."""
+    ranks = [0 if anchor is None else anchor.rank for anchor in anchors]
     held = int(ranks[1] > ranks[0])
-    anchor = anchors[held]
+    anchor, aim = anchors[held], anchors[1 - held]
     point = _on_far_wall(ends[0], camera, state)[0] if anchor is None else anchor.point
     way = along(camera, ends[1 - held], point, AXES[axis])
     if way is None:
         raise UserError("The line would have no end there. Turn the view, or draw it shorter.")
-    other = point + way * AXES[axis]
-    return _checked(other, point, axis) if held else _checked(point, other, axis)
+    if aim is not None:
+        offset = aim.point - point
+        aside = float(np.linalg.norm(np.delete(offset, axis)))
+        if aside <= REACH * context.pen.tolerance * _pixel_at(aim.point, camera):
+            way = float(offset[axis])
+    other = point.copy()
+    other[axis] += way
+    return _checked(other, point) if held else _checked(point, other)
+
+
+def _pixel_at(point: Array, camera: Camera) -> float:
+    """Size of a pixel at the depth of a place in front of the eye, mm."""
+    if camera.kind == "orthographic":
+        return 1.0 / camera.pixels_per_mm
+    depth = float(camera.axes[2] @ (point - camera.eye))
+    return depth / camera.distance / camera.pixels_per_mm
 
 
 def _on_wall(
@@ -241,7 +266,7 @@ def _on_wall(
         first = anchors[0].point
     if anchors[1] is not None:
         last = anchors[1].point
-    return _checked(first, last, None)
+    return _checked(first, last)
 
 
 def _on_far_wall(pixel: Array, camera: Camera, state: SymmetryState) -> tuple[Array, Array]:
@@ -266,11 +291,17 @@ def _on_far_wall(pixel: Array, camera: Camera, state: SymmetryState) -> tuple[Ar
     return place, facing
 
 
-def _checked(begin: Array, end: Array, axis: int | None) -> Straight:
+def _checked(begin: Array, end: Array) -> Straight:
     ends = np.stack((begin, end))
     if not np.isfinite(ends).all() or np.abs(ends).max() > FARTHEST:
         raise UserError("The line would run beyond all bounds. Turn the view, or draw it shorter.")
-    if (begin == end).all():
+    runs = np.flatnonzero(begin != end)
+    if not len(runs):
         raise UserError("The line begins and ends in one place. Draw it longer.")
-    first, last = (tuple(float(v) for v in point) for point in ends)
-    return Straight(first, last, axis)  # type: ignore[arg-type]
+    axis = int(runs[0]) if len(runs) == 1 else None
+    return Straight(_triple(begin), _triple(end), axis)
+
+
+def _triple(point: Array) -> Point:
+    x, y, z = (float(v) for v in point)
+    return x, y, z
