@@ -32,8 +32,9 @@ ENOUGH: Final = 0.1
 """Distance of the ink from the image of the curve (rms, px) at which more control points are
 of no use: a tenth of what a hand can do, for the error in space is several times as large."""
 
-NOISE_FACTOR: Final = 1.3
-"""The same as a multiple of the hand's noise."""
+NOISE_FACTOR: Final = 0.7
+"""The same as a multiple of the hand's noise. That is slow, and a curve goes along with about
+half of it: what is left at the full noise is shape."""
 
 ROUNDS: Final = 10
 """Most Gauss–Newton steps with one number of control points."""
@@ -41,9 +42,14 @@ ROUNDS: Final = 10
 GAIN: Final = 0.002
 """Share of what is to be made small that a step must take away for another one to follow."""
 
-DAMPING: Final = (1e-4, 10.0, 1e4)
-"""First damping of the steps, as a share of the diagonal of the equations, what it is
-multiplied by where a step makes it worse, and where the search is given up."""
+SLIDE: Final = (0.1, 0.25, 16.0, 1e4)
+"""First weight of a step along the image against a deviation across it, what it is
+multiplied by where a step makes it better and where it makes it worse, and where the search
+is given up."""
+
+DAMPING: Final = 1e-3
+"""Damping of the steps in all directions, as a share of the diagonal of the equations, where
+the weight of a step along the image is 1."""
 
 LEASH: Final = 0.1
 """Standard deviation of the first guess as a share of the length: it holds what no ink does."""
@@ -153,7 +159,7 @@ def bundled(
         The curve across the plane is closed.
     controls : {"adaptive", "seven"}
         Control points of a half. "adaptive" takes 7, then 3 more until the ink is within
-        0.1 px (rms) or 1.3 times the noise of the hand, or more are of no use.
+        0.1 px (rms) or 0.7 times the noise of the hand, or more are of no use.
 
     Returns
     -------
@@ -247,6 +253,7 @@ class _Fit:
     points: Array
     inks: tuple[Ink, ...]
     normal: Array
+    sliding: Array
     right: Array
     cost: float
     rms: float
@@ -257,23 +264,25 @@ class _Fit:
         inks = tuple(ink.settled(basis, points, steps=steps) for ink in inks)
         rest = problem.target - problem.matrix @ points.ravel()[basis.free]
         normal = problem.matrix.T @ problem.matrix
+        sliding = np.zeros_like(normal)
         right = problem.matrix.T @ rest
         cost, squares, count = float(rest @ rest), 0.0, 0
         for ink in inks:
-            rows, off = _equations(ink, basis, points)
+            rows, off, along = _equations(ink, basis, points)
             normal += rows.T @ rows
+            sliding += along.T @ along
             right += rows.T @ off
             cost += float(off @ off)
             distance = off[: len(ink.share)] * ink.noise / np.sqrt(ink.share)
             squares, count = squares + float(distance @ distance), count + len(distance)
         if not np.isfinite(cost):
             cost = np.inf
-        return cls(problem, points, inks, normal, right, cost, (squares / count) ** 0.5)
+        return cls(problem, points, inks, normal, sliding, right, cost, (squares / count) ** 0.5)
 
-    def stepped(self, damping: float) -> _Fit:
+    def stepped(self, slide: float) -> _Fit:
         """After one damped Gauss–Newton step."""
-        damped = self.normal + damping * np.diag(np.diag(self.normal))
-        step = np.linalg.solve(damped, self.right)
+        damping = self.sliding + DAMPING * np.diag(np.diag(self.normal))
+        step = np.asarray(np.linalg.solve(self.normal + slide * damping, self.right))
         points = self.problem.basis.moved(self.points, step)
         return _Fit.at(self.problem, points, self.inks)
 
@@ -294,7 +303,7 @@ class _Fit:
         basis = self.problem.basis
         inner = self.problem.matrix.T @ self.problem.matrix
         for ink in self.inks:
-            rows, _ = _equations(ink, basis, self.points)
+            rows, _, _ = _equations(ink, basis, self.points)
             count = len(ink.share)
             ends, rows = rows[count:], rows[:count] * np.sqrt(ink.share)[:, None]
             gap = ink.along[:, None] - ink.along
@@ -305,17 +314,21 @@ class _Fit:
         return np.asarray(inverse @ inner @ inverse)
 
 
-def _equations(ink: Ink, basis: SymmetricBasis, points: Array) -> tuple[Array, Array]:
-    """Rows and right side of one view: across the ink, and along it at the ends it shows."""
+def _equations(ink: Ink, basis: SymmetricBasis, points: Array) -> tuple[Array, Array, Array]:
+    """Rows and right side of one view: across the ink, and along it at the ends it shows.
+
+    Third are rows that say how far a step goes along the ink.
+    """
     off = ink.deviation(basis, points)
     scale = np.sqrt(ink.share) / ink.noise
     across = np.einsum("ni,nij->nj", off.normal * scale[:, None], off.slopes)
+    along = np.einsum("ni,nij->nj", off.along * scale[:, None], off.slopes)
     held = ink.held
-    along = off.along[held] / (END_NOISE * ink.noise)
-    ends = np.einsum("ni,nij->nj", along, off.slopes[held])
-    rows = (basis.rows(off.values, across), basis.rows(off.values[held], ends))
-    rest = (off.across * scale, (off.offset[held] * along).sum(axis=1))
-    return np.vstack(rows), np.concatenate(rest)
+    tips = off.along[held] / (END_NOISE * ink.noise)
+    ends = np.einsum("ni,nij->nj", tips, off.slopes[held])
+    rows = np.vstack((basis.rows(off.values, across), basis.rows(off.values[held], ends)))
+    rest = np.concatenate((off.across * scale, (off.offset[held] * tips).sum(axis=1)))
+    return rows, rest, basis.rows(off.values, along)
 
 
 def _fitted(
@@ -337,18 +350,18 @@ def _fitted(
     else:
         inks = _matched(sights, basis, start)
     fit = _Fit.at(_Problem.of(basis, start, inks), start, inks, steps=0)
-    damping, more, most = DAMPING
+    slide, better, worse, most = SLIDE
     for _ in range(ROUNDS):
-        tried = fit.stepped(damping)
+        tried = fit.stepped(slide)
         gain = fit.cost - tried.cost
         if gain >= 0.0:
-            fit, damping = tried, damping / more
+            fit, slide = tried, slide * better
             if gain < GAIN * fit.cost:
                 break
-        elif damping >= most:
-            break
         else:
-            damping *= more * more
+            slide *= worse
+            if slide > most:
+                break
     return fit
 
 

@@ -138,7 +138,7 @@ class SymmetricBasis:
         (n, free) float
         """
         made = np.swapaxes(values * slopes[:, :, None], 1, 2)
-        return np.asarray(made.reshape(len(values), -1)[:, self.free])
+        return np.asarray(made.reshape(-1, 3 * self.count)[:, self.free])
 
     def at(self, values: Array, points: Array) -> Array:
         """Places (n, 3) from basis values (n, 3, count) and control points of the half."""
