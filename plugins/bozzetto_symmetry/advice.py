@@ -149,11 +149,12 @@ def advice(
     -------
     Advice
     """
-    points = _places(camera, np.asarray(centre, float), diagonal)
+    middle, target = plane.inverse.points((centre, camera.target))
+    points = _places(middle, target, diagonal, camera.visible_height)
     lines = _lines(directions, plane)
 
     def uncertainty(view: Camera) -> float:
-        return _predicted(Stereo.of(view, plane), plane.inverse.points(points), lines)
+        return _predicted(Stereo.of(view, plane), points, lines)
 
     now = uncertainty(camera)
     way, then = _best_turn(camera, uncertainty)
@@ -211,12 +212,12 @@ def _predicted(stereo: Stereo, points: Array, lines: Array) -> float:
     return float(np.median(sigmas(point_covariances(stereo, places, tangents))))
 
 
-def _places(camera: Camera, centre: Array, diagonal: float) -> Array:
+def _places(centre: Array, target: Array, diagonal: float, visible: float) -> Array:
     """Around the place of the box that the view is about, no farther apart than what is seen."""
-    way = np.asarray(camera.target) - centre
+    way = target - centre
     length = float(np.linalg.norm(way))
-    middle = centre + way * min(1.0, 0.5 * diagonal / length if length > 0.0 else 1.0)
-    return np.asarray(middle + SPREAD * min(diagonal, camera.visible_height) * CUBE)
+    near = centre + way * min(1.0, 0.5 * diagonal / length if length > 0.0 else 1.0)
+    return np.asarray(near + SPREAD * min(diagonal, visible) * CUBE)
 
 
 def _lines(directions: ArrayLike | None, plane: CentrePlane) -> Array:
