@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Context
+from bozzetto_symmetry.aiming import solved_curves
 from bozzetto_symmetry.editing import edited
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import Curve, Edit, Joint, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR
 from bozzetto_symmetry.trace import solved
 
-__all__ = ["End", "ends_of", "nearest_end", "with_edit", "with_joint"]
+__all__ = ["End", "ends_of", "nearest_end", "with_edit", "with_joint", "with_nearest_joined"]
 
 Array = NDArray[np.float64]
 
@@ -90,6 +92,25 @@ def with_edit(state: SymmetryState, node: Curve, curve: SpaceCurve, edit: Edit) 
     """
     edited(curve, edit, state, solved)
     return state.with_node(replace(node, edits=(*node.edits, edit)))
+
+
+def with_nearest_joined(state: SymmetryState, context: Context) -> SymmetryState:
+    """The state in which the chosen curve is joined at that end that is nearest to another.
+
+    Raises
+    ------
+    UserError
+        If no curve with an end is chosen, or there is no other end.
+    """
+    ends = ends_of(solved_curves(state))
+    own = [end for end in ends if end.node.id == state.selected and not end.mirrored]
+    if not own:
+        raise UserError("Choose the curve whose end is to be joined. A closed curve has none.")
+    found = [(met[1], k, met[0]) for k, end in enumerate(own) if (met := nearest_end(end, ends))]
+    if not found:
+        raise UserError("There is no other end to join. Draw another curve first.")
+    _, number, other = min(found, key=lambda entry: entry[:2])
+    return with_joint(state, own[number], other)
 
 
 def with_joint(state: SymmetryState, first: End, second: End) -> SymmetryState:

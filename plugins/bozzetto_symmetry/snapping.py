@@ -29,6 +29,9 @@ LEAST_FADE: Final = 0.1
 STEPS: Final = 8
 """Knots on the stretch that goes along, at least: its displacement has one bend each way."""
 
+ON_PLANE: Final = 1e-12
+"""Distance from the plane, as a share of that from the origin, that is rounding."""
+
 LOOKS: Final = 256
 """Places by which lengths are measured."""
 
@@ -57,7 +60,7 @@ def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
     place = np.array(point, float)
     if not np.isfinite(place).all():
         raise UserError("The end of a curve cannot be taken there. Choose another place.")
-    if curve.reading == "plane":
+    if curve.reading == "plane" or abs(place[1]) <= ON_PLANE * np.abs(place).max():
         place[1] = 0.0
     if curve.reading == "self":
         return SpaceCurve("self", _both_ends_moved(curve.spline, place))

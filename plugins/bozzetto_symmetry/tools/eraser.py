@@ -89,6 +89,8 @@ def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) ->
     share = float(steps[flags[:-1] & flags[1:]].sum() / steps.sum())
     if share >= MOST:
         return state.without(side.node.id)
+    if not flags.any():
+        return state
     left = without_stretch(side.curve, _stretch(side, flags))
     return parted(state, side.node, left)
 

@@ -1,0 +1,150 @@
+"""Ends that nearly meet are made to meet: cut where they pass, led on where they fall short.
+
+Kara & Shimada, section 13.2, compare the curves as they were with what each way of trimming
+makes of them, and take the one that changes the whole curves least.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink.resample import arc_length
+from bozzetto.plugin import Context
+from bozzetto_symmetry.aiming import solved_curves
+from bozzetto_symmetry.ends import End, ends_of, with_edit
+from bozzetto_symmetry.snapping import FADE, LEAST_FADE
+from bozzetto_symmetry.state import Snap, SymmetryState, Trim
+from bozzetto_symmetry.stereo import MIRROR
+from bozzetto_symmetry.trimming import share_of
+
+__all__ = ["NEARLY", "met", "with_ends_met"]
+
+Array = NDArray[np.float64]
+
+NEARLY: Final = 0.15
+"""Gap between ends that nearly meet, as a share of the shorter curve. Ends that pass by one
+another may overlap by as much."""
+
+MEETING: Final = 1e-6
+"""Gap, as a share of the shorter curve, of ends that do meet."""
+
+LOOKS: Final = 512
+"""Places by which a curve's length is measured."""
+
+CUTS: Final = 64
+"""Places at which each end is tried to be cut."""
+
+
+def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
+    """Let ends that nearly meet, meet: those of the chosen curve, or where none is chosen all.
+
+    Raises
+    ------
+    UserError
+        If no ends nearly meet.
+    """
+    used: set[tuple[str, int]] = set()
+    for first, second in _pairs(state):
+        keys = {(end.node.id, end.number) for end in (first, second)}
+        if not keys & used:
+            used |= keys
+            state = met(state, first, second)
+    if not used:
+        raise UserError("No ends nearly meet here. Draw the curves closer, or join their ends.")
+    return state
+
+
+def _pairs(state: SymmetryState) -> list[tuple[End, End]]:
+    """Ends that nearly meet, the closest first."""
+    ends = ends_of(solved_curves(state))
+    chosen = state.selected if any(end.node.id == state.selected for end in ends) else ""
+    found = []
+    for number, (one, other) in enumerate(itertools.combinations(ends, 2)):
+        if one.mirrored or (chosen and chosen not in (one.node.id, other.node.id)):
+            continue
+        if one.node.id == other.node.id and (one.number == other.number) != other.mirrored:
+            continue
+        reach = min(_length(one), _length(other))
+        gap = float(np.linalg.norm(one.point - other.point))
+        if MEETING * reach < gap <= NEARLY * reach:
+            found.append((gap, number, one, other))
+    return [(one, other) for _, _, one, other in sorted(found, key=lambda entry: entry[:2])]
+
+
+def _length(end: End) -> float:
+    """Of the curve, or of the half of one across the plane."""
+    return end.curve.spline.length * (0.5 if end.curve.reading == "self" else 1.0)
+
+
+def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
+    """The state in which two ends meet half-way, cut back or led on.
+
+    Every curve changes by the mean, over its whole length, of how far its places are from
+    what is left: half the square of what is cut off, and half of the way that the end goes
+    over half of the stretch that goes along. The cuts at which both curves together change
+    least are taken; no cut at all is one of them.
+    """
+    one, other = _now(state, first), _now(state, second)
+    places, cuts, parameters = zip(*(_stretch(end) for end in (one, other)), strict=True)
+    gap = np.linalg.norm(places[0][:, None] - places[1], axis=2)
+    cost = _changed(cuts[0][:, None], gap, one) + _changed(cuts[1], gap, other)
+    if one.node.id == other.node.id and one.number == other.number:
+        # An end and its own image are cut alike.
+        cost = np.where(np.eye(len(cost), dtype=bool), cost, np.inf)
+    best = np.unravel_index(int(np.argmin(cost)), cost.shape)
+    middle = 0.5 * (places[0][best[0]] + places[1][best[1]])
+    moved = [(one, 0)] if (one.node.id, one.number) == (other.node.id, other.number) else [
+        (one, 0), (other, 1),
+    ]  # fmt: skip
+    for end, number in moved:
+        cut = int(best[number])
+        goal = middle * MIRROR if end.mirrored else middle
+        state = _led(state, end, float(parameters[number][cut]), goal, trim=cut > 0)
+    return state
+
+
+def _now(state: SymmetryState, end: End) -> End:
+    """The same end of the curve as it is in a state."""
+    (found,) = (
+        one
+        for one in ends_of(solved_curves(state))
+        if (one.node.id, one.number, one.mirrored) == (end.node.id, end.number, end.mirrored)
+    )
+    return found
+
+
+def _stretch(end: End) -> tuple[Array, Array, Array]:
+    """Places before an end, how much would be cut off there, mm, and their parameters."""
+    spline = end.curve.spline
+    begin, last = spline.range
+    at = np.linspace(begin, last, LOOKS) if end.number == 0 else np.linspace(last, begin, LOOKS)
+    along = arc_length(spline.value(at))
+    cuts = np.linspace(0.0, NEARLY * _length(end), CUTS)
+    parameters = np.interp(cuts, along, at)
+    places = spline.value(parameters)
+    return places * MIRROR if end.mirrored else places, cuts, parameters
+
+
+def _changed(cut: Array, gap: Array, end: End) -> Array:
+    """Mean distance of the whole curve from what it becomes, mm."""
+    length = _length(end)
+    way = 0.5 * gap
+    fade = np.minimum(length, np.maximum(FADE * way, LEAST_FADE * length))
+    return np.asarray((0.5 * cut**2 + 0.5 * way * fade) / length)
+
+
+def _led(state: SymmetryState, end: End, at: float, goal: Array, *, trim: bool) -> SymmetryState:
+    """An end that is cut back to a parameter, where that is asked, and taken to a place."""
+    if trim:
+        end = _now(state, end)
+        share = share_of(end.curve, at)
+        edit = Trim(share, 1.0) if end.number == 0 else Trim(0.0, share)
+        state = with_edit(state, end.node, end.curve, edit)
+    end = _now(state, end)
+    x, y, z = (float(v) for v in state.plane.placement.points(goal)[0])
+    return with_edit(state, end.node, end.curve, Snap(end.number, (x, y, z)))
