@@ -197,8 +197,7 @@ def _foot(normal: Array, offset: float, key: str) -> Array:
 
 def _normal(told: object, key: str) -> Array:
     normal = _numbers(told, key, 3, "a direction")
-    length = float(np.linalg.norm(normal))
-    if not 1.0 / FARTHEST < length < FARTHEST:
+    if not 1.0 / FARTHEST < float(np.abs(normal).max()) < FARTHEST:
         raise UserError(f"“{key}” has no direction. Give one of about unit length.")
     return normal
 

@@ -25,9 +25,8 @@ from bozzetto_symmetry.grid import clipped
 from bozzetto_symmetry.plane import Point
 from bozzetto_symmetry.state import Line, SymmetryState
 from bozzetto_symmetry.targets import Targets, nearest_target
-from bozzetto_symmetry.visibility import shown_lines
 
-__all__ = ["CHOSEN_WIDTH", "Straight", "axis_of", "line_layer", "line_of", "without_lines"]
+__all__ = ["CHOSEN_WIDTH", "Straight", "axis_of", "line_layer", "line_of"]
 
 Array = NDArray[np.float64]
 
@@ -51,12 +50,6 @@ on the plane."""
 
 FARTHEST: Final = 1e7
 """Greatest coordinate of a line's ends, mm."""
-
-ERASED: Final = 0.5
-"""Share of the eraser's path that must lie along a line."""
-
-ERASER_REACH: Final = 10.0
-"""How near to a line that is, px."""
 
 LINE_WIDTH: Final = 1.2
 CHOSEN_WIDTH: Final = 2.0
@@ -172,27 +165,6 @@ def line_layer(state: SymmetryState, lines: Sequence[Line]) -> Layer:
         for line in lines
     )
     return Layer("construction lines", items)
-
-
-def without_lines(state: SymmetryState, eraser: Stroke) -> SymmetryState:
-    """Without the construction lines that the eraser runs along or across to and fro.
-
-    Raises
-    ------
-    UserError
-        If there is none.
-    """
-    gone = []
-    for line in shown_lines(state):
-        ends, _ = eraser.camera.project([line.begin, line.end])
-        if not np.isfinite(ends).all():
-            continue
-        near = distances_to_polyline(eraser.points, ends) <= ERASER_REACH
-        if near.mean() >= ERASED:
-            gone.append(line.id)
-    if not gone:
-        raise UserError("There is no construction line here. Rub along one.")
-    return state.without(*gone)
 
 
 def _chord(stroke: Stroke) -> tuple[Array, Array]:

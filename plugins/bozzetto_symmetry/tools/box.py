@@ -19,7 +19,7 @@ from bozzetto_symmetry.grid import grid_step
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.vanishing import seen_from
 
-__all__ = ["ShapeBox"]
+__all__ = ["ResizeBox"]
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ ROUNDING: Final = 3
 """Decimals of a millimetre that are kept of what is dragged freely."""
 
 
-class ShapeBox:
+class ResizeBox:
     """Drag a face to make the box longer, wider or higher; drag its middle to move it.
 
     The face opposite stays where it is. A face that is parallel to the centre plane takes

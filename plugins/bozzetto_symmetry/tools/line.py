@@ -9,19 +9,18 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Lines, Paint, Scene
+from bozzetto_symmetry.aiming import solved_curves
 from bozzetto_symmetry.axes import AXIS_PAINTS
-from bozzetto_symmetry.lines import CHOSEN_WIDTH, Straight, line_of, without_lines
-from bozzetto_symmetry.space_curve import SpaceCurve
+from bozzetto_symmetry.lines import CHOSEN_WIDTH, Straight, line_of
 from bozzetto_symmetry.state import Line, SymmetryState
 from bozzetto_symmetry.targets import Targets, targets
-from bozzetto_symmetry.trace import traced
-from bozzetto_symmetry.visibility import shown_curves
+from bozzetto_symmetry.tools.eraser import erased
 
 __all__ = ["DrawLine"]
 
 
 class DrawLine:
-    """Every stroke is a straight line in space; the eraser takes lines away."""
+    """Every stroke is a straight line in space."""
 
     id = "line"
     title = "Line"
@@ -45,13 +44,13 @@ class DrawLine:
         Raises
         ------
         UserError
-            If a stroke is too short or not straight, or the eraser meets no line.
+            If a stroke is too short or not straight, or the eraser meets nothing.
         """
         if not isinstance(gesture, Ink):
             raise UserError("Draw the line with the pen.")
         for stroke in gesture.strokes:
             if stroke.tool == "eraser":
-                state = without_lines(state, stroke)
+                state = erased(state, stroke)
                 continue
             line = line_of(stroke, state, _known(state, context), context)
             state = state.with_node(
@@ -66,16 +65,7 @@ class DrawLine:
 
 
 def _known(state: SymmetryState, context: Context) -> Targets:
-    """Everything to draw from and to; a curve that cannot be solved is left out."""
-    curves: list[SpaceCurve] = []
-    for curve in shown_curves(state):
-        try:
-            found = traced(curve, state).curve
-        except UserError:
-            continue
-        if found is not None:
-            curves.append(found)
-    return targets(state, curves, context)
+    return targets(state, (curve for _, curve in solved_curves(state)), context)
 
 
 def _lines(line: Straight) -> Lines:

@@ -15,7 +15,7 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.view import Camera
-from bozzetto_symmetry.lines import Straight, axis_of, line_layer, line_of, without_lines
+from bozzetto_symmetry.lines import Straight, axis_of, line_layer, line_of
 from bozzetto_symmetry.state import Line, SymmetryState
 from bozzetto_symmetry.targets import targets
 
@@ -211,22 +211,6 @@ def test_any_straight_stroke_in_any_view_gives_a_line_or_a_reason(begin, end, ey
     assert line.begin != line.end
     if line.axis is not None:
         assert np.abs(np.delete(np.subtract(line.end, line.begin), line.axis)).max() < 1e-6
-
-
-def test_the_eraser_takes_the_line_that_it_runs_along() -> None:
-    camera = CAMERAS[0]
-    lines = (
-        Line(id="a", begin=(0.0, 0.0, 0.0), end=(60.0, 0.0, 0.0)),
-        Line(id="b", begin=(0.0, 0.0, 0.0), end=(0.0, 0.0, 45.0)),
-        Line(id="c", begin=(0.0, 0.0, 0.0), end=(60.0, 0.0, 0.0), visible=False),
-    )
-    state = replace(STATE, nodes=lines, selected="a")
-    rubbed = drawn(camera, np.array([5.0, 0, 0]), np.array([50.0, 0, 0]), noise=3.0)
-    left = without_lines(state, rubbed)
-    assert [node.id for node in left.nodes] == ["b", "c"]
-    assert left.selected == ""
-    with pytest.raises(UserError, match="no construction line"):
-        without_lines(state, drawn(camera, np.array([-50.0, 0, 30]), np.array([-50.0, 20, 30])))
 
 
 def test_lines_are_shown_and_the_chosen_one_stands_out() -> None:
