@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -259,7 +259,9 @@ def inked(
                 pieces.append(_matched(ink, image, at, basis))
     if not pieces:
         return None
-    columns = {name: np.concatenate([getattr(ink, name) for ink in pieces]) for name in COLUMNS}
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(ink, name) for ink in pieces]) for name in COLUMNS
+    }
     whole = replace(pieces[0], **columns).settled(basis, points, steps=FIRST_STEPS)
     return whole if basis.periodic else _without_beyond(whole, basis, points)
 
@@ -301,4 +303,5 @@ def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | Non
     kept = ink.held | ~(clamped & (slid > SPACING))
     if not kept.any():
         return None
-    return replace(ink, **{name: getattr(ink, name)[kept] for name in COLUMNS})
+    columns: dict[str, Any] = {name: getattr(ink, name)[kept] for name in COLUMNS}
+    return replace(ink, **columns)

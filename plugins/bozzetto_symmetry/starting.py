@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto_symmetry.symmetric_basis import SymmetricBasis
 
-__all__ = ["ROUGHNESS", "approximated", "half_of", "length_of", "stations_of"]
+__all__ = ["ROUGHNESS", "approximated", "half_of", "length_of", "polygon_of", "stations_of"]
 
 Array = NDArray[np.float64]
 
@@ -24,6 +24,9 @@ KNOWN: Final = 0.002
 DOUBTFUL: Final = 0.01
 """Standard deviation, as a share of the length, from which steps along a direction say
 little about the length of the way."""
+
+RIDGE: Final = 1e-12
+"""Pull of the control points to the chain through the places, as a share of theirs."""
 
 STATIONS: Final = 10
 """Control points of the curve by which places are given their stations."""
@@ -57,11 +60,12 @@ def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[A
             changes = np.flatnonzero(np.diff(heights > 0))
             middle = int(changes[np.argmin(np.abs(changes + 1 - 0.5 * len(place)))]) + 1
             place, spread = place[:middle][::-1], spread[:middle][::-1]
-        foot = place[:1] * (1.0, 0.0, 1.0)
-        place, spread = np.vstack((foot, place)), np.vstack((spread[:1], spread))
-        if basis.ring:
-            foot = place[-1:] * (1.0, 0.0, 1.0)
-            place, spread = np.vstack((place, foot)), np.vstack((spread, spread[-1:]))
+        for end in (0, -1) if basis.ring else (0,):
+            foot = place[end] * (1.0, 0.0, 1.0)
+            if (foot != place[end]).any():
+                at = 0 if end == 0 else len(place)
+                place = np.insert(place, at, foot, axis=0)
+                spread = np.insert(spread, at, spread[end], axis=0)
     return place, spread
 
 
@@ -120,7 +124,20 @@ def approximated(
     values = basis.values(low + (high - low) * stations)
     matrix = np.vstack([basis.rows(values, weight[:, :, axis]) for axis in range(3)])
     target = np.concatenate([(points * weight[:, :, axis]).sum(axis=1) for axis in range(3)])
+    polygon = polygon_of(basis, points, stations)
+    free = polygon.ravel()[basis.free]
     smooth = basis.bending() / (ROUGHNESS * length)
     normal = matrix.T @ matrix + smooth.T @ smooth
-    normal += 1e-12 * np.trace(normal) / len(normal) * np.eye(len(normal))
-    return basis.moved(np.zeros((basis.count, 3)), np.linalg.solve(normal, matrix.T @ target))
+    normal += RIDGE * np.trace(normal) / len(normal) * np.eye(len(normal))
+    right = matrix.T @ (target - matrix @ free) - smooth.T @ (smooth @ free)
+    return basis.moved(polygon, np.asarray(np.linalg.solve(normal, right)))
+
+
+def polygon_of(basis: SymmetricBasis, points: Array, stations: Array) -> Array:
+    """Control points (count, 3) at even shares of the half on the chain through the points.
+
+    What is not free to move is nought.
+    """
+    even = np.linspace(0.0, 1.0, basis.count, endpoint=not basis.closed)
+    made = np.column_stack([np.interp(even, stations, points[:, axis]) for axis in range(3)])
+    return np.where(basis.free.reshape(-1, 3), made, 0.0)
