@@ -9,10 +9,11 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.spline import Spline
+from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.fit import ENOUGH, NOISE_FACTOR
-from bozzetto.ink.least_squares import approximate_adaptively
+from bozzetto.ink.least_squares import MORE, MOST, approximate, approximate_adaptively
 from bozzetto.ink.resample import arc_length
+from bozzetto.ink.settle.following import following
 from bozzetto.ink.settle.gathering import Gathered, Ordering, gather
 from bozzetto.ink.settle.principal import principal
 from bozzetto.ink.settle.spanning import spanning
@@ -21,7 +22,7 @@ from bozzetto.ink.settle.strip import strip
 __all__ = ["Settled", "settle"]
 
 Array = NDArray[np.float64]
-Strategy = Literal["principal", "spanning", "strip"]
+Strategy = Literal["principal", "spanning", "following", "strip"]
 
 GOOD: Final = 3.0
 """Score (pixels) of a quick strategy that makes the strip, which is slow, superfluous."""
@@ -30,8 +31,26 @@ UNSURE: Final = 5.0
 """Score (pixels) above which the curve is shown as not sure. On 418 real clusters this marks
 62 % of the curves that are wrong and 6 % of those that are right."""
 
+FINAL: Final = 2
+"""Strategies, the best ones, that are fitted in detail."""
+
+DETAIL: Final = 2.0
+"""Least distance of control points, in widths of the ink: what is finer is not meant."""
+
+PATIENCE: Final = 2
+"""Times that more control points may help nothing before no more are tried."""
+
+WORTH: Final = 0.95
+"""Share of the score that is left when more control points are worth it."""
+
 NEAR_END: Final = 10.0
 """Gap of the ends that may be closed, in spacings of the ink."""
+
+ROUND: Final = 20.0
+"""Least length of a closed curve, in spacings of the ink."""
+
+SAME_WAY: Final = 0.5
+"""Least cosine of the turn where a curve goes on into its own start."""
 
 CLOSED_PRICE: Final = 1.1
 """What closing may cost: the factor by which the score may grow."""
@@ -60,7 +79,7 @@ class Settled:
     score : float
         Root mean square distance of the ink from the curve plus the 95th percentile of the
         distance of the curve from the ink, in units of the points.
-    strategy : {"principal", "spanning", "strip"}
+    strategy : {"principal", "spanning", "following", "strip"}
         Which ordering was taken.
     sure : bool
         Whether the score is at most 5 px; if not, the person should be asked to draw again.
@@ -102,19 +121,33 @@ def settle(
     weight = np.ones(len(strokes)) if weights is None else np.asarray(weights, float)
     if weight.shape != (len(strokes),) or not np.isfinite(weight).all() or (weight < 0).any():
         raise ValueError("every stroke needs a weight that is not negative")
-    ink = gather(strokes, weight, pixel)
-    judge = _Judge(ink)
+    judge = _Judge(gather(strokes, weight, pixel))
     found = [made for way in QUICK if (made := judge.tried(*way))]
-    if min(made.score for made in found) > GOOD * pixel:
-        slow = judge.tried("strip", strip)
-        found += [slow] if slow else []
-    return min(found, key=lambda made: made.score)
+    for way in SLOW:
+        if min(made.curve.score for made in found) > GOOD * pixel and (made := judge.tried(*way)):
+            found.append(made)
+    found.sort(key=lambda made: made.curve.score)
+    return min((judge.detailed(made) for made in found[:FINAL]), key=lambda made: made.score)
 
 
 QUICK: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] = (
     ("principal", principal),
     ("spanning", spanning),
 )
+
+SLOW: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] = (
+    ("following", following),
+    ("strip", strip),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """What a strategy came to: its ordering, the scatter of the ink about it, the curve."""
+
+    order: Ordering
+    noise: float
+    curve: Settled
 
 
 class _Judge:
@@ -128,28 +161,54 @@ class _Judge:
         self.tree = cKDTree(self.dense)
         self.weights = ink.weights / ink.weights.sum()
 
-    def tried(self, name: Strategy, way: Callable[[Gathered], Ordering | None]) -> Settled | None:
+    def tried(self, name: Strategy, way: Callable[[Gathered], Ordering | None]) -> _Tried | None:
         """The curve of one strategy, closed where its ends meet; None where it finds none."""
         order = way(self.ink)
         if order is None:
             return None
         made = self._fitted(name, order)
-        if made.closed or not self._ends_meet(made):
+        lap = 0.0 if order.closed else self._lap(made.curve)
+        if not lap:
             return made
-        ring = self._fitted(name, self._as_ring(order, made))
-        return ring if ring.score <= CLOSED_PRICE * made.score else made
+        around = Ordering(order.numbers, np.mod(order.parameters / lap, 1.0), closed=True)
+        ring = self._fitted(name, around)
+        return ring if ring.curve.score <= CLOSED_PRICE * made.curve.score else made
 
-    def _fitted(self, name: Strategy, order: Ordering) -> Settled:
+    def _fitted(self, name: Strategy, order: Ordering) -> _Tried:
         ink = self.ink
         points, weights = ink.points[order.numbers], ink.weights[order.numbers]
-        enough = max(ENOUGH * ink.pixel, NOISE_FACTOR * _scatter(points, order, ink.spacing))
+        noise = _scatter(points, order, ink.spacing)
+        enough = max(ENOUGH * ink.pixel, NOISE_FACTOR * noise)
         made = approximate_adaptively(
             points, weights, order.parameters, enough, closed=order.closed
         )
-        line = self._polyline(made.spline)
+        return _Tried(order, noise, self._settled(name, order, made.spline))
+
+    def detailed(self, tried: _Tried) -> Settled:
+        """The same with more control points, where they bring the curve nearer to the ink.
+
+        The scatter of wide scribbles hides small curls from the first fit. Control points
+        are never closer than the ink is wide, or the curve would run to and fro between
+        strokes side by side.
+        """
+        ink, order, best = self.ink, tried.order, tried.curve
+        points, weights = ink.points[order.numbers], ink.weights[order.numbers]
+        count = len(best.spline.control_points) - (DEGREE if order.closed else 0)
+        least = max(DETAIL * tried.noise, ink.spacing)
+        most = min(MOST, len(points), DEGREE + int(best.spline.length / least))
+        vain = 0
+        while best.score > GOOD * ink.pixel and count + MORE <= most and vain < PATIENCE:
+            count += MORE
+            made = approximate(points, weights, order.parameters, count, closed=order.closed)
+            finer = self._settled(best.strategy, order, made.spline)
+            vain = 0 if finer.score < WORTH * best.score else vain + 1
+            best = best if vain else finer
+        return best
+
+    def _settled(self, name: Strategy, order: Ordering, spline: Spline) -> Settled:
+        line = self._polyline(spline)
         score = self._score(line)
-        sure = score <= UNSURE * ink.pixel
-        return Settled(line, made.spline, order.closed, score, name, sure)
+        return Settled(line, spline, order.closed, score, name, score <= UNSURE * self.ink.pixel)
 
     def _polyline(self, spline: Spline) -> Array:
         count = int(np.clip(np.ceil(spline.length / self.ink.pixel), 32, SHOWN)) + 1
@@ -163,20 +222,25 @@ class _Judge:
         to_ink = self.tree.query(fine)[0]
         return float(np.sqrt(self.weights @ to_curve**2) + np.percentile(to_ink, 95))
 
-    def _ends_meet(self, made: Settled) -> bool:
-        line = made.points
-        gap = line[0] - line[-1]
-        length = float(arc_length(line)[-1])
-        if np.linalg.norm(gap) > NEAR_END * self.ink.spacing or length < 20 * self.ink.spacing:
-            return False
-        begin, end = made.spline.derivative(made.spline.range)
-        return float(begin @ end) > 0.5 * float(np.linalg.norm(begin) * np.linalg.norm(end))
+    def _lap(self, made: Settled) -> float:
+        """Parameter at which an open curve comes by its start again; 0 where it does not.
 
-    def _as_ring(self, order: Ordering, made: Settled) -> Ordering:
-        """The same ordering on a closed curve, with room for the gap."""
-        length = float(arc_length(made.points)[-1])
-        gap = float(np.linalg.norm(made.points[0] - made.points[-1]))
-        return Ordering(order.numbers, order.parameters * length / (length + gap), closed=True)
+        Above 1 where there is a gap between the ends, below 1 where the ends overlap.
+        """
+        line, spacing = made.points, self.ink.spacing
+        along = arc_length(line)
+        tangents = made.spline.derivative(np.linspace(*made.spline.range, len(line)))
+        tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-300)
+        gap = line[0] - line
+        distance = np.linalg.norm(gap, axis=1)
+        meets = (distance < NEAR_END * spacing) & (along > ROUND * spacing)
+        there = np.flatnonzero(meets & (tangents @ tangents[0] > SAME_WAY))
+        if not len(there):
+            return 0.0
+        first = there[: np.flatnonzero(np.diff(there, append=there[-1] + 2) > 1)[0] + 1]
+        at = int(first[np.argmin(distance[first])])
+        ahead = max(0.0, float(gap[at] @ tangents[at]))
+        return at / (len(line) - 1) * (1.0 + ahead / float(along[at]))
 
 
 def _refined(points: Array, ink: Gathered) -> Array:
