@@ -1,26 +1,22 @@
-"""Which places of one side of a thing belong to which places of its other side.
-
-Both images of a mirrored pair carry the same signal: the epipolar line, named by its angle,
-that the curve is on. Where a single epipolar line meets a curve several times nobody can
-tell which meeting is meant; matching the whole signals, in order, can.
-"""
+"""Which places of one side of a thing belong to which places of its other side."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.resample import arc_length, resample
+from bozzetto.ink.resample import resample
+from bozzetto_symmetry.folding import Folding, foldings
+from bozzetto_symmetry.matching import Pairing, Signal, differences, paired, spread
 from bozzetto_symmetry.stereo import Stereo
-from bozzetto_symmetry.warping import Warping, warpings
+from bozzetto_symmetry.warping import warpings
 
 __all__ = ["Folding", "Pairing", "foldings", "pairings"]
 
 Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 SAMPLES: Final = 160
 """Places along each side that are matched."""
@@ -28,65 +24,15 @@ SAMPLES: Final = 160
 OPEN_END: Final = 0.02
 """Price of a sample without a partner at an end, per px of what the signals range over."""
 
-UNEVEN: Final = 0.001
+UNEVEN: Final = 0.01
 """Price of a step along one side only, in the same unit."""
 
+NEAR_TOP: Final = 0.1
+"""How much lower than the highest turn of a loop, as a share of its range, another one may
+be and still be the same place."""
 
-@dataclass(frozen=True, eq=False)
-class Pairing:
-    """The places of two sides that belong together.
-
-    Attributes
-    ----------
-    near : (k, 2) float
-        On the first side, in its order, px.
-    far : (k, 2) float
-        Their partners, on the same epipolar lines to rounding, px.
-    stations : (k,) float
-        Share of the first side's length, 0 … 1, at each of `near`; not decreasing.
-    far_stations : (k,) float
-        Share of the other side's length, from its own beginning; monotone.
-    cost : float
-        Root of the mean square distance across the epipolar lines, px, between the places
-        that were matched, before they were brought onto common lines.
-    coverage : (float, float)
-        Share of each side's length that found a partner.
-    reversed : bool
-        The sides were drawn in opposite senses.
-    weak : (k,) bool
-        Bridged: there the epipolar lines run along the curve and say nothing.
-    closed : bool
-        Both sides are loops.
-    """
-
-    near: Array
-    far: Array
-    stations: Array
-    far_stations: Array
-    cost: float
-    coverage: tuple[float, float]
-    reversed: bool
-    weak: Flags
-    closed: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Folding:
-    """One stroke across the plane, folded where it crosses.
-
-    Attributes
-    ----------
-    pairing : Pairing
-        Of its halves, both from the plane outwards.
-    crossings : (1, 2) or (2, 2) float
-        Where it crosses the plane, px; two of a ring.
-    first : bool
-        Whether the pairing's `near` is the half that was drawn first.
-    """
-
-    pairing: Pairing
-    crossings: Array
-    first: bool
+MOST_CUTS: Final = 3
+"""Places of the other loop at which it is tried to be cut."""
 
 
 def pairings(
@@ -105,80 +51,107 @@ def pairings(
     Returns
     -------
     tuple of Pairing
-        The best first; none where nothing matches.
+        The best first, both senses where both are possible; none where nothing matches.
     """
     one = resample(near, count=SAMPLES, closed=closed)
     other = resample(far, count=SAMPLES, closed=closed)
-    made = []
-    for backwards in (False, True):
-        turned = other[::-1] if backwards else other
-        first, second = stereo.angles(one), stereo.angles(turned)
-        if not stereo.parallel:
-            second = second + 2.0 * np.pi * np.round((first.mean() - second.mean()) / (2 * np.pi))
-        scale = float(np.median(stereo.pixels_per_angle(np.vstack([one, turned]))))
-        table = scale * np.abs(first[:, None] - second)
-        spread = scale * max(float(np.ptp(first)), float(np.ptp(second)))
-        (warp,) = warpings(
-            table[None], step=UNEVEN * spread, begin=OPEN_END * spread, end=OPEN_END * spread
-        )
-        made.append(_paired(stereo, one, turned, table, warp, backwards, closed))
-    return tuple(sorted(made, key=lambda pairing: pairing.cost))
+    if not (np.ptp(one, axis=0).any() and np.ptp(other, axis=0).any()):
+        return ()
+    made = _of_loops(stereo, one, other) if closed else _of_open(stereo, one, other)
+    kept = [pairing for pairing in made if len(pairing.near) > 1]
+    return tuple(sorted(kept, key=lambda pairing: pairing.score))
 
 
-def _paired(
-    stereo: Stereo,
-    one: Array,
-    other: Array,
-    table: Array,
-    warp: Warping,
-    backwards: bool,
-    closed: bool,
-) -> Pairing:
-    path = warp.path
-    cost = float(np.sqrt((table[path[:, 0], path[:, 1]] ** 2).mean()))
-    places, counts = np.unique(path[:, 0], return_counts=True)
-    partner = np.bincount(path[:, 0], path[:, 1])[places] / counts
-    near = one[places]
-    index = np.arange(len(other))
-    roughly = np.column_stack([np.interp(partner, index, column) for column in other.T])
-    way = stereo.toward_vanishing(near)
-    far = near + ((roughly - near) * way).sum(axis=1, keepdims=True) * way
-    share = partner / max(len(other) - 1, 1)
-    return Pairing(
-        near,
-        far,
-        places / max(len(one) - 1, 1),
-        1.0 - share if backwards else share,
-        cost,
-        (len(places) / len(one), len(np.unique(path[:, 1])) / len(other)),
-        backwards,
-        np.zeros(len(places), bool),
-        closed,
+def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
+    first = Signal.of(stereo, one)
+    along = Signal.of(stereo, other).shifted(stereo, first)
+    against = along.turned()
+    unit = spread(first, along)
+    table = differences(first, along)
+    ways = warpings(
+        np.stack([table, table[:, ::-1]]),
+        step=UNEVEN * unit,
+        begin=OPEN_END * unit,
+        end=OPEN_END * unit,
     )
+    backwards = paired(stereo, first, against, ways[1])
+    return [
+        paired(stereo, first, along, ways[0]),
+        replace(backwards, far_stations=1.0 - backwards.far_stations, reversed=True),
+    ]
 
 
-def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tuple[Folding, ...]:
-    """Fold one stroke that crosses the plane.
-
-    Parameters
-    ----------
-    stereo : Stereo
-    pixels : (n, 2) array_like
-        The stroke, px.
-    closed : bool
-        It is a ring, which crosses the plane twice; its first point is not repeated.
-
-    Returns
-    -------
-    tuple of Folding
-        The best first; none where the stroke has no place to fold.
-    """
-    stroke = resample(pixels, count=2 * SAMPLES, closed=closed)
-    angle = stereo.angles(stroke)
-    turning = np.flatnonzero(np.diff(np.sign(np.diff(angle)))) + 1
+def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
+    """Loops are cut where they reach furthest round, which both images do at one place."""
+    count = len(one)
+    cut = int(np.argmax(_round(stereo, one)))
+    first = Signal.of(stereo, _cut(one, cut))
     made = []
-    for place in turning[(turning > len(stroke) // 10) & (turning < 9 * len(stroke) // 10)]:
-        halves = (stroke[place::-1], stroke[place:])
-        found = [p for p in pairings(stereo, *halves) if not p.reversed]
-        made += [Folding(pairing, stroke[place][None], True) for pairing in found]
-    return tuple(sorted(made, key=lambda folding: folding.pairing.cost))
+    for sense in (1, -1):
+        ring = other[::sense]
+        cuts = _tops(_round(stereo, ring))
+        seconds = [Signal.of(stereo, _cut(ring, k)).shifted(stereo, first) for k in cuts]
+        unit = spread(first, *seconds)
+        tables = np.stack([differences(first, second) for second in seconds])
+        ways = warpings(tables, step=UNEVEN * unit)
+        best = min(range(len(cuts)), key=lambda k: ways[k].total)
+        found = paired(stereo, first, seconds[best], ways[best], closed=True)
+        order = np.roll(np.arange(count), cut)[: len(found.near)]
+        stations = (found.stations + cut / count) % 1.0
+        order = np.argsort(stations, kind="stable")
+        theirs = (found.far_stations * count + cuts[best]) / count
+        theirs = theirs if sense > 0 else (count - 1) / count - theirs
+        roundness = _roundness(stereo.intersected(found.near, found.far))
+        made.append(
+            replace(
+                found,
+                near=found.near[order],
+                far=found.far[order],
+                weak=found.weak[order],
+                stations=stations[order],
+                far_stations=theirs[order] % 1.0,
+                score=found.score / roundness,
+                reversed=sense < 0,
+            )
+        )
+    return made
+
+
+def _round(stereo: Stereo, ring: Array) -> Array:
+    """Angles along a loop, unwrapped from where it is cut at first."""
+    return stereo.angles(ring)
+
+
+def _cut(ring: Array, place: int) -> Array:
+    rolled = np.roll(ring, -place, axis=0)
+    return np.vstack([rolled, rolled[:1]])
+
+
+def _tops(angles: Array) -> list[int]:
+    """Local maxima that may be the highest one, the highest first."""
+    higher = (angles >= np.roll(angles, 1)) & (angles > np.roll(angles, -1))
+    high = angles > angles.max() - NEAR_TOP * np.ptp(angles)
+    tops = np.flatnonzero(higher & high)
+    if not len(tops):
+        return [int(np.argmax(angles))]
+    return [int(k) for k in tops[np.argsort(-angles[tops])][:MOST_CUTS]]
+
+
+def _roundness(points: Array) -> float:
+    """Of a loop in space: area by the square of its length, 1 for a circle.
+
+    Matched the other way round, a loop changes places with one that is wide in depth where
+    it was wide in height: both fit alike, and of the two people mean the rounder one.
+    """
+    seen = points[np.isfinite(points).all(axis=1)]
+    if len(seen) < 3:
+        return FLATTEST
+    after = np.roll(seen, -1, axis=0)
+    length = float(np.linalg.norm(after - seen, axis=1).sum())
+    middle = seen.mean(axis=0)
+    area = 0.5 * float(np.linalg.norm(np.cross(seen - middle, after - middle).sum(axis=0)))
+    return max(FLATTEST, 4.0 * np.pi * area / length**2 if length else 0.0)
+
+
+FLATTEST: Final = 0.05
+"""Least roundness that counts, so that no loop is without end the worse."""
