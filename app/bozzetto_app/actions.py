@@ -155,6 +155,10 @@ class ActionRegistry(QObject):
 
         return dispose
 
+    def holder(self, key: str) -> Action | None:
+        """The action that has a key; None where the key is free."""
+        return self._actions.get(self._keys.get(_portable(key), ""))
+
     def actions(self) -> tuple[Action, ...]:
         """All actions in the order of their registration."""
         return tuple(self._actions.values())

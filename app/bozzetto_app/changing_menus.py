@@ -1,4 +1,4 @@
-"""Submenus whose entries come and go: recent documents, kept views."""
+"""Submenus whose entries come and go: recent documents, kept views, a modeler's commands."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
+from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QInputDialog
 
 from bozzetto.document import edit
@@ -24,6 +25,12 @@ __all__ = ["RECENT", "ChangingMenus", "recent_titles"]
 
 RECENT = "file.recent."
 """What the ids of recent documents begin with; the palette lists them in its own way."""
+
+COMMAND = "command."
+"""What the ids of a modeler's commands begin with."""
+
+RESERVED = ("Space", "Esc")
+"""Keys that the sheet takes for itself, beside those of actions."""
 
 DIGITS = 9
 """The first entries have a digit as their menu letter."""
@@ -61,6 +68,9 @@ class ChangingMenus(QObject):
         self._views: tuple[NamedView, ...] = ()
         window.session.files.recent_changed.connect(self.show_recent)
         window.session.document_changed.connect(self._show_views)
+        window.session.commanding.changed.connect(self._show_commands)
+        window.session.commanding.enabled_changed.connect(actions.refresh)
+        window.session.advising.changed.connect(actions.refresh)
         self.show_recent()
         self._show_views()
 
@@ -92,6 +102,9 @@ class ChangingMenus(QObject):
             self._views = views
             self._replace("views", self._kept())
 
+    def _show_commands(self) -> None:
+        self._replace("commands", self._commands())
+
     def _replace(self, which: str, actions: Iterator[Action]) -> None:
         self._dispose.pop(which, lambda: None)()
         self._dispose[which] = self._actions.register(*actions)
@@ -107,6 +120,33 @@ class ChangingMenus(QObject):
                 partial(self._window.open, path),
                 menu=menu,
                 tip=str(path),
+            )
+
+    def _commands(self) -> Iterator[Action]:
+        """The selected model's, in a menu of their own; keys that are taken stay where they are."""
+        commanding = self._window.session.commanding
+        if not commanding.commands:
+            return
+        title = self._window.session.registry.info(commanding.modeler).title
+        own: dict[str, str] = {}
+        for command in commanding.commands:
+            key = QKeySequence(command.key).toString(QKeySequence.SequenceFormat.PortableText)
+            holder = self._actions.holder(key)
+            taken = own.get(key) if holder is None else holder.plain_title
+            free = key and taken is None and key not in RESERVED
+            tip = command.help
+            if key and not free:
+                tip += " " + tr("Object", "Its key {key} is taken here.", key=key)
+            if free:
+                own[key] = command.title
+            yield Action(
+                f"{COMMAND}{command.id}",
+                _plain(command.title),
+                partial(commanding.run, command.id),
+                keys=(key,) if free else (),
+                menu=(tr("Menu", "&Object"), _plain(title)),
+                enabled=partial(commanding.is_enabled, command.id),
+                tip=tip.strip(),
             )
 
     def _kept(self) -> Iterator[Action]:

@@ -182,6 +182,25 @@ def _object(window: Window) -> Iterator[Action]:
         on_sheet=True,
     )
     yield Action(
+        "object.ungroup",
+        tr("Object", "&Ungroup"),
+        session.ungroup_chosen,
+        "group",
+        ("Ctrl+Shift+G",),
+        menu,
+        enabled=lambda: free() and bool(session.chosen_group),
+        tip=tr("Object", "The chosen group goes; what is in it stays where it is"),
+    )
+    for info in session.using.takers:
+        yield Action(
+            f"object.use.{info.id}",
+            info.title,
+            partial(session.using.use_chosen, info.id),
+            menu=(*menu, tr("Object", "U&se as input for")),
+            enabled=has_selection,
+            tip=tr("Object", "A new object starts from a copy of the chosen shape"),
+        )
+    yield Action(
         "object.hide",
         tr("Object", "&Hide or show"),
         window.toggle_visible,
@@ -255,6 +274,16 @@ def _view(window: Window) -> Iterator[Action]:
         (),
         (*menu, tr("View", "&Kept views")),
         tip=tr("View", "With the document, under a name"),
+    )
+    yield Action(
+        "view.better",
+        tr("View", "&Turn to the better view"),
+        canvas.turn_to_better,
+        "orbit",
+        ("T",),
+        menu,
+        enabled=lambda: canvas.better_view is not None,
+        tip=tr("View", "Where the light above the sheet points"),
     )
     shadings: dict[str, str] = {
         "clay": tr("View", "Clay"),

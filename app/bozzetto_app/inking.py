@@ -174,7 +174,7 @@ class Inking(QObject):
         tool = session.toolbox.tool_for("drag" if isinstance(gesture, Drag) else "ink")
         if not modeler or not tool or (modeler, tool) in self._unpreviewable:
             return
-        context, target = session.context(), self._target(modeler)
+        context, target = session.context(), self.target(modeler)
 
         def work(job: Job) -> Scene:
             bench = session.workbench
@@ -223,7 +223,11 @@ class Inking(QObject):
         taken = set(map(id, strokes))
         return tuple(stroke for stroke in self.pending if id(stroke) not in taken)
 
-    def _target(self, modeler_id: str) -> Model | None:
+    def queue(self, request: Request) -> None:
+        """Have other work on the document done in its turn among the gestures."""
+        self._edits.submit(request)
+
+    def target(self, modeler_id: str) -> Model | None:
         """The model that the next gesture of a modeler changes, or None for a new one."""
         model = self._session.selected_model
         if model is None or model.modeler != modeler_id or model.locked or not model.visible:
@@ -298,7 +302,7 @@ class Inking(QObject):
     ) -> _Answer:
         """In the worker: the state after a gesture."""
         bench = self._session.workbench
-        base = self._target(modeler_id)
+        base = self.target(modeler_id)
         model = base or bench.create(modeler_id, context)
         if tool_id:
             tool = bench.tool(modeler_id, tool_id)

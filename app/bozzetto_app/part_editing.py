@@ -5,15 +5,17 @@ Only a choice is no step: nobody wants to take it back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from bozzetto.document import edit
 from bozzetto.errors import UserError
 from bozzetto.part_edits import PartEdit, PartEdits
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.parameters import Field, parameter_fields
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto_app.patience import in_time
+from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto.document.history import History
@@ -139,21 +141,54 @@ class PartEditing:
 
     def delete_chosen(self) -> None:
         """Take out the chosen part, or the selected model where no part among several is."""
-        model_id, part_id = self._chosen_among_several()
+        model_id, part_id = self.chosen_among_several()
         if part_id:
             self.delete_part(model_id, part_id)
         else:
             self.delete(model_id)
 
+    def delete_several(
+        self,
+        model_ids: Sequence[str],
+        parts: Mapping[str, Sequence[str]],
+        underlay_ids: Sequence[str],
+    ) -> None:
+        """Take out models, parts of other models and underlays, all in one step.
+
+        Parameters
+        ----------
+        model_ids, underlay_ids : sequence of str
+        parts : mapping
+            Ids of parts by that of their model.
+        """
+        document, labels = self.document, []
+        try:
+            for model_id in parts.keys() - set(model_ids):
+                model, ids = document.model(model_id), parts[model_id]
+                changed, label = self._in_time(model, _deleting(model, ids))
+                document = document.with_model(changed)
+                labels.append(label)
+            if model_ids:
+                document, label = edit.delete_models(document, model_ids)
+                labels.append(label)
+            for underlay_id in underlay_ids:
+                document, label = edit.delete_underlay(document, underlay_id)
+                labels.append(label)
+        except (UserError, PluginFault) as problem:
+            self.complain(problem)
+            return
+        several = tr("Session", "Delete what is chosen")
+        self.commit(labels[0] if len(labels) == 1 else several, document)
+
     def duplicate_chosen(self) -> None:
         """Copy the chosen part, or the selected model where no part among several is."""
-        model_id, part_id = self._chosen_among_several()
+        model_id, part_id = self.chosen_among_several()
         if part_id:
             self.duplicate_part(model_id, part_id)
         else:
             self.duplicate(model_id)
 
-    def _chosen_among_several(self) -> tuple[str, str]:
+    def chosen_among_several(self) -> tuple[str, str]:
         """Ids of the selected model, and of its chosen part where it has others too."""
         model = self.selected_model
         tree = None if model is None else self.parts_of(model.id)
@@ -163,6 +198,23 @@ class PartEditing:
     def group_parts(self, model_id: str, part_ids: Sequence[str]) -> None:
         """Put parts into a new group."""
         self._edit_part(model_id, lambda edits, model: edits.group(model, part_ids))
+
+    def ungroup_part(self, model_id: str, part_id: str) -> None:
+        """Dissolve a group; what is in it stays where it is."""
+        self._edit_part(model_id, lambda edits, model: edits.ungroup(model, part_id))
+
+    @property
+    def chosen_group(self) -> str:
+        """Id of the chosen part of the selected model if it is a group, else ""."""
+        model = self.selected_model
+        tree = None if model is None else self.parts_of(model.id)
+        return tree.selected if tree is not None and tree.selected in tree.groups else ""
+
+    def ungroup_chosen(self) -> None:
+        """Dissolve the chosen group."""
+        model, group = self.selected_model, self.chosen_group
+        if model is not None and group:
+            self.ungroup_part(model.id, group)
 
     def set_part_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
         """Change a parameter of the chosen part; a slider's drag is one step."""
@@ -196,3 +248,8 @@ class PartEditing:
         """Widgets cannot wait for a worker: a plugin that hangs here is interrupted."""
         guard, edits = self.registry.guard, self.workbench.parts
         return in_time(guard, model.modeler, "parts", lambda: ask(edits))
+
+
+def _deleting(model: Model, part_ids: Sequence[str]) -> Callable[[PartEdits], PartEdit]:
+    """The edit that takes these parts out of this model."""
+    return lambda edits: edits.delete(model, *part_ids)

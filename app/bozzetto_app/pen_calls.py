@@ -11,6 +11,7 @@ from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto.view.camera import Camera
+    from bozzetto_app.advising import Advising
     from bozzetto_app.inking import Inking
 
 __all__ = ["PenCalls"]
@@ -23,6 +24,7 @@ class PenCalls:
     """
 
     if TYPE_CHECKING:
+        advising: Advising
         inking: Inking
         camera: Camera
 
@@ -37,8 +39,8 @@ class PenCalls:
 
     @property
     def live_scene(self) -> Scene:
-        """What is shown only for a moment, such as the preview under the pen."""
-        return self.inking.live
+        """What is shown only for a moment: what hangs on the view, the preview under the pen."""
+        return self.advising.scene.under(self.inking.live)
 
     def pen_moved(self, stroke: Stroke) -> None:
         """Show what the stroke so far would make."""

@@ -54,6 +54,7 @@ class Replay(QObject):
         super().__init__(parent)
         self._session = session
         self._strokes = list(drawing.strokes)
+        self._facts = drawing.extra
         self._speed = speed
         self._pen_down = 0.0
         self._timer = QTimer(self)
@@ -62,6 +63,7 @@ class Replay(QObject):
 
     def start(self) -> None:
         """Put the pen down."""
+        self._session.facts = self._facts
         self._pen_down = time.monotonic()
         self._timer.start()
 
@@ -71,14 +73,18 @@ class Replay(QObject):
             self._timer.stop()
             self._session.pen_cancelled()
             self.inked.emit(None)
-            self.finished.emit()
+            self._end()
+
+    def _end(self) -> None:
+        self._session.facts = {}
+        self.finished.emit()
 
     def _step(self) -> None:
         if not self._strokes:
             self._timer.stop()
             if self._session.pending:
                 self._session.commit_pending()
-            self.finished.emit()
+            self._end()
             return
         passed = (time.monotonic() - self._pen_down) * self._speed
         if passed < 0:

@@ -6,12 +6,13 @@ document themselves. Everything that enters a plugin runs in a worker
 (`bozzetto_app.jobs`), so that no plugin can hold up the window. Its parts have modules of
 their own: `looking` the view, `toolbox` the modelers and tools, `pen_calls` and
 `inking` the gestures, `editing` the objects and `part_editing` what they are made of,
-`showing` the pictures, `files` the disk.
+`commanding` the modelers' commands, `advising` what they say of the view, `using` shapes as
+input, `showing` the pictures, `files` the disk.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,8 @@ from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.workbench import Workbench
+from bozzetto_app.advising import Advising
+from bozzetto_app.commanding import Commanding
 from bozzetto_app.editing import ObjectEdits
 from bozzetto_app.files import Files
 from bozzetto_app.inking import Inking
@@ -35,6 +38,7 @@ from bozzetto_app.pen_calls import PenCalls
 from bozzetto_app.saying import Notice, notice_of
 from bozzetto_app.showing import Showing
 from bozzetto_app.toolbox import Toolbox, ToolInfo
+from bozzetto_app.using import Using
 from bozzetto_app.words import tr
 
 __all__ = ["Notice", "Session", "Shading", "ToolInfo"]
@@ -54,6 +58,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     ----------
     when_safe : callable
         Called with what would lose unsaved work; the window asks the person first.
+    facts : mapping
+        What the drawing that is being watched says beyond its strokes; see `Context.facts`.
 
     Signals
     -------
@@ -100,6 +106,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.path: Path | None = None
         self.read_only = False
         self.report: dict[str, Any] = {}
+        self.facts: Mapping[str, Any] = {}
         self.hint = ""
         self.when_safe: Callable[[Callable[[], None]], None] = _at_once
         self._selected: str | None = None
@@ -110,6 +117,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.toolbox = Toolbox(self)
         self.inking = Inking(self)
         self.files = Files(self)
+        self.using = Using(self)
+        self.advising = Advising(self)
+        self.commanding = Commanding(self)
         self.showing = Showing(self.workbench, self)
         self.showing.changed.connect(self._model_shown)
         self.showing.settled.connect(self.settled)
@@ -117,8 +127,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
         self.showing.busy_changed.connect(self._look_who_is_busy)
-        self.files.progressed.connect(self.progressed)
-        self.files.busy_changed.connect(self._look_who_is_busy)
+        for part in (self.files, self.using):
+            part.progressed.connect(self.progressed)
+            part.busy_changed.connect(self._look_who_is_busy)
         self.view_style_changed.connect(self._style_changed)
         self.tool_changed.connect(self._hand_changed)
         self.selection_changed.connect(self._hand_changed)
@@ -193,12 +204,26 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         shown = self.workbench.underlay_layers(self.document)
         images = (item for layer in shown for item in layer.items if isinstance(item, Image))
         underlay = next(images, None)
-        return Context(camera=self.camera, scene=self.scene, underlay=underlay)
+        return Context(
+            camera=self.camera,
+            scene=self.scene,
+            underlay=underlay,
+            facts=self.facts,
+            curves=self.workbench.curves.of(self.document),
+        )
 
     @property
     def busy(self) -> bool:
         """Whether any work is under way."""
-        parts = (self.toolbox, self.inking, self.showing, self.files)
+        parts = (
+            self.toolbox,
+            self.inking,
+            self.commanding,
+            self.advising,
+            self.using,
+            self.showing,
+            self.files,
+        )
         return any(part.busy for part in parts)
 
     # -- modelers and tools --
@@ -355,16 +380,18 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Stop what is being solved, read or exported; what was shown stays."""
         self.showing.cancel()
         self.files.cancel()
+        self.using.cancel()
         self.tell(tr("Session", "Stopped. Nothing was changed."))
 
     def cancel_all(self) -> None:
         """Stop everything but a save: the window closes."""
         self.showing.cancel()
         self.files.cancel()
+        self.using.cancel()
         self.inking.restart(self.pending)
 
     def _look_who_is_busy(self) -> None:
-        busy = self.showing.busy or self.files.busy
+        busy = self.showing.busy or self.files.busy or self.using.busy
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)

@@ -160,9 +160,23 @@ RECORDED = frozenset(
     "undo redo go_to select activate_modeler activate_tool end_drag rename set_visible "
     "set_locked set_color delete duplicate move_to set_underlay_opacity set_underlay_visible "
     "select_part rename_part set_part_visible delete_part duplicate_part move_part group_parts "
-    "delete_underlay cancel_work commit_pending clear_pending "
+    "ungroup_part delete_several delete_underlay cancel_work commit_pending clear_pending "
     "open import_file set_shading".split()
 )
+
+
+class FakeUsing:
+    """Two modelers take shapes; what they are given is noted."""
+
+    def __init__(self, icons: Path, calls: _Calls) -> None:
+        self.calls = calls
+        self.takers = tuple(
+            ModelerInfo(f"bozzetto.{name.lower()}", name, "", "", icons, icons)
+            for name in ("Mesh", "Symmetry")
+        )
+
+    def use(self, *args: object) -> None:
+        self.calls.made.append(("use", args, {}))
 
 
 class FakeSession(QObject):
@@ -184,6 +198,7 @@ class FakeSession(QObject):
     def __init__(self, icons: Path) -> None:
         super().__init__()
         self.calls = _Calls()
+        self.using = FakeUsing(icons, self.calls)
         self.state = State()
         self.history = FakeHistory()
         self.registry = FakeRegistry()

@@ -40,6 +40,7 @@ from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.samples import PressureCurve
 from bozzetto_app.canvas.sheet_hint import SheetHint
 from bozzetto_app.canvas.view_cube import ViewCube
+from bozzetto_app.canvas.view_light import ViewLight
 from bozzetto_app.canvas.viewports import Viewports
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.settings import settings
@@ -81,6 +82,8 @@ class Canvas(QWidget):
         What turns input into gestures.
     motion : ViewMotion
     viewports : Viewports
+    light : ViewLight
+        What the modeler says of the view.
     menu_entries : callable
         Returns what the radial menu shows, most wanted first; set by the window.
     """
@@ -106,6 +109,7 @@ class Canvas(QWidget):
         self._overlay = InkOverlay(self)
         self._hint = SheetHint(self)
         self._cube = ViewCube(self)
+        self.light = ViewLight(self)
         self._menu = RadialMenu(self)
         self.hand = Hand(session, self._overlay)
         self.motion = ViewMotion(session, self)
@@ -124,6 +128,7 @@ class Canvas(QWidget):
         session.view_style_changed.connect(self.viewports.show_style)
         session.noticed.connect(self._notice)
         session.settled.connect(self._settled)
+        session.advising.changed.connect(self._show_advice)
         self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._hint.fade)
         self.hand.mode_changed.connect(self._mode_changed)
@@ -134,6 +139,7 @@ class Canvas(QWidget):
         self._cube.turned.connect(self._turn)
         self._cube.home_chosen.connect(self.fit)
         self._cube.projection_chosen.connect(self.toggle_projection)
+        self.light.turn_chosen.connect(self.turn_to_better)
 
         self._mode_changed()
         self.read_settings()
@@ -149,7 +155,7 @@ class Canvas(QWidget):
         """Use the colours of a theme."""
         self._colors = palette
         self.viewports.set_palette(palette)
-        for part in (self._overlay, self._hint, self._cube, self._menu):
+        for part in (self._overlay, self._hint, self._cube, self.light, self._menu):
             part.set_colors(palette)
 
     def read_settings(self) -> None:
@@ -164,9 +170,10 @@ class Canvas(QWidget):
         self._hint.say(text)
 
     def leave_room(self, left: int) -> None:
-        """Centre that line beside what covers so many pixels of the sheet's left."""
-        self._hint.left = left
+        """Centre what is said beside what covers so many pixels of the sheet's left."""
+        self._hint.left = self.light.left = left
         self._hint.update()
+        self.light.lie_on(self.rect())
 
     def describe_viewport(self) -> str:
         """Who draws, for the About dialog."""
@@ -198,6 +205,17 @@ class Canvas(QWidget):
         camera: Camera = self._session.camera
         other = "perspective" if camera.kind == "orthographic" else "orthographic"
         self.animate_to(with_kind(camera, other))  # type: ignore[arg-type]
+
+    @property
+    def better_view(self) -> Camera | None:
+        """Where the modeler would rather have the person draw; None where it names no view."""
+        advice = self._session.advising.advice
+        return None if advice is None else advice.better
+
+    def turn_to_better(self) -> None:
+        """Go to the view that the modeler calls better."""
+        if self.better_view is not None:
+            self.show_camera(self.better_view)
 
     def fit(self) -> None:
         """Show everything."""
@@ -275,6 +293,9 @@ class Canvas(QWidget):
         strokes = self._session.pending if stroke is None else (*self._session.pending, stroke)
         self._overlay.set_pending(strokes, self._session.camera)
 
+    def _show_advice(self) -> None:
+        self.light.show_advice(self._session.advising.advice)
+
     def _notice(self, notice: Notice) -> None:
         if notice.places:
             self._overlay.light_up(notice.places, notice.text)
@@ -296,6 +317,7 @@ class Canvas(QWidget):
         self._overlay.setGeometry(self.rect())
         self._hint.setGeometry(self.rect())
         self._cube.move(self.width() - self._cube.width() - CUBE_MARGIN, CUBE_MARGIN)
+        self.light.lie_on(self.rect())
         self._menu.close_menu()
         camera: Camera = self._session.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from difflib import SequenceMatcher
+from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPoint, QSize, Qt
@@ -137,9 +138,18 @@ class ObjectsPanel(QWidget):
             widget.edit_name()
 
     def delete_current(self) -> None:
-        """Take what is chosen out."""
+        """Take what is chosen out: all rows at once where there are several."""
         entry = self._current()
-        if entry.kind == "model":
+        chosen = self._chosen_entries()
+        if len(chosen) > 1 and entry in chosen:
+            parts: dict[str, list[str]] = {}
+            for other in chosen:
+                if other.kind == "part":
+                    parts.setdefault(other.model, []).append(other.id)
+            models = [other.id for other in chosen if other.kind == "model"]
+            underlays = [other.id for other in chosen if other.kind == "underlay"]
+            self._session.delete_several(models, parts, underlays)
+        elif entry.kind == "model":
             self._session.delete(entry.id)
         elif entry.kind == "part":
             self._session.delete_part(entry.model, entry.id)
@@ -150,10 +160,26 @@ class ObjectsPanel(QWidget):
         """Put the chosen parts into a group of their own."""
         entry = self._current()
         if entry.kind == "part":
-            rows = sorted(self.list.row(item) for item in self.list.selectedItems())
-            chosen = [self._entries[row] for row in rows]
+            chosen = self._chosen_entries()
             ids = [other.id for other in chosen if other.model == entry.model]
             self._session.group_parts(entry.model, ids)
+
+    def ungroup_current(self) -> None:
+        """Dissolve the group that is chosen."""
+        entry = self._current()
+        if entry.kind == "part":
+            self._session.ungroup_part(entry.model, entry.id)
+
+    def use_chosen(self, modeler_id: str) -> None:
+        """Let the chosen rows be the input of a modeler."""
+        chosen = self._chosen_entries()
+        whole = [entry.id for entry in chosen if entry.kind == "model"]
+        parts: dict[str, list[str]] = {}
+        for entry in chosen:
+            if entry.kind == "part" and entry.model not in whole:
+                parts.setdefault(entry.model, []).append(entry.id)
+        if whole or parts:
+            self._session.using.use(modeler_id, [*whole, *parts], parts)
 
     def drop(self, source: int, target: int, on: bool) -> None:
         """Move what was dragged from one row to the gap above another, or onto it."""
@@ -203,6 +229,11 @@ class ObjectsPanel(QWidget):
     def _current(self) -> Entry:
         row = self.list.currentRow()
         return self._entries[row] if 0 <= row < len(self._entries) else Entry("heading")
+
+    def _chosen_entries(self) -> list[Entry]:
+        """What is chosen, in the order of the rows."""
+        rows = sorted(self.list.row(item) for item in self.list.selectedItems())
+        return [self._entries[row] for row in rows]
 
     def _exchange(self, wanted: list[Entry]) -> None:
         """Make the rows those that are wanted; the others stay, with the keyboard on them."""
@@ -316,6 +347,8 @@ class ObjectsPanel(QWidget):
             self._add_for_model(menu, self._session.document.model(entry.id))
         elif entry.kind == "part":
             self._add_for_part(menu, entry, self._session.parts_of(entry.model))
+        if entry.kind in ("model", "part"):
+            self._add_uses(menu)
         if entry.kind != "heading":
             menu.addAction(tr("Objects", "Delete"), self.delete_current)
         return menu
@@ -334,6 +367,8 @@ class ObjectsPanel(QWidget):
         part = tree.part(entry.id)
         group = menu.addAction(tr("Objects", "Group"), self.group_chosen)
         group.setShortcut(GROUP_KEY)
+        if entry.id in tree.groups:
+            menu.addAction(tr("Objects", "Ungroup"), self.ungroup_current)
         hide = tr("Objects", "Hide") if part.visible else tr("Objects", "Show")
         menu.addSeparator()
         menu.addAction(
@@ -341,3 +376,11 @@ class ObjectsPanel(QWidget):
             lambda: self._session.set_part_visible(entry.model, entry.id, not part.visible),
         )
         menu.addSeparator()
+
+    def _add_uses(self, menu: QMenu) -> None:
+        takers = self._session.using.takers
+        if takers:
+            uses = menu.addMenu(tr("Objects", "Use as input for"))
+            for info in takers:
+                uses.addAction(info.title, partial(self.use_chosen, info.id))
+            menu.addSeparator()

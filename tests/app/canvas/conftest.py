@@ -24,6 +24,20 @@ class FakeTool:
     gesture: str
 
 
+class FakeAdvising(QObject):
+    """What a modeler says of the view: whatever a test wants."""
+
+    changed = Signal()
+
+    def __init__(self):
+        super().__init__()
+        self.advice = None
+
+    def say(self, advice):
+        self.advice = advice
+        self.changed.emit()
+
+
 class FakeSession(QObject):
     """The names of the real session that the canvas uses; every call is noted."""
 
@@ -38,6 +52,7 @@ class FakeSession(QObject):
     def __init__(self):
         super().__init__()
         self.camera = Camera()
+        self.advising = FakeAdvising()
         self.scene = Scene()
         self.live_scene = Scene()
         self.pending = ()

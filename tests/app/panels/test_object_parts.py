@@ -137,7 +137,7 @@ def test_several_rows_become_a_group(panel, fake_session):
 def test_the_menu_of_a_part(panel, fake_session):
     menu = panel.menu_for_current()
     titles = [action.text() for action in menu.actions() if not action.isSeparator()]
-    assert titles == ["Rename", "Duplicate", "Group", "Hide", "Delete"]
+    assert titles == ["Rename", "Duplicate", "Group", "Hide", "Use as input for", "Delete"]
     next(action for action in menu.actions() if action.text() == "Group").trigger()
     next(action for action in menu.actions() if action.text() == "Hide").trigger()
     assert fake_session.calls.named("group_parts") == [(("m1", ["n2"]), {})]

@@ -129,7 +129,7 @@ def test_deleting_and_duplicating(panel, fake_session):
 def test_the_menu_offers_the_same(panel, fake_session):
     menu = panel.menu_for_current()
     titles = [action.text() for action in menu.actions() if not action.isSeparator()]
-    assert titles == ["Rename", "Duplicate", "Hide", "Lock", "Delete"]
+    assert titles == ["Rename", "Duplicate", "Hide", "Lock", "Use as input for", "Delete"]
     menu.actions()[3].trigger()
     assert fake_session.calls.named("set_visible") == [(("m1", False), {})]
 

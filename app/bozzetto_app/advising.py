@@ -1,0 +1,151 @@
+"""Advising: what the active modeler says of the view, asked while the view turns.
+
+One question at a time, in a worker, ten times a second at most; what was overtaken is not shown.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from bozzetto.document.model import Model
+from bozzetto.errors import UserError
+from bozzetto.plugin.context import Context
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.scene.display_list import Scene
+from bozzetto.view.camera import Camera
+from bozzetto_app.jobs import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["Advising"]
+
+INTERVAL = 100
+"""Time between two questions, milliseconds."""
+
+ADVICE_LIMIT = 10.0
+"""Seconds a modeler may think about a view before it counts as hung."""
+
+
+Question = tuple[str, Model | None, Camera] | None
+"""Modeler, model (None for one that is still to be drawn) and view; None for nothing to ask."""
+
+
+class Advising(QObject):
+    """What there is to say of the view.
+
+    Attributes
+    ----------
+    advice : ViewAdvice or None
+        In the world; None where the modeler gives none.
+
+    Signals
+    -------
+    changed
+        It is another one.
+    """
+
+    changed = Signal()
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self.advice: ViewAdvice | None = None
+        self._asked: Question = None
+        self._silent: set[str] = set()
+        self._empty: dict[str, Model] = {}
+        self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
+        self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
+        self._pace.timeout.connect(self._ask)
+        for signal in (
+            session.camera_changed,
+            session.document_changed,
+            session.selection_changed,
+            session.modeler_changed,
+        ):
+            signal.connect(self.look)
+
+    @property
+    def busy(self) -> bool:
+        """Whether the newest view still waits for its answer."""
+        late = self._pace.isActive() and not _same(self._question(), self._asked)
+        return self._channel.busy or late
+
+    @property
+    def scene(self) -> Scene:
+        """What the advice shows on the sheet."""
+        return Scene() if self.advice is None else self.advice.scene
+
+    def look(self) -> None:
+        """See whether there is a new view, model or modeler; ask when it is time."""
+        if not self._pace.isActive():
+            self._ask()
+
+    def _question(self) -> Question:
+        session = self._session
+        modeler = session.active_modeler
+        # Without tools nothing can be drawn, or the plugin is still being imported.
+        if modeler in self._silent or not session.tools:
+            return None
+        return modeler, session.inking.target(modeler), session.camera
+
+    def _ask(self) -> None:
+        question = self._question()
+        if _same(question, self._asked):
+            return
+        if question is None:
+            self._asked = None
+            self._channel.cancel()
+            self._take(None)
+            return
+        self._pace.start()
+        if self._channel.busy:
+            return
+        self._asked = question
+        modeler, model, camera = question
+
+        def work(job: Job) -> ViewAdvice | None:
+            return self._advice_on(modeler, model, camera)
+
+        def done(advice: ViewAdvice | None) -> None:
+            if advice is None:
+                self._silent.add(modeler)
+            if self._session.active_modeler == modeler:
+                self._take(advice)
+
+        def failed(problem: BaseException) -> None:
+            self._take(None)
+            if not isinstance(problem, UserError):
+                self._silent.add(modeler)
+                self._session.complain(problem)
+
+        self._channel.submit(Request(work, done, failed, "preview"))
+
+    def _advice_on(self, modeler: str, model: Model | None, camera: Camera) -> ViewAdvice | None:
+        """In the worker: the advice; None where the modeler never gives any."""
+        bench = self._session.workbench
+        if not isinstance(self._session.registry.modeler(modeler), AdvisesView):
+            return None
+        if model is None:
+            if modeler not in self._empty:
+                self._empty[modeler] = bench.create(modeler, Context(camera=camera))
+            model = self._empty[modeler]
+        return bench.view_advice(model, camera)
+
+    def _take(self, advice: ViewAdvice | None) -> None:
+        if advice is not None or self.advice is not None:
+            shown = bool(self.scene.layers)
+            self.advice = advice
+            self.changed.emit()
+            if shown or self.scene.layers:
+                self._session.live_changed.emit()
+
+
+def _same(one: Question, other: Question) -> bool:
+    """Whether two questions are about the very same things; states are not compared."""
+    if one is None or other is None:
+        return one is other
+    return one[0] == other[0] and one[1] is other[1] and one[2] == other[2]
