@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.resample import arc_length, resample
 
-__all__ = ["Bond", "bonds_between", "grouped"]
+__all__ = ["Bond", "bonds_between", "continued", "grouped"]
 
 Array = NDArray[np.float64]
 
@@ -134,7 +134,7 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     sizes = [float(arc_length(line)[-1]) for line in lines]
     while len(groups) > least:
         first, second, bond = _nearest(groups, bonds, sizes)
-        if len(groups) == 2 and not _one_side(groups, bonds, bond):
+        if len(groups) == 2 and not _one_side(groups, bonds, bond, sizes):
             break
         groups[first] |= groups[second]
         del groups[second]
@@ -197,6 +197,12 @@ def _one_side(
         if i < j and bonds[i][j].over and bonds[i][j].sure
     ]
     return bond.distance <= max(TOUCHING, CONTRAST * float(np.mean(within or [0.0])))
+
+
+def continued(one: Array, other: Array) -> bool:
+    """Whether an end of one line, (n, 2) px, smoothly goes on in an end of the other."""
+    bond = _continued(_Trail.of(one), _Trail.of(other))
+    return bond.sure
 
 
 def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
