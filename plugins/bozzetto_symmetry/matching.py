@@ -54,8 +54,12 @@ ASTRAY: Final = 2.0
 FLOOR: Final = 0.3
 """Mean distance, px, below which no hand draws: what is nearer is equally good."""
 
-FINEST: Final = 1e-9
-"""Least spread of a signal, px, so that prices stay above zero."""
+FLAT: Final = 60.0
+"""Spread of a signal, px, below which prices shrink no more: a hand that shakes by a pixel
+would leave everything without a partner."""
+
+LEAST: Final = 1e-9
+"""Of lengths that are divided by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,8 +159,8 @@ def differences(first: Signal, second: Signal) -> Array:
 
 
 def spread(*signals: Signal) -> float:
-    """What the widest of some signals ranges over, px."""
-    return max(FINEST, *(float(np.ptp(s.angles) * np.median(s.scales)) for s in signals))
+    """What the widest of some signals ranges over, px: the unit of prices."""
+    return max(FLAT, *(float(np.ptp(s.angles) * np.median(s.scales)) for s in signals))
 
 
 def paired(
@@ -390,7 +394,7 @@ def _along(stereo: Stereo, pixels: Array) -> Array:
     if stereo.parallel:
         return np.asarray((pixels * stereo.toward_vanishing(pixels)).sum(axis=1))
     way = stereo.rays(pixels).directions
-    return np.asarray(way[:, 1] / np.maximum(np.hypot(way[:, 0], way[:, 2]), FINEST))
+    return np.asarray(way[:, 1] / np.maximum(np.hypot(way[:, 0], way[:, 2]), LEAST))
 
 
 def _on_line(stereo: Stereo, pixels: Array, along: Array) -> Array:
@@ -400,7 +404,7 @@ def _on_line(stereo: Stereo, pixels: Array, along: Array) -> Array:
         return np.asarray(pixels + (along - _along(stereo, pixels))[:, None] * way)
     direction = stereo.rays(pixels).directions
     level = direction * (1.0, 0.0, 1.0)
-    level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), FINEST)
+    level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), LEAST)
     eye = np.asarray(stereo.camera.eye)
     points = eye + stereo.camera.distance * (level + along[:, None] * (0.0, 1.0, 0.0))
     way = stereo.toward_vanishing(pixels)

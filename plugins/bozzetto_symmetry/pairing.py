@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 SAMPLES: Final = 160
 """Places along each side that are matched."""
 
-OPEN_END: Final = 0.02
+OPEN_END: Final = 0.01
 """Price of a sample without a partner at an end, per px of what the signals range over."""
 
 UNEVEN: Final = 0.01
