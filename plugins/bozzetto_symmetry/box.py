@@ -116,7 +116,7 @@ def plane_outline(state: SymmetryState) -> Array:
     slack = FLUSH * state.diagonal
     edges = box_edges(state)
     low, high = ((edges[:, end] - state.plane.point) @ normal for end in (0, 1))
-    cut = low * high < -(slack**2)
+    cut = (np.minimum(low, high) < -slack) & (np.maximum(low, high) > slack)
     share = low[cut] / (low[cut] - high[cut])
     met = edges[cut, 0] + share[:, None] * (edges[cut, 1] - edges[cut, 0])
     points = np.concatenate((corners[np.abs(height) <= slack], met))

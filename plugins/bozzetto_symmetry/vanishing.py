@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.scene import Item, Label, Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.axes import AXES, AXIS_PAINTS, receding
-from bozzetto_symmetry.box import EDGE_WIDTH, grid_lines, segments
+from bozzetto_symmetry.box import EDGE_WIDTH, box_layers, grid_lines, segments
 from bozzetto_symmetry.grid import grid_in_box, grid_step
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.targets import box_edges
 
-__all__ = ["back_faces", "seen_from", "vanishing_marks", "vanishing_point"]
+__all__ = ["back_faces", "hanging_on_view", "seen_from", "vanishing_marks", "vanishing_point"]
 
 Array = NDArray[np.float64]
 
@@ -49,16 +49,28 @@ WIDER: Final = 3.0
 
 
 def seen_from(state: SymmetryState, camera: Camera) -> Scene:
-    """What belongs to the box in one view; shown over the box itself.
+    """All that is shown of the box beside the model's own scene while one looks at it.
 
-    The edges in front are firmer, the walls behind bear grids, and where vanishing lines are
-    asked for there are lengthened edges, a wider ground, and the points at which they meet.
+    A model that holds nothing yet is not in any document: there the box itself is part of
+    it, so that it is there before the first stroke.
 
     Parameters
     ----------
     state : SymmetryState
     camera : Camera
         In the model's frame.
+    """
+    hanging = hanging_on_view(state, camera)
+    if state.nodes:
+        return hanging
+    return Scene(tuple(layer for layer in box_layers(state) if not layer.tool)) + hanging
+
+
+def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
+    """What belongs to the box in one view; shown over the box itself.
+
+    The edges in front are firmer, the walls behind bear grids, and where vanishing lines are
+    asked for there are lengthened edges, a wider ground, and the points at which they meet.
     """
     layers = [Layer("front edges", (segments(front_edges(state, camera), "ghost", EDGE_WIDTH),))]
     if state.grid:

@@ -17,7 +17,7 @@ from bozzetto_symmetry.box import BOX_TOOL, CENTRE, FACES, box_layers
 from bozzetto_symmetry.drawing_facts import FARTHEST, SIZE_LIMITS, SYMMETRIES
 from bozzetto_symmetry.grid import grid_step
 from bozzetto_symmetry.state import SymmetryState
-from bozzetto_symmetry.vanishing import seen_from
+from bozzetto_symmetry.vanishing import hanging_on_view
 
 __all__ = ["ResizeBox"]
 
@@ -54,7 +54,7 @@ class ResizeBox:
             shaped = self.apply(state, gesture, context)
         except UserError:
             return Scene()
-        return Scene(box_layers(shaped)) + seen_from(shaped, gesture.camera)
+        return Scene(box_layers(shaped)) + hanging_on_view(shaped, gesture.camera)
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
         """Size or move the box; a touch beside all handles changes nothing.

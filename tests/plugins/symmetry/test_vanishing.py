@@ -10,9 +10,10 @@ import pytest
 from bozzetto.scene import Label, Lines
 from bozzetto.view import Camera
 from bozzetto_symmetry.axes import AXES
+from bozzetto_symmetry.box import box_layers
 from bozzetto_symmetry.grid import clipped
 from bozzetto_symmetry.plane import CentrePlane
-from bozzetto_symmetry.state import SymmetryState
+from bozzetto_symmetry.state import Line, SymmetryState
 from bozzetto_symmetry.vanishing import (
     ARM,
     back_faces,
@@ -141,7 +142,15 @@ def test_lengthened_edges_go_on_along_their_axis_and_nearly_meet(camera: Camera)
 
 
 def test_nothing_is_lengthened_that_nobody_asked_for() -> None:
-    names = {layer.name for layer in seen_from(STATE, VIEWS[0]).layers}
+    drawn = STATE.with_node(Line(id="l"))
+    names = {layer.name for layer in seen_from(drawn, VIEWS[0]).layers}
     assert names == {"front edges", "back walls"}
-    names = {layer.name for layer in seen_from(replace(STATE, grid=False), VIEWS[0]).layers}
+    names = {layer.name for layer in seen_from(replace(drawn, grid=False), VIEWS[0]).layers}
     assert names == {"front edges"}
+
+
+def test_before_the_first_stroke_the_box_is_there() -> None:
+    own = {layer.name for layer in box_layers(STATE) if not layer.tool}
+    names = [layer.name for layer in seen_from(STATE, VIEWS[0]).layers]
+    assert own < set(names)
+    assert len(names) == len(set(names))
