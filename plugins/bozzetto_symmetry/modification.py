@@ -145,7 +145,8 @@ def _in_plane(stereo: Stereo, pixels: Array, points: Array, before: Array) -> Ar
     way = np.linalg.norm(goal - points, axis=1) / _pixel(stereo, points)
     if not (way <= STEEPEST * np.linalg.norm(pixels - before, axis=1) + 1.0).all():
         raise UserError(
-            "From here the centre plane is seen edge-on. Turn the view, then draw over the curve."
+            "Where the stroke leads, the centre plane is seen edge-on or not at all. Turn the "
+            "view, then draw over the curve."
         )
     return goal
 
