@@ -48,6 +48,13 @@ LONG: Final = 0.1
 """Share of a side from which a run is long: about where a turn, rather than a straight line,
 would have a radius as large as the whole side."""
 
+WITHOUT: Final = 0.05
+"""What sides without any partner would add to the score, per px that the signals range over."""
+
+BENT: Final = 0.5
+"""What the bending of the map of stations (root mean square of second differences, px) adds
+to the score: of two ways in which the lines agree, the smoother one is meant."""
+
 ASTRAY: Final = 2.0
 """How much dearer a matching becomes if the side it makes lies on both sides of the plane."""
 
@@ -83,8 +90,9 @@ class Pairing:
         that were matched, before they were brought onto common lines.
     score : float
         By what pairings are ordered, px, the lower the better: the mean distance across the
-        epipolar lines, and what uneven steps, ends without partners and places on the
-        wrong side of the plane add to it.
+        epipolar lines that is left, and what uneven steps, ends without partners and places
+        on the wrong side of the plane add to it. Never nought; if the second best is above
+        1.5 times the best, the best is hardly ever wrong.
     coverage : (float, float)
         Share of each side's length that found a partner.
     reversed : bool
@@ -203,18 +211,21 @@ def paired(
     weak = _shallow(first, places) & _shallow(second, np.rint(partners).astype(np.intp))
     weak = _long_runs(weak, LONG * len(first.angles))
     far = _bridged(stereo, near, far, weak)
-    mean = warping.total / (len(first.angles) + len(second.angles))
+    coverage = (
+        float(np.ptp(places)) / (len(first.angles) - 1.0),
+        float(np.ptp(partners)) / (len(second.angles) - 1.0),
+    )
+    price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
+    left = _left(first, second, places, partners) + BENT * _bending(second, partners)
+    astray = _share_astray(stereo.intersected(near, far)[:, 1])
     return Pairing(
         near,
         far,
         places / (len(first.angles) - 1.0),
         partners / (len(second.angles) - 1.0),
         float(np.sqrt((apart**2).mean())),
-        (mean + FLOOR) * (1.0 + ASTRAY * _share_astray(stereo.intersected(near, far)[:, 1])),
-        (
-            float(np.ptp(places)) / (len(first.angles) - 1.0),
-            float(np.ptp(partners)) / (len(second.angles) - 1.0),
-        ),
+        (FLOOR + left + price) * (1.0 + ASTRAY * astray),
+        coverage,
         False,
         weak,
         closed,
@@ -224,6 +235,21 @@ def paired(
 def _weights(one: Array, other: Array) -> Array:
     """Squares of the pixels that a difference of angles is worth, for two scales."""
     return np.asarray(2.0 / (1.0 / one**2 + 1.0 / other**2))
+
+
+def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Array) -> float:
+    """Mean distance across the epipolar lines of samples and partners, px."""
+    index = np.arange(len(second.angles))
+    weights = _weights(first.scales[places], np.interp(partners, index, second.scales))
+    rest = first.angles[places] - np.interp(partners, index, second.angles)
+    return float((np.sqrt(weights) * np.abs(rest)).mean())
+
+
+def _bending(second: Signal, partners: Array) -> float:
+    """Root mean square of the second differences of a map of stations, px."""
+    if len(partners) < 3:
+        return 0.0
+    return second.step * float(np.sqrt((np.diff(partners, 2) ** 2).mean()))
 
 
 def _at(values: Array, stations: Array) -> Array:
