@@ -24,8 +24,8 @@ VIEWS = [
 ]
 
 
-def stereo_of(azimuth, elevation, kind="perspective") -> Stereo:
-    return Stereo(camera(azimuth, elevation, kind, pixels=700.0))
+def stereo_of(azimuth, elevation, kind="perspective", pixels=700.0) -> Stereo:
+    return Stereo(camera(azimuth, elevation, kind, pixels=pixels))
 
 
 def stroke(places, view: Stereo, pressure=0.5) -> Stroke:
@@ -57,7 +57,7 @@ def test_a_curve_that_is_retraced_is_the_same_object(name, view):
 @pytest.mark.parametrize("name", ALL)
 @pytest.mark.parametrize("view", VIEWS[::3])
 def test_the_picture_follows_the_stroke_and_the_rest_stays(name, view):
-    curve, stereo = ALL[name], stereo_of(*view)
+    curve, stereo = ALL[name], stereo_of(*view, pixels=1400.0)
     goal = hump(seen(curve.spline, stereo, 0.6, 0.85), 14.0)
     made = drawn_over(curve, stereo, [stroke(goal, stereo)])
     check(made)
