@@ -11,8 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.scene import Item, Label, Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.axes import AXES, AXIS_PAINTS, receding
-from bozzetto_symmetry.box import EDGE_WIDTH, box_layers, grid_lines, segments
-from bozzetto_symmetry.grid import grid_in_box, grid_step
+from bozzetto_symmetry.box import (
+    EDGE_WIDTH,
+    FINE_WIDTH,
+    HEAVY_WIDTH,
+    box_layers,
+    grid_lines,
+    segments,
+)
+from bozzetto_symmetry.grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.targets import box_edges
 
@@ -44,8 +51,8 @@ LINE_OPACITY: Final = 0.6
 GRID_OPACITY: Final = 0.24
 """Of grids: as faint on the sheet as the colour of grids, and curves under them stay whole."""
 
-WIDER: Final = 3.0
-"""How much larger than the box the ground's grid is that shows the perspective."""
+WIDER: Final = 2.5
+"""How much longer than the box's own grids those are that show the perspective."""
 
 
 def seen_from(state: SymmetryState, camera: Camera) -> Scene:
@@ -70,13 +77,14 @@ def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
     """What belongs to the box in one view; shown over the box itself.
 
     The edges in front are firmer, the walls behind bear grids, and where vanishing lines are
-    asked for there are lengthened edges, a wider ground, and the points at which they meet.
+    asked for, these grids go on as a room, and the edges to the points at which they meet.
     """
     layers = [Layer("front edges", (segments(front_edges(state, camera), "ghost", EDGE_WIDTH),))]
-    if state.grid:
+    if state.grid and not state.vanishing:
         layers.append(Layer("back walls", tuple(_walls(state, camera))))
     if state.vanishing:
-        layers.append(Layer("vanishing lines", tuple(_lengthened(state, camera))))
+        lines = (*_lengthened(state, camera), *_room(state, camera))
+        layers.append(Layer("vanishing lines", lines))
         return Scene(tuple(layers)) + vanishing_marks(state, camera)
     return Scene(tuple(layers))
 
@@ -183,7 +191,7 @@ def _cross(camera: Camera, place: Array, paint: Paint, text: str) -> tuple[Item,
 
 
 def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
-    """The edges carried on to where they meet, and a ground that is wider than the box."""
+    """The edges carried on to where they meet."""
     edges = box_edges(state).reshape(3, 4, 2, 3)
     share = np.linspace(0.0, 1.0, PIECES + 1)
     widths = (LINE_WIDTH + (LINE_END_WIDTH - LINE_WIDTH) * share).astype(np.float32)
@@ -206,12 +214,42 @@ def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
                 width=np.tile(widths, len(lines)),
                 opacity=LINE_OPACITY,
             )
-    low = np.asarray(state.centre) - (0.0, 0.0, 0.5 * state.height)
-    size = np.asarray(state.size) * (WIDER, WIDER, 1.0)
-    grid = grid_in_box(
-        low, AXES[0], AXES[1], grid_step(max(state.size)), centre=state.centre, size=size
+
+
+def _room(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
+    """The grids of the faces behind, carried on towards the eye as floor and walls of a room."""
+    back, step = back_faces(state, camera), grid_step(max(state.size))
+    half = 0.5 * np.asarray(state.size)
+    low, high = state.centre - half, state.centre + half
+    for axis in range(3):
+        senses = [sense for other, sense in back if other == axis]
+        if senses == [1]:
+            low[axis] -= (WIDER - 1.0) * state.size[axis]
+        elif senses == [-1]:
+            high[axis] += (WIDER - 1.0) * state.size[axis]
+    for axis, sense in back:
+        middle = np.asarray(state.centre) + sense * half[axis] * AXES[axis]
+        first, second = AXES[[(axis + 1) % 3, (axis + 2) % 3]]
+        grid = grid_in_box(middle, first, second, step, centre=0.5 * (low + high), size=high - low)
+        if len(grid.heavy):
+            yield _fading(grid, state)
+
+
+def _fading(grid: Grid, state: SymmetryState) -> Lines:
+    """Lines of a grid that grow thinner the farther from the box they run."""
+    share = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
+    points = grid.begins[:, None] + share * (grid.ends - grid.begins)[:, None]
+    aside = np.abs(points - state.centre) / np.asarray(state.size) - 0.5
+    width = np.where(grid.heavy, HEAVY_WIDTH, FINE_WIDTH)[:, None]
+    width = width * np.clip(1.0 - aside.max(axis=2) / (WIDER - 1.0), 0.0, 1.0)
+    return Lines(
+        points.reshape(-1, 3).astype(np.float32),
+        np.arange(len(points), dtype=np.int32) * len(share),
+        color="ghost",
+        width=width.ravel().astype(np.float32),
+        opacity=GRID_OPACITY,
+        hidden="hide",
     )
-    yield from grid_lines(grid, "ghost", GRID_OPACITY)
 
 
 def _to_horizon(depth: float, way: Array, camera: Camera, share: Array) -> Array:

@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.scene import Label, Lines
 from bozzetto.view import Camera
-from bozzetto_symmetry.axes import AXES
+from bozzetto_symmetry.axes import AXES, AXIS_PAINTS
 from bozzetto_symmetry.box import box_layers
 from bozzetto_symmetry.grid import clipped
 from bozzetto_symmetry.plane import CentrePlane
@@ -124,9 +124,8 @@ def test_lengthened_edges_go_on_along_their_axis_and_nearly_meet(camera: Camera)
         np.isfinite(item.points).all() for _, item in scene.items() if isinstance(item, Lines)
     )
     (layer,) = (layer for layer in scene.layers if layer.name == "vanishing lines")
-    bundles = [
-        item for item in layer.items if isinstance(item, Lines) and len(item.points) % 17 == 0
-    ]
+    bundles = [i for i in layer.items if isinstance(i, Lines) and i.color in AXIS_PAINTS]
+    assert len(bundles) == 3
     for bundle in bundles:
         lines = [np.asarray(bundle.points[piece], float) for piece in bundle.pieces()]
         ways = np.array([line[-1] - line[0] for line in lines])
@@ -139,6 +138,22 @@ def test_lengthened_edges_go_on_along_their_axis_and_nearly_meet(camera: Camera)
             seen, _ = camera.project(line)
             rest = np.linalg.norm(seen - place, axis=1)
             assert rest[-1] <= 0.04 * rest[0] + 0.5
+
+
+@pytest.mark.parametrize("camera", VIEWS)
+def test_the_grids_go_on_along_the_faces_behind_and_fade(camera: Camera) -> None:
+    scene = seen_from(replace(STATE, vanishing=True), camera)
+    (layer,) = (layer for layer in scene.layers if layer.name == "vanishing lines")
+    grids = [i for i in layer.items if isinstance(i, Lines) and i.color not in AXIS_PAINTS]
+    back = back_faces(STATE, camera)
+    assert len(grids) == len(back)
+    for grid, (axis, sense) in zip(grids, back, strict=True):
+        points = np.asarray(grid.points, float)
+        face = STATE.centre[axis] + 0.5 * sense * STATE.size[axis]
+        assert points[:, axis] == pytest.approx(face)
+        aside = (np.abs(points - STATE.centre) / STATE.size).max(axis=1) - 0.5
+        assert (np.asarray(grid.width)[aside > 1.4999] < 1e-3).all()
+        assert (np.asarray(grid.width)[aside < 1e-6] > 0.5).all()
 
 
 def test_nothing_is_lengthened_that_nobody_asked_for() -> None:
