@@ -9,17 +9,18 @@ vanishing point, the curve goes on as smoothly as it can.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto_symmetry.sighting import END_NOISE, LEAST_NOISE, Ink, inked
 from bozzetto_symmetry.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.starting import ROUGHNESS, approximated, half_of, length_of, stations_of
-from bozzetto_symmetry.stereo import Stereo
+from bozzetto_symmetry.stereo import MIRROR, Stereo
 from bozzetto_symmetry.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.through import FEWEST, MORE, MOST, Controls, through
 from bozzetto_symmetry.uncertainty import image_slopes
@@ -42,7 +43,7 @@ ROUNDS: Final = 10
 GAIN: Final = 0.002
 """Share of what is to be made small that a step must take away for another one to follow."""
 
-SLIDE: Final = (0.1, 0.25, 16.0, 1e4)
+SLIDE: Final = (0.1, 0.25, 16.0, 100.0)
 """First weight of a step along the image against a deviation across it, what it is
 multiplied by where a step makes it better and where it makes it worse, and where the search
 is given up."""
@@ -54,8 +55,17 @@ the weight of a step along the image is 1."""
 LEASH: Final = 0.1
 """Standard deviation of the first guess as a share of the length: it holds what no ink does."""
 
-NO_GAIN: Final = 0.9
-"""Share of the best distance that more control points must reach to be better."""
+PEN: Final = 1.2
+"""Distance of the ink (rms, px) above which anything that brings the curve nearer is better:
+it can be seen."""
+
+SHAPE: Final = 1.5
+"""Power of the number of control points by which the distance of the ink must fall for them
+to explain shape."""
+
+HIDDEN: Final = 2.0
+"""How many times as large as what is left between ink and curve a hand's noise is at least:
+it is slow, and a curve goes along with half of it."""
 
 LOST: Final = 4.0
 """Distance (rms, px) above which the feet of the ink may be on the wrong branches."""
@@ -159,7 +169,7 @@ def bundled(
         The curve across the plane is closed.
     controls : {"adaptive", "seven"}
         Control points of a half. "adaptive" takes 7, then 3 more until the ink is within
-        0.1 px (rms) or 0.7 times the noise of the hand, or more are of no use.
+        0.1 px (rms) or 0.7 times the noise of the hand, or more explain no shape.
 
     Returns
     -------
@@ -175,27 +185,36 @@ def bundled(
     pairwise = closed and reading != "self"
     basis = SymmetricBasis(reading, FEWEST, pairwise, ring)
     place, spread = half_of(place, spread, basis)
+    if reading == "self" and _shows_mirror_image(sights, place):
+        place, spread = place * MIRROR, spread * MIRROR * MIRROR[:, None]
     stations = stations_of(place, spread, basis)
     most = MOST if controls == "adaptive" else FEWEST
-    enough = [max(ENOUGH, NOISE_FACTOR * sight.noise) for sight in sights]
+    enough = max(ENOUGH, NOISE_FACTOR * min((sight.noise for sight in sights), default=0.0))
 
-    best: _Fit | None = None
-    made: _Fit | None = None
-    count, idle = FEWEST, 0
-    while count <= most and idle < 2:
-        basis = SymmetricBasis(reading, count, pairwise, ring)
-        made = _fitted(basis, place, spread, stations, sights, made)
-        if best is None or made.rms < NO_GAIN * best.rms:
-            best, idle = made, 0
+    made = best = _fitted(basis, place, spread, stations, sights)
+    idle = 0
+    while made.rms > enough and idle < 2 and made.problem.basis.count + MORE <= most:
+        basis = SymmetricBasis(reading, made.problem.basis.count + MORE, pairwise, ring)
+        if made.rms > LOST:
+            made = _fitted(basis, place, spread, stations, sights)
         else:
-            idle += 1
-        if made.excess(enough) <= 1.0:
-            break
-        count += MORE
-    assert best is not None
-    return Bundled(
-        best.problem.basis.curve(best.points), best.rms, best.problem.basis, best.covariance()
-    )
+            made = made.refined(basis)
+        better = made.betters(best)
+        best, idle = (made, 0) if better else (best, idle + 1)
+    best = best.calmed()
+    basis = best.problem.basis
+    return Bundled(basis.curve(best.points), best.rms, basis, best.covariance())
+
+
+def _shows_mirror_image(sights: Sequence[Sight], half: Array) -> bool:
+    """Whether the ink of the half that was drawn first shows the other half of the points."""
+    for sight in sights:
+        for ink in sight.near:
+            images = [sight.stereo.project(half * side) for side in (np.ones(3), MIRROR)]
+            if all(np.isfinite(image).all() for image in images):
+                own, other = (float(distances_to_polyline(ink, i).mean()) for i in images)
+                return other < own
+    return False
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,17 +305,49 @@ class _Fit:
         points = self.problem.basis.moved(self.points, step)
         return _Fit.at(self.problem, points, self.inks)
 
-    def refined(self, basis: SymmetricBasis) -> Array:
-        """Control points of nearly the same curve, with the same parameters, in another basis."""
+    def settled(self) -> _Fit:
+        """The best curve in steps from this one."""
+        fit = self
+        slide, better, worse, most = SLIDE
+        for _ in range(ROUNDS):
+            tried = fit.stepped(slide)
+            gain = fit.cost - tried.cost
+            if gain >= 0.0:
+                fit, slide = tried, slide * better
+                if gain < GAIN * fit.cost:
+                    break
+            else:
+                slide *= worse
+                if slide > most:
+                    break
+        return fit
+
+    def refined(self, basis: SymmetricBasis) -> _Fit:
+        """The best curve with more control points, from nearly the same curve."""
         old = self.problem.basis
         stations = np.linspace(0.0, 1.0, 4 * basis.count, endpoint=not basis.closed)
         low, high = basis.half
         places = old.at(old.values(low + (high - low) * stations), self.points)
-        return approximated(basis, places, np.zeros((len(places), 3, 3)), stations)
+        start = approximated(basis, places, np.zeros((len(places), 3, 3)), stations)
+        problem = _Problem.of(basis, start, self.inks)
+        return _Fit.at(problem, start, self.inks, steps=0).settled()
 
-    def excess(self, enough: Sequence[float]) -> float:
-        """The distance of the ink as a multiple of what is enough."""
-        return self.rms / min(enough)
+    def betters(self, other: _Fit) -> bool:
+        """Whether it explains the ink better by more than its control points could anyhow.
+
+        Shape that was missing falls by the fourth power of their number, a corner by the
+        first and a half; what a slow hand adds falls no faster than the number rises.
+        """
+        count, before = self.problem.basis.count, other.problem.basis.count
+        return self.rms < other.rms * (1.0 if other.rms > PEN else (before / count) ** SHAPE)
+
+    def calmed(self) -> _Fit:
+        """The same with the noise of the hands as large as the curve shows it to be."""
+        level = HIDDEN * self.rms
+        if all(ink.noise >= level for ink in self.inks):
+            return self
+        inks = [replace(ink, noise=max(ink.noise, level)) for ink in self.inks]
+        return _Fit.at(self.problem, self.points, inks, steps=0).settled()
 
     def covariance(self) -> Array:
         """Of the free coordinates, mm²: what a hand's noise along the ink does to them."""
@@ -337,32 +388,11 @@ def _fitted(
     covariances: Array,
     stations: Array,
     sights: Sequence[Sight],
-    before: _Fit | None,
 ) -> _Fit:
-    """The best curve with one number of control points."""
-    start = (
-        approximated(basis, points, covariances, stations)
-        if before is None or before.rms > LOST
-        else before.refined(basis)
-    )
-    if before is not None and before.rms <= LOST:
-        inks = before.inks
-    else:
-        inks = _matched(sights, basis, start)
-    fit = _Fit.at(_Problem.of(basis, start, inks), start, inks, steps=0)
-    slide, better, worse, most = SLIDE
-    for _ in range(ROUNDS):
-        tried = fit.stepped(slide)
-        gain = fit.cost - tried.cost
-        if gain >= 0.0:
-            fit, slide = tried, slide * better
-            if gain < GAIN * fit.cost:
-                break
-        else:
-            slide *= worse
-            if slide > most:
-                break
-    return fit
+    """The best curve with one number of control points, from places in space."""
+    start = approximated(basis, points, covariances, stations)
+    inks = _matched(sights, basis, start)
+    return _Fit.at(_Problem.of(basis, start, inks), start, inks, steps=0).settled()
 
 
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:

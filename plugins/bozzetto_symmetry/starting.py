@@ -41,8 +41,9 @@ def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[A
     """The half of a curve, in the order of its parameter, from what may be all of it.
 
     A curve across the plane given whole, from one free end to the other, begins with the
-    half that was drawn first; a ring given whole goes round once. What is given from the
-    plane outwards is a half already. Points that are not finite are left out.
+    half that was drawn first; a ring given whole goes round once from where it leaves the
+    plane. What is given from the plane outwards is a half already. Points that are not
+    finite are left out.
 
     Raises
     ------
@@ -59,7 +60,9 @@ def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[A
         if heights.max() > 0.1 * most and heights.min() < -0.1 * most:
             changes = np.flatnonzero(np.diff(heights > 0))
             middle = int(changes[np.argmin(np.abs(changes + 1 - 0.5 * len(place)))]) + 1
-            place, spread = place[:middle][::-1], spread[:middle][::-1]
+            middle += int(middle < len(place) and heights[middle] == 0.0)
+            way = 1 if basis.ring else -1
+            place, spread = place[:middle][::way], spread[:middle][::way]
         for end in (0, -1) if basis.ring else (0,):
             foot = place[end] * (1.0, 0.0, 1.0)
             if (foot != place[end]).any():
