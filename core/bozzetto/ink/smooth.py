@@ -9,21 +9,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.resample import arc_length, distinct
 
-__all__ = ["smooth"]
+__all__ = ["convolved", "smooth"]
 
 Array = NDArray[np.float64]
 
 REACH: Final = 4.0
 """Half width of the kernel in standard deviations; what lies beyond weighs 6e-5."""
 
-STEPS_PER_SIGMA: Final = 6
+CELLS_PER_SIGMA: Final = 6
 """Fineness of the convolution: linear interpolation errs by less than sigma / 250 then."""
+
+FEWEST_CELLS: Final = 8
+"""Cells along a curve that is shorter than the kernel."""
 
 WIDEST: Final = 4.0
 """Largest sigma in curve lengths: wider kernels give the same chord, or the same dot."""
 
-MAX_STEPS: Final = 200_000
-"""Most steps along one curve; beyond that sigma is far below what a hand can draw."""
+MOST_CELLS: Final = 200_000
+"""Most cells along one curve; beyond that sigma is far below what a hand can draw."""
 
 
 def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
@@ -37,7 +40,7 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
 
     Parameters
     ----------
-    points : (n, 2) array_like
+    points : (n, d) array_like
     sigma : float
         Standard deviation along the curve, in the units of the points; 0 changes nothing.
     closed : bool
@@ -45,7 +48,7 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
 
     Returns
     -------
-    (n, 2) float
+    (n, d) float
         One point for every point given; a repeated first point stays repeated.
     """
     place = np.asarray(points, float)
@@ -53,42 +56,71 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
     if sigma <= 0 or len(kept) < (3 if closed else 2):
         return place.copy()
     ring = np.vstack((place[kept], place[:1])) if closed else place[kept]
-    along = arc_length(ring)
+    return convolved(ring, arc_length(ring), arc_length(place), sigma, closed=closed)
+
+
+def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: bool) -> Array:
+    """Convolve a polyline with a Gaussian in a parameter along it.
+
+    Parameters
+    ----------
+    points : (n, d) float
+        ``n >= 2``. Those of a closed curve repeat the first one at the end.
+    along : (n,) float
+        Parameter of each point, increasing from 0: the arc length, or that of a smoother
+        curve beside this one.
+    at : (m,) float
+        Where the result is wanted.
+    sigma : float
+        Standard deviation in the parameter, above 0.
+    closed : bool
+
+    Returns
+    -------
+    (m, d) float
+    """
     length = float(along[-1])
     sigma = min(sigma, WIDEST * length)
-    steps = int(np.clip(np.ceil(length / sigma * STEPS_PER_SIGMA), 8, MAX_STEPS))
-    stations = np.linspace(0.0, length, steps + 1)
-    fine = np.column_stack([np.interp(stations, along, ring[:, axis]) for axis in (0, 1)])
-
-    step = length / steps
+    cells = int(np.clip(np.ceil(length / sigma * CELLS_PER_SIGMA), FEWEST_CELLS, MOST_CELLS))
+    step = length / cells
+    borders = np.linspace(0.0, length, cells + 1)
+    means = np.diff(_integral(points, along, borders), axis=0) / step
     margin = int(np.ceil(REACH * sigma / step))
-    offsets = np.arange(-margin, margin + 1) * step
-    kernel = np.exp(-0.5 * (offsets / sigma) ** 2)
+    kernel = np.exp(-0.5 * (np.arange(-margin, margin + 1) * step / sigma) ** 2)
     kernel /= kernel.sum()
-    extended = _continued(fine, margin, closed)
-    soft = np.column_stack([np.convolve(extended[:, axis], kernel, "valid") for axis in (0, 1)])
-    if not closed:
-        soft[0], soft[-1] = fine[0], fine[-1]  # equal already, but for rounding
-
-    own = arc_length(place)
-    return np.column_stack([np.interp(own, stations, soft[:, axis]) for axis in (0, 1)])
-
-
-def _continued(fine: Array, margin: int, closed: bool) -> Array:
-    """The curve with `margin` more points at each end."""
-    last = len(fine) - 1
-    before, after = np.arange(-margin, 0), np.arange(last + 1, last + 1 + margin)
+    extended = _continued(means, points[0], points[-1], margin, closed)
+    soft = np.column_stack([np.convolve(column, kernel, "valid") for column in extended.T])
+    middles = 0.5 * (borders[1:] + borders[:-1])
     if closed:
-        return np.vstack((fine[before % last], fine, fine[after % last]))
-    return np.vstack((_reflected(fine, before), fine, _reflected(fine, after)))
+        middles = np.concatenate(([middles[-1] - length], middles, [middles[0] + length]))
+        soft = np.vstack((soft[-1:], soft, soft[:1]))
+    else:
+        middles = np.concatenate(([0.0], middles, [length]))
+        soft = np.vstack((points[:1], soft, points[-1:]))
+    return np.column_stack([np.interp(at, middles, column) for column in soft.T])
 
 
-def _reflected(fine: Array, index: NDArray[np.intp]) -> Array:
-    """Odd continuation: point reflection about an end, as often as it takes."""
-    last = len(fine) - 1
-    turns, rest = np.divmod(index, 2 * last)
-    mirrored = rest > last
-    back = np.where(mirrored, 2 * last - rest, rest)
-    ends = 2.0 * (fine[last] - fine[0])
-    values = np.where(mirrored[:, None], 2.0 * fine[last] - fine[back], fine[back])
-    return np.asarray(values + turns[:, None] * ends)
+def _integral(points: Array, along: Array, at: Array) -> Array:
+    """Integral of the polyline over its parameter up to given places, exactly."""
+    steps = np.diff(along)[:, None]
+    pieces = np.cumsum(0.5 * steps * (points[1:] + points[:-1]), axis=0)
+    sums = np.vstack((np.zeros(points.shape[1]), pieces))
+    before = np.clip(np.searchsorted(along, at, "right") - 1, 0, len(along) - 2)
+    here = np.column_stack([np.interp(at, along, column) for column in points.T])
+    return np.asarray(sums[before] + 0.5 * (at - along[before])[:, None] * (points[before] + here))
+
+
+def _continued(means: Array, first: Array, last: Array, margin: int, closed: bool) -> Array:
+    """The cells with `margin` more at each end: round again, or reflected about the ends.
+
+    The reflection is repeated as often as it takes.
+    """
+    cells = len(means)
+    index = np.arange(-margin, cells + margin)
+    if closed:
+        return np.asarray(means[index % cells])
+    turns, rest = np.divmod(index, 2 * cells)
+    mirrored = (rest >= cells)[:, None]
+    back = np.where(rest >= cells, 2 * cells - 1 - rest, rest)
+    values = np.where(mirrored, 2.0 * last - means[back], means[back])
+    return np.asarray(values + turns[:, None] * (2.0 * (last - first)))

@@ -50,7 +50,32 @@ def test_the_length_does_not_grow_with_the_sampling_rate():
 def test_a_cubic_comes_back():
     truth = Spline.uniform([[0, 0], [100, 300], [300, -200], [400, 100]])
     made = fit_spline(truth.sampled(400), controls=4)
-    assert off(made.spline, truth.sampled(20000))[1] < 0.5
+    rms, worst = off(made.spline, truth.sampled(20000))
+    assert rms < 0.02
+    assert worst < 0.3  # half the distance of the places that are compared
+
+
+@pytest.mark.parametrize("count", [80, 400, 4000])
+def test_small_bends_of_clean_ink_do_not_shrink(count):
+    angle = np.linspace(0, 1.5 * np.pi, count)
+    bend = 20.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    made = fit_spline(bend, controls=13).spline.sampled(500)
+    np.testing.assert_allclose(np.linalg.norm(made, axis=1), 20.0, atol=0.02)
+
+
+def test_noisy_ink_gives_one_curve_at_all_sampling_rates():
+    lines = [fit_spline(noisy(wave(n), 0.5), controls=13).spline.sampled(2000)
+             for n in (400, 2000, 10000)]  # fmt: skip
+    for line in lines[:-1]:
+        assert np.sqrt((cKDTree(lines[-1]).query(line)[0] ** 2).mean()) < 0.3
+
+
+def test_whole_pixels_are_smoothed():
+    rounded = fit_spline(np.round(wave(2000)), controls=13).spline
+    assert off(rounded, wave(20000))[0] < 0.15
+    assert rounded.length == pytest.approx(
+        fit_spline(wave(2000), controls=13).spline.length, rel=2e-3
+    )
 
 
 def test_adaptive_adds_control_points_only_where_they_are_needed():
