@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Shaded
 from bozzetto_symmetry.axes import AXES, AXIS_PAINTS
+from bozzetto_symmetry.box_shape import box_edges, plane_foot, plane_outline
 from bozzetto_symmetry.grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.state import SymmetryState
-from bozzetto_symmetry.targets import box_corners, box_edges
 
-__all__ = ["BOX_TOOL", "CENTRE", "FACES", "box_layers", "grid_lines", "plane_outline", "segments"]
+__all__ = ["BOX_TOOL", "CENTRE", "FACES", "box_layers", "grid_lines", "segments"]
 
 Array = NDArray[np.float64]
 
@@ -44,9 +44,6 @@ PLANE_OPACITY: Final = 0.09
 """Of the centre plane's tint: seen in both themes, and curves behind it lose nothing."""
 
 PLANE_GRID_OPACITY: Final = 0.45
-
-FLUSH: Final = 1e-9
-"""Share of the box's diagonal within which a corner lies on the plane."""
 
 
 def box_layers(state: SymmetryState) -> tuple[Layer, ...]:
@@ -97,38 +94,6 @@ def floor_grid(state: SymmetryState) -> Grid:
 
 
 # -- the centre plane ------------------------------------------------------------------------
-
-
-def plane_foot(state: SymmetryState) -> Array:
-    """The place of the centre plane that is nearest to the middle of the box, (3,) mm."""
-    normal, centre = np.asarray(state.plane.normal), np.asarray(state.centre)
-    return np.asarray(centre - normal * float((centre - state.plane.point) @ normal))
-
-
-def plane_outline(state: SymmetryState) -> Array:
-    """Corners of what is shown of the centre plane, in order around it, (n, 3) mm.
-
-    Its section with the box; a square of the box's size where it passes the box by.
-    """
-    corners, normal = box_corners(state), np.asarray(state.plane.normal)
-    across, up = state.plane.placement.directions(AXES[[0, 2]])
-    height = (corners - state.plane.point) @ normal
-    slack = FLUSH * state.diagonal
-    edges = box_edges(state)
-    low, high = ((edges[:, end] - state.plane.point) @ normal for end in (0, 1))
-    cut = (np.minimum(low, high) < -slack) & (np.maximum(low, high) > slack)
-    share = low[cut] / (low[cut] - high[cut])
-    met = edges[cut, 0] + share[:, None] * (edges[cut, 1] - edges[cut, 0])
-    points = np.concatenate((corners[np.abs(height) <= slack], met))
-    foot = plane_foot(state)
-    if len(points) < 3:
-        half = 0.5 * state.diagonal
-        return np.array([foot + half * (i * across + j * up) for i, j in _SQUARE])
-    offset = points - points.mean(axis=0)
-    return np.asarray(points[np.argsort(np.arctan2(offset @ up, offset @ across))])
-
-
-_SQUARE: Final = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
 def _plane_items(state: SymmetryState) -> Iterator[Item]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Final, Literal
 
 import numpy as np
@@ -13,18 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
+from bozzetto_symmetry.box_shape import box_corners, box_edges, plane_section
 from bozzetto_symmetry.plane import Point
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.visibility import shown_lines
 
-__all__ = ["Kind", "Place", "Targets", "box_corners", "box_edges", "nearest_target", "targets"]
+__all__ = ["Kind", "Place", "Targets", "nearest_target", "targets"]
 
 Array = NDArray[np.float64]
 
 Kind = Literal["end", "crossing", "corner", "curve", "line", "edge"]
-"""The end of a curve or line, where a curve crosses the centre plane, a corner of the box; a
-curve, a line, an edge of the box."""
+"""The end of a curve or line, where a curve crosses the centre plane, a corner of the box or of
+the centre plane in it; a curve, a line, an edge of the box or of that plane."""
 
 PIECES_PER_SPAN: Final = 16
 """Segments that stand for one span of a spline: a span that turns by a right angle is left
@@ -81,15 +81,18 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
     Parameters
     ----------
     state : SymmetryState
-        Its box, and those of its construction lines that are shown.
+        Its box, the centre plane's section with it, and the construction lines shown.
     curves : iterable of SpaceCurve
         In the centre plane's frame; both of a pair count.
     context : Context
         The curves of other models.
     """
-    points: list[Array] = [box_corners(state)]
-    kinds: list[Kind] = ["corner"] * 8
+    section = plane_section(state)
+    points: list[Array] = [box_corners(state), section]
+    kinds: list[Kind] = ["corner"] * (8 + len(section))
     paths: list[tuple[Array, Kind]] = [(edge, "edge") for edge in box_edges(state)]
+    if len(section):
+        paths.append((np.vstack((section, section[:1])), "edge"))
     for line in shown_lines(state):
         paths.append((np.array([line.begin, line.end], float), "line"))
     to_model = state.plane.placement
@@ -113,19 +116,6 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
         np.concatenate([path[1:] for path, _ in paths]),
         tuple(kind for path, kind in paths for _ in path[1:]),
     )
-
-
-def box_corners(state: SymmetryState) -> Array:
-    """The eight corners of the box in the model's frame, (8, 3) mm; the last axis runs first."""
-    half = 0.5 * np.asarray(state.size)
-    return np.asarray(state.centre + half * np.array(list(product((-1.0, 1.0), repeat=3))))
-
-
-def box_edges(state: SymmetryState) -> Array:
-    """The twelve edges of the box, (12, 2, 3) mm: four along x, four along y, four along z."""
-    corners = box_corners(state)
-    pairs = [(k, k | bit) for bit in (4, 2, 1) for k in range(8) if not k & bit]
-    return np.asarray(corners[pairs])
 
 
 def polyline(curve: ShapeCurve) -> Array:

@@ -19,9 +19,9 @@ from bozzetto_symmetry.box import (
     grid_lines,
     segments,
 )
+from bozzetto_symmetry.box_shape import box_edges
 from bozzetto_symmetry.grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.state import SymmetryState
-from bozzetto_symmetry.targets import box_edges
 
 __all__ = ["back_faces", "hanging_on_view", "seen_from", "vanishing_marks", "vanishing_point"]
 

@@ -14,7 +14,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.plane import CentrePlane
 from bozzetto_symmetry.space_curve import SpaceCurve, across
 from bozzetto_symmetry.state import Group, Line, SymmetryState
-from bozzetto_symmetry.targets import Targets, box_edges, nearest_target, polyline, targets
+from bozzetto_symmetry.targets import Targets, nearest_target, polyline, targets
 
 STATE = SymmetryState(centre=(10.0, -5.0, 30.0))
 LINE = Line(id="l", name="Line 1", begin=(-60.0, 20.0, 0.0), end=(70.0, 33.0, 41.0))
@@ -152,8 +152,10 @@ def test_curves_of_other_models_are_known() -> None:
     assert polyline(straight) == pytest.approx(corner)
 
 
-def test_the_twelve_edges_run_along_the_axes_in_turn() -> None:
-    ways = np.diff(box_edges(STATE), axis=1)[:, 0]
-    assert (np.count_nonzero(ways, axis=1) == 1).all()
-    assert np.abs(ways).argmax(axis=1).tolist() == [0] * 4 + [1] * 4 + [2] * 4
-    assert (ways.max(axis=1) > 0).all()
+def test_the_centre_plane_can_be_begun_from_its_rim() -> None:
+    camera = CAMERAS[0]
+    (pixel,), _ = camera.project((-40.0, -5.0, -20.0))
+    place = nearest_target(pixel, camera, known(), 3.0)
+    assert place is not None
+    assert place.kind == "edge"
+    assert place.point == pytest.approx((-40.0, -5.0, -20.0), abs=1e-9)
