@@ -39,8 +39,15 @@ UNEVEN: Final = 0.01
 SMOOTHING: Final = 3.0
 """Standard deviation, samples, with which the angle is smoothed to find its turns."""
 
-VERTEX: Final = 8
-"""Samples to either side of a turn from which its place is found by a parabola."""
+VERTEX: Final = (16, 64)
+"""Fewest and most samples to either side of a turn from which its place is found: the turn
+is flat, so a pixel of the hand moves what a few samples say by ten."""
+
+WITHIN: Final = 0.75
+"""Share of the way to the next turn, or to the end, that is used for it."""
+
+FLATTENED: Final = 4
+"""Degree of the polynomial through these samples."""
 
 MOST_TURNS: Final = 10
 """Turns that are tried, those that stand out most."""
@@ -132,20 +139,28 @@ def _turns(angles: Array, closed: bool) -> list[float]:
         before = np.abs(heights - np.roll(heights, 1))
         after = np.abs(heights - np.roll(heights, -1))
         found = np.sort(found[np.argsort(-np.minimum(before, after))][:MOST_TURNS])
-    return [_vertex(angles, int(k), closed) for k in found]
-
-
-def _vertex(angles: Array, turn: int, closed: bool) -> float:
-    """The turn of the parabola through the samples around a turn."""
     count = len(angles)
-    offsets = np.arange(-VERTEX, VERTEX + 1)
-    index = turn + offsets
+    if closed:
+        gaps = np.diff(np.concatenate((found[-1:] - count, found, found[:1] + count)))
+    else:
+        gaps = np.diff(np.concatenate(([0], found, [count - 1])))
+    reaches = np.clip(WITHIN * np.minimum(gaps[:-1], gaps[1:]), *VERTEX).astype(int)
+    return sorted(
+        _vertex(angles, int(k), int(reach), closed) for k, reach in zip(found, reaches, strict=True)
+    )
+
+
+def _vertex(angles: Array, turn: int, reach: int, closed: bool) -> float:
+    """The turn of a polynomial through the samples around a turn."""
+    count = len(angles)
+    offsets = np.arange(-reach, reach + 1)
     if not closed:
-        inside = (index >= 0) & (index < count)
-        offsets, index = offsets[inside], index[inside]
-    bend, slope, _ = np.polyfit(offsets, angles[index % count], 2)
-    shift = -0.5 * slope / bend if bend else 0.0
-    return float(turn + np.clip(shift, -0.5 * VERTEX, 0.5 * VERTEX))
+        offsets = offsets[(turn + offsets >= 0) & (turn + offsets < count)]
+    fitted = np.polynomial.Polynomial.fit(offsets, angles[(turn + offsets) % count], FLATTENED)
+    roots = fitted.deriv().roots()
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    real = real[np.abs(real) <= 0.5 * reach]
+    return float(turn + real[np.argmin(np.abs(real))]) if len(real) else float(turn)
 
 
 def _places(stroke: Array, cut: tuple[float, ...], closed: bool) -> Array:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from bozzetto_symmetry.stereo import Stereo
 from bozzetto_symmetry.warping import Warping
 
-__all__ = ["Pairing", "Signal", "differences", "paired", "spread"]
+__all__ = ["ASTRAY", "Pairing", "Signal", "differences", "paired", "share_astray", "spread"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -55,13 +55,13 @@ BENT: Final = 0.5
 """What the bending of the map of stations (root mean square of second differences, px) adds
 to the score: of two ways in which the lines agree, the smoother one is meant."""
 
-ASTRAY: Final = 2.0
+ASTRAY: Final = 5.0
 """How much dearer a matching becomes if the side it makes lies on both sides of the plane."""
 
 FLOOR: Final = 0.3
 """Mean distance, px, below which no hand draws: what is nearer is equally good."""
 
-FLAT: Final = 60.0
+FLAT: Final = 150.0
 """Spread of a signal, px, below which prices shrink no more: a hand that shakes by a pixel
 would leave everything without a partner."""
 
@@ -217,7 +217,7 @@ def paired(
     )
     price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
     left = _left(first, second, places, partners) + BENT * _bending(second, partners)
-    astray = _share_astray(stereo.intersected(near, far)[:, 1])
+    astray = share_astray(stereo.intersected(near, far)[:, 1])
     return Pairing(
         near,
         far,
@@ -439,7 +439,7 @@ def _on_line(stereo: Stereo, pixels: Array, along: Array) -> Array:
     return np.asarray(pixels + ((places - pixels) * way).sum(axis=1, keepdims=True) * way)
 
 
-def _share_astray(heights: Array) -> float:
+def share_astray(heights: Array) -> float:
     """Which share of the distance from the plane is on the side with less of it, 0 … 0.5."""
     seen = heights[np.isfinite(heights)]
     total = float(np.abs(seen).sum())

@@ -128,37 +128,50 @@ def first_row(costs: ArrayLike, begin: float) -> Array:
 
     Parameters
     ----------
-    costs : (m,) array_like
+    costs : (..., m) array_like
         Of the new sample with each sample of the sequence that is known whole.
     begin : float
         Price of a sample of the known sequence left out before the first pair; not above the
         price of a step, for then leaving out is never dearer than stepping along the row.
+
+    Returns
+    -------
+    (..., m) float
     """
     cell = np.asarray(costs, float)
-    return np.asarray(cell + begin * np.arange(len(cell)))
+    return np.asarray(cell + begin * np.arange(cell.shape[-1]))
 
 
-def next_row(sums: Array, costs: ArrayLike, step: float) -> Array:
+def next_row(sums: Array, costs: ArrayLike, step: float) -> tuple[Array, NDArray[np.intp]]:
     """Sums after one more sample of a sequence that is still growing.
 
     Parameters
     ----------
-    sums : (m,) float
+    sums : (..., m) float
         After the sample before.
-    costs : (m,) array_like
+    costs : (..., m) array_like
         Of the new sample with each sample of the known sequence, not negative.
     step : float
         Price of a step in which only one index grows.
 
     Returns
     -------
-    (m,) float
+    sums : (..., m) float
         The least sum of a path that ends at each sample of the known sequence.
+    sources : (..., m) int
+        Where that path was at the sample before.
     """
     cell = np.asarray(costs, float)
+    numbers = np.arange(cell.shape[-1])
     best = sums + step
-    np.minimum(best[1:], sums[:-1], out=best[1:])
+    diagonal = np.zeros(cell.shape, bool)
+    diagonal[..., 1:] = sums[..., :-1] <= best[..., 1:]
+    np.minimum(best[..., 1:], sums[..., :-1], out=best[..., 1:])
     best += cell
     # Steps along the row: a running minimum, after what they cost has been taken off.
-    along = np.cumsum(cell + step)
-    return np.asarray(np.minimum.accumulate(best - along) + along)
+    along = np.cumsum(cell + step, axis=-1)
+    lead = best - along
+    least = np.minimum.accumulate(lead, axis=-1)
+    entered = np.maximum.accumulate(np.where(lead == least, numbers, 0), axis=-1)
+    sources = entered - np.take_along_axis(diagonal, entered, axis=-1)
+    return np.asarray(least + along), np.asarray(sources)

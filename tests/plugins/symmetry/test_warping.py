@@ -81,7 +81,7 @@ def test_rows_one_by_one_are_the_whole_table(seed):
         # Only the known sequence may lack a beginning: steps along the first row are as dear
         # as leaving its samples out, or dearer.
         for cells in table[1:]:
-            row = next_row(row, cells, 0.4)
+            row, _ = next_row(row, cells, 0.4)
         prefixes = [
             min(
                 warpings(table[None, :, first : last + 1], step=0.4)[0].total + begin * first
@@ -90,3 +90,23 @@ def test_rows_one_by_one_are_the_whole_table(seed):
             for last in range(17)
         ]
         assert row == pytest.approx(np.array(prefixes))
+
+
+def test_sources_lead_back_along_the_cheapest_path():
+    table = np.random.default_rng(7).uniform(0, 1, (15, 15))
+    row, back = first_row(table[0], 0.0), []
+    for cells in table[1:]:
+        row, sources = next_row(row, cells, 0.3)
+        back.append(sources)
+    column = 14
+    columns = [column]
+    for sources in back[::-1]:
+        column = int(sources[column])
+        columns.append(column)
+    # The same end, reached from wherever it is cheapest to begin in the first row.
+    tables = [table[None, :, k:] for k in range(15)]
+    totals = [warpings(part, step=0.3)[0].total for part in tables]
+    (best,) = warpings(tables[int(np.argmin(totals))], step=0.3)
+    path = best.path + np.array([0, int(np.argmin(totals))])
+    arrived = [int(path[path[:, 0] == i, 1].max()) for i in range(15)]
+    assert columns[::-1] == arrived

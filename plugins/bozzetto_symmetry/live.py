@@ -1,0 +1,180 @@
+"""The curve in space while its second side is still being drawn."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.ink.resample import resample
+from bozzetto_symmetry.matching import ASTRAY, Signal, differences, share_astray, spread
+from bozzetto_symmetry.stereo import Stereo
+from bozzetto_symmetry.warping import first_row, next_row
+
+__all__ = ["Growing"]
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 160
+"""Places along the side that is known."""
+
+UNEVEN: Final = 0.01
+"""Price of a step along one side only, per px of what the first side ranges over."""
+
+REVISED: Final = 40
+"""Places at the end of the second side whose partners later ink may still change."""
+
+LEAD: Final = 0.8
+"""Share of the other sense's price from which that sense takes over: less would flicker."""
+
+FURTHEST: Final = 1.5
+"""Most samples by which a partner is moved to lie on the very epipolar line."""
+
+MOST_AT_ONCE: Final = 400
+"""New places taken in one call: a jump of the pen across a large sheet is not worth more."""
+
+
+class Growing:
+    """Remembers the first side and how the second one has been matched so far.
+
+    Every new place of the second side adds a row to a table of sums, and only the last
+    partners are looked up again, so a pen event costs the same however long the stroke is.
+
+    Parameters
+    ----------
+    stereo : Stereo
+    near : (n, 2) array_like
+        The first side, px.
+    """
+
+    def __init__(self, stereo: Stereo, near: ArrayLike) -> None:
+        self._stereo = stereo
+        known = Signal.of(stereo, resample(near, count=SAMPLES))
+        self._senses = (known, known.turned())
+        self._slopes = tuple(np.gradient(signal.angles) for signal in self._senses)
+        self._step = max(known.step, 1.0)
+        self._price = UNEVEN * spread(known)
+        self._seen: int
+        self._sense: int
+        self._found: list[Array]
+        self._forget()
+
+    def points(self, pixels: ArrayLike) -> Array:
+        """Where the second side, as drawn so far, meets the first.
+
+        Parameters
+        ----------
+        pixels : (n, 2) array_like
+            All of the second side so far, px. Ink that begins otherwise than in the call
+            before begins anew.
+
+        Returns
+        -------
+        (k, 3) float
+            On the first side, mm, in the order in which the second one is drawn; empty where
+            nothing meets.
+        """
+        ink = np.reshape(np.asarray(pixels, float), (-1, 2))
+        if len(ink) < self._seen or (self._seen and (ink[self._seen - 1] != self._pen).any()):
+            self._forget()
+        if len(ink) > self._seen:
+            self._take(self._places(ink[self._seen :]))
+            self._seen, self._pen = len(ink), ink[-1].copy()
+        found = self._found[self._sense]
+        return np.array(found[np.isfinite(found).all(axis=1)])
+
+    def _forget(self) -> None:
+        self._seen = 0
+        self._pen = np.zeros(2)
+        self._rest = 0.0
+        self._tail = Signal(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
+        self._sums = np.zeros((2, SAMPLES))
+        self._sources: list[NDArray[np.intp]] = []
+        self._found = [np.zeros((0, 3)), np.zeros((0, 3))]
+        self._sense = 0
+
+    def _places(self, ink: Array) -> Array:
+        """New places at even steps along the pen's way, whose samples are near or far apart."""
+        if not self._seen:
+            line, start = ink, 0.0
+        else:
+            line, start = np.vstack([self._pen, ink]), self._step - self._rest
+        along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))))
+        stations = np.arange(start, along[-1] + 1e-9 * self._step, self._step)[:MOST_AT_ONCE]
+        if len(stations):
+            self._rest = float(along[-1] - stations[-1])
+        else:
+            self._rest += float(along[-1])
+        return np.column_stack([np.interp(stations, along, column) for column in line.T])
+
+    def _take(self, places: Array) -> None:
+        if not len(places):
+            return
+        signal = self._signal(places)
+        # The sense in which the second side is drawn is not known: both are followed.
+        tables = np.stack([differences(signal, known) for known in self._senses], axis=1)
+        for costs in tables:
+            if self._sources:
+                self._sums, sources = next_row(self._sums, costs, self._price)
+            else:
+                self._sums = first_row(costs, 0.0)
+                sources = np.zeros(costs.shape, np.intp)
+            self._sources.append(sources)
+        frozen = len(self._found[0]) - len(self._tail.angles)
+        self._tail = _joined(self._tail, signal)
+        self._found = [
+            np.vstack([self._found[sense][:frozen], self._met(sense)]) for sense in (0, 1)
+        ]
+        self._tail = _ending(self._tail, REVISED)
+        self._sources = self._sources[-REVISED:]
+        prices = [
+            float(sums.min()) * (1.0 + ASTRAY * share_astray(found[:, 1]))
+            for sums, found in zip(self._sums, self._found, strict=True)
+        ]
+        if prices[1 - self._sense] < LEAD * prices[self._sense]:
+            self._sense = 1 - self._sense
+
+    def _signal(self, places: Array) -> Signal:
+        """Of new places, their angles following on those of the places before."""
+        before = self._tail.pixels[-1:]
+        signal = Signal.of(self._stereo, np.vstack([before, places]))
+        if len(before):
+            shift = float(self._tail.angles[-1] - signal.angles[0])
+            return _ending(_turned(signal, shift), len(places))
+        return signal.shifted(self._stereo, self._senses[0])
+
+    def _met(self, sense: int) -> Array:
+        """Places in space for the last part of the second side, the first side in one sense."""
+        column = int(self._sums[sense].argmin())
+        columns = [column]
+        for sources in self._sources[:0:-1]:
+            column = int(sources[sense, column])
+            columns.append(column)
+        partners = np.array(columns[::-1], np.intp)
+        known = self._senses[sense]
+        slope = self._slopes[sense][partners]
+        rest = self._tail.angles - known.angles[partners]
+        share = np.divide(rest, slope, out=np.zeros_like(rest), where=slope != 0)
+        at = partners + np.clip(share, -FURTHEST, FURTHEST)
+        near = np.column_stack([np.interp(at, np.arange(SAMPLES), c) for c in known.pixels.T])
+        way = self._stereo.toward_vanishing(near)
+        far = near + ((self._tail.pixels - near) * way).sum(axis=1, keepdims=True) * way
+        return self._stereo.intersected(near, far)
+
+
+def _joined(one: Signal, other: Signal) -> Signal:
+    return Signal(
+        np.vstack([one.pixels, other.pixels]),
+        np.concatenate([one.angles, other.angles]),
+        np.concatenate([one.scales, other.scales]),
+    )
+
+
+def _ending(signal: Signal, count: int) -> Signal:
+    """The last samples of a signal."""
+    return Signal(signal.pixels[-count:], signal.angles[-count:], signal.scales[-count:])
+
+
+def _turned(signal: Signal, angle: float) -> Signal:
+    return Signal(signal.pixels, signal.angles + angle, signal.scales)
