@@ -41,8 +41,8 @@ SHORTEST: Final = 12.0
 """Least length of a stroke, px: below, the hand gives it no direction."""
 
 REACH: Final = 2.0
-"""How near to a known place an end must be, as a multiple of the pen's tolerance: one for the
-hand that begins, one for what it aims at."""
+"""How near to a known point an end must be, as a multiple of the pen's tolerance. To curves and
+edges it is one: there are so many that ends come near them by chance."""
 
 GRAZING: Final = np.sin(np.radians(5.0))
 """Sine of the angle between a plane and the line of sight below which nothing can be drawn
@@ -182,9 +182,10 @@ def _chord(stroke: Stroke) -> tuple[Array, Array]:
 
 def _anchor(pixel: Array, camera: Camera, known: Targets, context: Context) -> _Anchor | None:
     place = nearest_target(pixel, camera, known, REACH * context.pen.tolerance)
-    if place is not None:
-        rank = POINT if place.kind in ("end", "crossing", "corner") else CURVE
-        return _Anchor(np.asarray(place.point), rank)
+    if place is not None and place.kind in ("end", "crossing", "corner"):
+        return _Anchor(np.asarray(place.point), POINT)
+    if place is not None and place.pixels <= context.pen.tolerance:
+        return _Anchor(np.asarray(place.point), CURVE)
     hits = context.surface_hit(camera.rays(pixel))
     return _Anchor(hits.points[0], SURFACE) if hits.hit[0] else None
 

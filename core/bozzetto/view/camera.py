@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 PARALLEL: float = 1e-9
 """Sine of the angle below which `up` counts as parallel to the line of sight."""
 
+AT_EYE: float = 1e-100
+"""Depth, mm, below which a point is at the eye: its picture would be beyond all numbers."""
+
 
 class Rays(NamedTuple):
     """Half-lines into the world.
@@ -156,8 +159,8 @@ class Camera:
             scale: Array | float = height / self.height
         else:
             focal = 0.5 * height / np.tan(np.radians(self.fov_y) / 2.0)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                scale = np.where(depth > 0, focal / depth, np.nan)
+            scale = np.full_like(depth, np.nan)
+            np.divide(focal, depth, out=scale, where=depth > AT_EYE)
         pixels = np.column_stack(
             (0.5 * width + seen[:, 0] * scale, 0.5 * height - seen[:, 1] * scale)
         )

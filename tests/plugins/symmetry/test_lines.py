@@ -111,7 +111,7 @@ def test_a_line_in_the_air_begins_on_the_wall_that_is_seen_from_inside(camera: C
     line = made(drawn(camera, place, place + np.array((45.0, 0.0, 0.0))))
     assert line.axis == 0
     assert line.begin == pytest.approx(tuple(place), abs=1e-3)
-    slanting = place + np.array((50.0, 0.0, 25.0))
+    slanting = place + np.array((60.0, 0.0, 45.0))
     line = made(drawn(camera, place, slanting))
     assert line.axis is None
     assert line.begin == pytest.approx(tuple(place), abs=1e-3)
