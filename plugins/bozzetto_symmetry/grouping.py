@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.resample import arc_length, resample
 
-__all__ = ["Bond", "bonds_between", "continued", "grouped"]
+__all__ = ["Bond", "bonds_between", "grouped"]
 
 Array = NDArray[np.float64]
 
@@ -197,12 +197,6 @@ def _one_side(
         if i < j and bonds[i][j].over and bonds[i][j].sure
     ]
     return bond.distance <= max(TOUCHING, CONTRAST * float(np.mean(within or [0.0])))
-
-
-def continued(one: Array, other: Array) -> bool:
-    """Whether an end of one line, (n, 2) px, smoothly goes on in an end of the other."""
-    bond = _continued(_Trail.of(one), _Trail.of(other))
-    return bond.sure
 
 
 def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:

@@ -11,7 +11,7 @@ halves of a curve across the plane where their ends meet, or one side that was d
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.resample import arc_length
-from bozzetto_symmetry.grouping import continued
+from bozzetto_symmetry.grouping import bonds_between
 from bozzetto_symmetry.pairing import Folding, Pairing, foldings, pairings
-from bozzetto_symmetry.sides import Side, united
+from bozzetto_symmetry.sides import Side, drawn_twice, joined
 from bozzetto_symmetry.solving import Solved, solved
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 from bozzetto_symmetry.uncertainty import plane_covariances
@@ -41,9 +41,30 @@ OUTSIDE: Final = 10.0
 ASTRIDE: Final = 20.0
 """Price of a side that lies as much on one side of the plane as on the other, px."""
 
+BUCKLED: Final = 5.0
+"""Price of a loop that is as deep as it is wide, px: loops match as well in either sense, and
+most of them are about flat."""
+
 CONTINUED: Final = 1.0
 """Price of a pair of which one side smoothly continues the other, px: these match as well as
 halves of one curve across the plane."""
+
+GAP: Final = 0.35
+"""Price of a pixel between halves that are taken for one curve across the plane."""
+
+MEETING: Final = 0.03
+"""Widest gap of such sides, as a share of the shorter one."""
+
+SQUARE: Final = 0.7
+"""Cosine of the angle to the plane's normal at which a curve still crosses it smoothly."""
+
+NEAR_PLANE: Final = 0.1
+"""Share of a side over which its direction at the plane is taken: the crossing itself is the
+place that a view knows least."""
+
+OVERDRAWN: Final = (8.0, 4.5)
+"""Mean distance, px, below which two sides may be one that was drawn twice, and the price of
+taking strokes upon one another for a pair, px."""
 
 HALF: Final = 3.5
 """Price of leaving one side waiting, px: a fold that is off by 1.5 px with a tenth of the
@@ -57,9 +78,6 @@ IN_PLANE: Final = 1.5
 
 TWO_SIDES: Final = 25.0
 """Price of leaving a side waiting though there are two, px."""
-
-GAP: Final = 0.1
-"""Price of a pixel between the halves of a curve across the plane."""
 
 SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
@@ -151,22 +169,30 @@ def read(
     if not sides:
         raise UserError("There is no ink to read. Draw a curve.")
     corners = None if box is None else np.asarray(box, float)
-    whole = sides[0] if len(sides) == 1 else united(sides[0], sides[1])
+    single = sides[0] if len(sides) == 1 else drawn_twice(sides[0], sides[1])
+    halves = joined(sides[0], sides[1]) if len(sides) > 1 else None
     found: list[Read] = []
     if asked in ("auto", "pair") and len(sides) > 1:
         found += _best(_pairs(stereo, sides[0], sides[1], corners))
-    if asked in ("auto", "self") and whole is not None:
-        found += _best(_across(stereo, whole, corners, _gap(sides)))
+    if asked in ("auto", "self"):
+        across = list(_across(stereo, single, corners)) if single else []
+        if halves:
+            gap = _gap(sides[0].pixels, sides[1].pixels)[0]
+            across += [
+                replace(one, cost=one.cost + GAP * gap) for one in _across(stereo, halves, corners)
+            ]
+        found += _best(across)
+    whole = single or halves
     if asked in ("auto", "plane") and whole is not None:
-        found += _in_plane(stereo, whole, twice=len(sides) > 1)
+        found += _in_plane(stereo, whole)
     if asked in ("auto", "half"):
-        found += _halves(sides, whole)
+        found.append(_half(sides, single))
     if not found:
         raise UserError(_impossible(asked, sides))
     return tuple(sorted(found, key=lambda one: one.cost))
 
 
-def _best(readings: Iterator[Read]) -> list[Read]:
+def _best(readings: Iterable[Read]) -> list[Read]:
     return sorted(readings, key=lambda one: one.cost)[:KEPT]
 
 
@@ -188,7 +214,7 @@ def _impossible(asked: str, sides: Sequence[Side]) -> str:
 def _pairs(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterator[Read]:
     closed = one.closed and other.closed
     first, second = (side.pixels if closed else _unrolled(side) for side in (one, other))
-    price = CONTINUED if not closed and continued(first, second) else 0.0
+    overdrawn = _overdrawn(one, other)
     told: tuple[str, ...]
     for pairing in pairings(stereo, first, second, closed=closed):
         made = solved(stereo, pairing, box)
@@ -205,7 +231,11 @@ def _pairs(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterato
             )
         yield Read(
             "pair",
-            pairing.cost + MISSING * missing + _strangeness(made) + price,
+            pairing.cost
+            + MISSING * missing
+            + _strangeness(made, closed)
+            + overdrawn
+            + (0.0 if closed else _continued(stereo, first, second, made)),
             1.0 - missing,
             made.points,
             made.covariances,
@@ -223,8 +253,40 @@ def _unrolled(side: Side) -> Array:
     return np.vstack((side.pixels, side.pixels[:1])) if side.closed else side.pixels
 
 
-def _strangeness(made: Solved) -> float:
-    return OUTSIDE * made.outside + ASTRIDE * made.astride
+def _strangeness(made: Solved, closed: bool) -> float:
+    return (
+        OUTSIDE * made.outside
+        + ASTRIDE * made.astride
+        + (BUCKLED * made.buckled if closed else 0.0)
+    )
+
+
+def _overdrawn(one: Side, other: Side) -> float:
+    """Price of taking two lines for a pair that run alongside one another."""
+    bond = bonds_between([one.pixels, other.pixels])[0][1]
+    widest, price = OVERDRAWN
+    return price * max(0.0, 1.0 - bond.distance / widest) if bond.over else 0.0
+
+
+def _continued(stereo: Stereo, one: Array, other: Array, made: Solved) -> float:
+    """Price of taking two lines for a pair that meet on the plane, square to it."""
+    gap, place, at_end = _gap(one, other)
+    if gap > MEETING * min(float(arc_length(line)[-1]) for line in (one, other)):
+        return 0.0
+    foot = stereo.on_plane(place)[0]
+    line = np.vstack((foot, made.points[::-1] if at_end else made.points))
+    along = arc_length(line)
+    inner = int(np.searchsorted(along, NEAR_PLANE * along[-1]))
+    way = line[min(inner, len(line) - 1)] - foot
+    return CONTINUED if abs(way[1]) > SQUARE * float(np.linalg.norm(way)) else 0.0
+
+
+def _gap(one: Array, other: Array) -> tuple[float, Array, bool]:
+    """How near two lines' ends come, where, and whether it is the last end of the first."""
+    first, second = one[[0, -1]], other[[0, -1]]
+    gaps = np.linalg.norm(first[:, None] - second, axis=2)
+    which, that = np.unravel_index(int(gaps.argmin()), gaps.shape)
+    return float(gaps.min()), 0.5 * (first[which] + second[that]), bool(which)
 
 
 def _matched(pixels: Array, stations: Array) -> Array:
@@ -247,21 +309,13 @@ def _untold(stations: Array, which: str) -> Iterator[str]:
 # -- a curve across the plane --------------------------------------------------------------------
 
 
-def _gap(sides: Sequence[Side]) -> float:
-    """How far apart the ends are where two halves are to be one, px."""
-    if len(sides) == 1:
-        return 0.0
-    one, other = (side.pixels[[0, -1]] for side in sides)
-    return float(np.linalg.norm(one[:, None] - other, axis=2).min())
-
-
-def _across(stereo: Stereo, whole: Side, box: Array | None, gap: float) -> Iterator[Read]:
+def _across(stereo: Stereo, whole: Side, box: Array | None) -> Iterator[Read]:
     ways = [(whole.pixels, True), (_unrolled(whole), False)] if whole.closed else []
     for pixels, ring in ways or [(whole.pixels, False)]:
         for folding in foldings(stereo, pixels, closed=ring):
             found = _folded(stereo, folding, pixels, ring, box)
             if found is not None:
-                yield replace(found, cost=found.cost + GAP * gap)
+                yield found
 
 
 def _folded(
@@ -282,7 +336,7 @@ def _folded(
         told = (f"{100.0 * missing:.0f} % of the curve across the plane have no partner.",)
     return Read(
         "self",
-        pairing.cost + MISSING * missing + _strangeness(made),
+        pairing.cost + MISSING * missing + _strangeness(made, False),
         1.0 - missing,
         points,
         covariances,
@@ -347,17 +401,16 @@ def _whole(
 # -- one side ------------------------------------------------------------------------------------
 
 
-def _in_plane(stereo: Stereo, whole: Side, *, twice: bool) -> list[Read]:
+def _in_plane(stereo: Stereo, whole: Side) -> list[Read]:
     points = stereo.on_plane(whole.pixels)
     seen = np.isfinite(points).all(axis=1)
     if seen.sum() < 2 or not seen.mean() > 0.5:
         return []
     told = () if seen.all() else ("Part of the stroke does not meet the centre plane.",)
-    price = TWO_SIDES if twice else _waiting(whole)
     return [
         Read(
             "plane",
-            IN_PLANE * price,
+            IN_PLANE * _waiting(whole),
             1.0,
             points[seen],
             plane_covariances(stereo, whole.pixels[seen]),
@@ -371,15 +424,13 @@ def _in_plane(stereo: Stereo, whole: Side, *, twice: bool) -> list[Read]:
     ]
 
 
-def _halves(sides: Sequence[Side], whole: Side | None) -> list[Read]:
+def _half(sides: Sequence[Side], single: Side | None) -> Read:
     nothing = np.zeros((0, 3)), np.zeros((0, 3, 3)), None, np.zeros((0, 2))
-    if whole is None:
-        near, price = tuple(side.pixels for side in sides[:1]), TWO_SIDES
-        far = tuple(side.pixels for side in sides[1:])
+    if single is None:
+        near, far = ((side.pixels,) for side in sides)
         told = ("The two sides do not match: each waits for its partner.",)
-        return [Read("half", price, 0.0, *nothing, near, far, warnings=told)]
-    price = _waiting(whole)
-    return [Read("half", price, 0.0, *nothing, (whole.pixels,), (), closed=whole.closed)]
+        return Read("half", TWO_SIDES, 0.0, *nothing, near, far, warnings=told)
+    return Read("half", _waiting(single), 0.0, *nothing, (single.pixels,), (), single.closed)
 
 
 def _waiting(side: Side) -> float:

@@ -17,7 +17,7 @@ from bozzetto.ink.settle import fading, settle
 from bozzetto_symmetry.grouping import bonds_between, grouped
 from bozzetto_symmetry.line import CLOSING, SPACING, Line, drawn_line, evenly_spaced, pen_down
 
-__all__ = ["Side", "sides_of", "united"]
+__all__ = ["Side", "drawn_twice", "joined", "sides_of"]
 
 Array = NDArray[np.float64]
 
@@ -108,25 +108,27 @@ def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
     return _settled(places, fading(list(strokes.values())), tuple(strokes))
 
 
-def united(one: Side, other: Side) -> Side | None:
-    """Two sides as the one that they may be: where they run alongside or their ends meet.
+def drawn_twice(one: Side, other: Side) -> Side | None:
+    """Two sides settled into the one that they may be, where they run alongside one another."""
+    if one.closed or other.closed or not bonds_between([one.pixels, other.pixels])[0][1].over:
+        return None
+    return _settled([one.pixels, other.pixels], np.ones(2), _members(one, other))
 
-    Returns
-    -------
-    Side or None
-        In the sense of the first; None where they are two in any case.
-    """
+
+def joined(one: Side, other: Side) -> Side | None:
+    """Two sides as halves of one line, in the sense of the first, where their ends meet."""
     if one.closed or other.closed:
         return None
-    bond = bonds_between([one.pixels, other.pixels])[0][1]
-    members = tuple(sorted((*one.strokes, *other.strokes)))
-    if bond.over:
-        return _settled([one.pixels, other.pixels], np.ones(2), members)
-    if bond.gap > MEETING * min(_length(one.pixels), _length(other.pixels)):
+    gap = bonds_between([one.pixels, other.pixels])[0][1].gap
+    if gap > MEETING * min(_length(one.pixels), _length(other.pixels)):
         return None
-    line = drawn_line(_chained([one.pixels, other.pixels]))
+    line = evenly_spaced(_chained([one.pixels, other.pixels]))
     noise = max(one.noise, other.noise)
-    return Side(line.pixels, line.closed, noise, members, one.sure and other.sure)
+    return Side(line, False, noise, _members(one, other), one.sure and other.sure)
+
+
+def _members(one: Side, other: Side) -> tuple[int, ...]:
+    return tuple(sorted((*one.strokes, *other.strokes)))
 
 
 def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) -> Side:

@@ -43,6 +43,8 @@ class Solved:
         Share of the points outside the box and the room about it.
     astride : float
         How much of the curve lies on the other side of the plane than most of it, 0 … 1.
+    buckled : float
+        Least over greatest extent of the points: 0 if they are in one plane.
     """
 
     points: Array
@@ -50,6 +52,7 @@ class Solved:
     kept: float
     outside: float
     astride: float
+    buckled: float
 
 
 def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
@@ -65,7 +68,7 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     points = stereo.intersected(pairing.near, pairing.far)
     seen = np.isfinite(points).all(axis=1)
     if not seen.any():
-        return Solved(np.zeros((0, 3)), np.zeros((0, 3, 3)), 0.0, 0.0, 0.0)
+        return Solved(np.zeros((0, 3)), np.zeros((0, 3, 3)), 0.0, 0.0, 0.0, 0.0)
     points, near, far = points[seen], pairing.near[seen], pairing.far[seen]
     covariances = pair_covariances(stereo, near, far, _directions(stereo, far))
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -77,10 +80,12 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     if box is not None:
         room = ROOM * (box[1] - box[0])
         out = ((points < box[0] - room) | (points > box[1] + room)).any(axis=1)
-    astride = _astride(points[:, 1], trust)
-    outside = float(trust[out].sum())
+    middle = points - trust @ points
+    extents = np.linalg.svd(middle * np.sqrt(trust)[:, None], compute_uv=False)
+    buckled = float(extents[-1] / max(extents[0], 1e-300)) if len(extents) == 3 else 0.0
+    outside, astride = float(trust[out].sum()), _astride(points[:, 1], trust)
     keep = ~out if out.any() and out.mean() <= STRAY else np.ones(len(points), bool)
-    return Solved(points[keep], covariances[keep], float(seen.mean()), outside, astride)
+    return Solved(points[keep], covariances[keep], float(seen.mean()), outside, astride, buckled)
 
 
 def _astride(y: Array, trust: Array) -> float:
