@@ -7,6 +7,7 @@ place by place; the residual of the rays does not, it is nought however badly th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,7 @@ from bozzetto_symmetry.stereo import MIRROR, Stereo
 
 __all__ = [
     "HAND",
+    "curve_sigmas",
     "heat",
     "image_slopes",
     "pair_covariances",
@@ -102,6 +104,53 @@ def plane_covariances(stereo: Stereo, pixels: ArrayLike) -> Array:
     return made
 
 
+def curve_sigmas(
+    near: Sequence[Stereo],
+    far: Sequence[Stereo],
+    points: ArrayLike,
+    tangents: ArrayLike,
+    *,
+    flat: bool = False,
+) -> Array:
+    """How far a curve in space may be off across itself, for 1 px of noise in every view.
+
+    A hand errs slowly, and a fit follows it: what smoothing takes off the noise of single
+    places tells nothing about this. So every view that shows a place has one error there,
+    across its image, and the covariance is that of all views together. It cannot be far more
+    than that of a place close by, since the distance from the true curve grows no faster than
+    the way between them; that is what is left where the views say nothing.
+
+    Parameters
+    ----------
+    near, far : sequence of Stereo
+        The views with ink of the curve, and those with ink of its mirror image.
+    points : (n, 3) array_like
+        Places along the curve, mm.
+    tangents : (n, 3) array_like
+        Directions of the curve there, of any length.
+    flat : bool
+        The curve is in the centre plane, and errs in it alone.
+
+    Returns
+    -------
+    (n,) float
+        mm per px.
+    """
+    place = np.reshape(np.asarray(points, float), (-1, 3))
+    along = np.reshape(np.asarray(tangents, float), (-1, 3))
+    rows = [_row(image_slopes(stereo, place), along) for stereo in near]
+    rows += [_row(image_slopes(stereo, place * MIRROR) * MIRROR, along) for stereo in far]
+    known = np.stack(rows, axis=1)
+    if flat:
+        known[:, :, 1] = 0.0
+    # No row holds anything along the curve: that eigenvalue is 0, the first, and left out.
+    stretch = np.linalg.eigvalsh(np.swapaxes(known, 1, 2) @ known)[:, 2 if flat else 1 :]
+    least = 1.0 / (ANYWHERE * max(stereo.camera.visible_height for stereo in (*near, *far)))
+    sigma = np.sqrt((1.0 / (np.maximum(stretch, 0.0) + least**2)).sum(axis=1))
+    apart = np.linalg.norm(place[:, None] - place, axis=2)
+    return np.asarray((sigma + apart).min(axis=1, initial=np.inf))
+
+
 def sigmas(covariances: ArrayLike) -> Array:
     """Root mean square distance from the true place, (n,): the root of the trace."""
     trace = np.trace(np.asarray(covariances, float), axis1=1, axis2=2)
@@ -145,6 +194,14 @@ def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
     focal = camera.pixels_per_mm * camera.distance
     slopes = (focal / depth)[:, None, None] * (sheet - tilt[:, :, None] * forward)
     return np.asarray(np.where(known[:, None, None], slopes, 0.0))
+
+
+def _row(slopes: Array, along: Array) -> Array:
+    """Derivatives of the image across the image of a curve, (n, 3)."""
+    seen = np.einsum("nij,nj->ni", slopes, along)
+    length = np.linalg.norm(seen, axis=1, keepdims=True)
+    unit = np.divide(seen, length, out=np.zeros_like(seen), where=length > 0.0)
+    return np.asarray(unit[:, :1] * slopes[:, 1] - unit[:, 1:] * slopes[:, 0])
 
 
 def _inverted(stereo: Stereo, slopes: Array) -> Array:

@@ -19,6 +19,7 @@ from bozzetto_symmetry.solving import solved
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 from bozzetto_symmetry.uncertainty import (
     ANYWHERE,
+    curve_sigmas,
     heat,
     pair_covariances,
     plane_covariances,
@@ -186,6 +187,74 @@ def test_the_mirrored_view_errs_in_the_mirrored_way(kind: Kind) -> None:
     other = pair_covariances(Stereo(image), *pair(Stereo(image), curve * MIRROR))
     mirrored = other * MIRROR[:, None] * MIRROR
     assert np.abs(made - mirrored).max() < 1e-6 * np.abs(made).max()
+
+
+def across(covariances: Array, tangents: Array) -> Array:
+    """Standard deviations across a direction."""
+    unit = tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
+    along = np.einsum("ni,nij,nj->n", unit, covariances, unit)
+    return np.asarray(np.sqrt(np.trace(covariances, axis1=1, axis2=2) - along))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", PAIRS)
+def test_a_curve_errs_like_its_places_across_itself(name: str, kind: Kind) -> None:
+    stereo, curve = Stereo(camera(35, 25, kind)), PAIRS[name]
+    tangents = np.gradient(curve, axis=0)
+    expected = across(pair_covariances(stereo, *pair(stereo, curve)), tangents)
+    made = curve_sigmas([stereo], [stereo], curve, tangents)
+    low = expected < np.quantile(expected, 0.4)
+    assert made[low] == pytest.approx(expected[low], rel=2e-3)
+    assert (made <= expected * 1.002 + 1e-9).all()
+    twice = curve_sigmas([stereo] * 2, [stereo] * 2, curve, 3.0 * tangents)
+    assert twice[low] == pytest.approx(made[low] / np.sqrt(2.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_the_error_of_a_curve_grows_no_faster_than_the_way_along_it(name: str) -> None:
+    stereo, curve = Stereo(camera(75, 20)), PAIRS[name]
+    made = curve_sigmas([stereo], [stereo], curve, np.gradient(curve, axis=0))
+    assert (np.abs(np.diff(made)) <= np.linalg.norm(np.diff(curve, axis=0), axis=1) + 1e-9).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_second_view_helps_where_the_first_one_says_little(kind: Kind) -> None:
+    curve = PAIRS["S-wave"]
+    tangents = np.gradient(curve, axis=0)
+    one, other = Stereo(camera(3, 20, kind)), Stereo(camera(50, 20, kind))
+    alone = curve_sigmas([one], [one], curve, tangents)
+    good = curve_sigmas([other], [other], curve, tangents)
+    both = curve_sigmas([one, other], [one, other], curve, tangents)
+    singly = curve_sigmas([one, other], [], curve, tangents)
+    assert (both <= np.minimum(alone, good) + 1e-9).all()
+    assert np.median(both) < 0.3 * np.median(alone)
+    assert (both <= singly + 1e-9).all()
+    assert np.median(singly) < np.median(alone)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_curve_in_the_plane_errs_in_the_plane(kind: Kind) -> None:
+    stereo, curve = Stereo(camera(40, 20, kind)), FLAT["roof line"]
+    tangents = np.gradient(curve, axis=0)
+    expected = across(plane_covariances(stereo, stereo.project(curve)), tangents)
+    made = curve_sigmas([stereo], [], curve, tangents, flat=True)
+    assert made == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("azimuth", "elevation"), [(0, 0), (0, 90), (90, 0), (30, 20)])
+def test_no_curve_and_no_view_give_anything_but_numbers(
+    azimuth: float, elevation: float, kind: Kind
+) -> None:
+    stereo, curve = Stereo(camera(azimuth, elevation, kind)), PAIRS["hook"]
+    along = np.gradient(curve, axis=0)
+    along[::3] = 0.0
+    for far in ([stereo], []):
+        for flat in (False, True):
+            made = curve_sigmas([stereo], far, curve, along, flat=flat)
+            assert np.isfinite(made).all()
+            assert (made > 0.0).all()
+    assert curve_sigmas([stereo], [stereo], np.zeros((0, 3)), np.zeros((0, 3))).shape == (0,)
 
 
 @pytest.mark.parametrize("kind", KINDS)
