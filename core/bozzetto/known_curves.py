@@ -15,6 +15,7 @@ from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.in_world import shapes_in_world
+from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.modeler import OffersCurves
 from bozzetto.plugin.registry import Registry
 
@@ -44,6 +45,7 @@ class KnownCurves:
     def __init__(self, registry: Registry) -> None:
         self._registry = registry
         self._kept: OrderedDict[int, _Known] = OrderedDict()
+        self._failed: set[str] = set()
         self._lock = threading.Lock()
 
     def learn(self, model: Model, result: Any) -> None:
@@ -74,6 +76,17 @@ class KnownCurves:
             self._kept.move_to_end(id(model.state))
             while len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
+
+    def try_to_learn(self, model: Model, result: Any) -> None:
+        """As `learn`, but a modeler that fails over it is told so once and not asked again.
+
+        Its shape is none the worse for it.
+        """
+        if model.modeler not in self._failed:
+            try:
+                self.learn(model, result)
+            except PluginFault:
+                self._failed.add(model.modeler)
 
     def of(self, models: Iterable[Model]) -> tuple[Curve, ...]:
         """The curves of the visible models among some, in the world; asks no plugin."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -26,7 +25,6 @@ from bozzetto.model_commands import ModelCommands
 from bozzetto.part_edits import PartEdits
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture, Ink
-from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
 from bozzetto.plugin.registry import Registry
@@ -277,8 +275,7 @@ class Workbench:
             return known
         modeler = self._modeler_of(model)
         result = self.registry.guard.call(model.modeler, "solve", modeler.solve, model.state, job)
-        with suppress(PluginFault):  # told by the guard; the shape is none the worse for it
-            self.curves.learn(model, result)
+        self.curves.try_to_learn(model, result)
         with self._lock:
             self._results[id(model.state), job.quality] = (model.state, result)
             while len(self._results) > KEPT_RESULTS:

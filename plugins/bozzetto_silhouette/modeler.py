@@ -186,6 +186,10 @@ class Silhouette:
         """An empty group."""
         return Group(id=state.unused_id(), name=state.unused_name("Group"))
 
+    def released(self, part: Part | Group, group: Group) -> Part | Group:
+        """A node that stays where its group had moved it."""
+        return replace(part, pose=group.pose.after(part.pose))
+
     # -- documents --
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:

@@ -78,6 +78,22 @@ def boxes(tmp_path, monkeypatch):
     sys.modules.pop(package, None)
 
 
+@pytest.fixture
+def marks(tmp_path, monkeypatch):
+    """The advising modeler in a package of its own; `marks.package` is its name."""
+    from tests import adviser
+
+    package = f"made_up_marks_{tmp_path.name.replace('-', '_')}"
+    adviser.write_package(tmp_path / "packages", package)
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    importlib.invalidate_caches()
+    modeler = adviser.Marks()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    yield modeler
+    sys.modules.pop(package, None)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _collect_here():
     """No garbage is collected in a worker's thread: it would take Qt objects along."""

@@ -67,6 +67,62 @@ def test_what_was_undone_can_be_done_again_after_a_choice(session, settle):
     assert len(ids(session)) == 3
 
 
+def test_several_things_are_deleted_in_one_step(session, settle):
+    model, steps = session.selected_model, session.history.position
+    one, two, three = ids(session)
+    session.duplicate(model.id)
+    settle(session)
+    copy = session.document.models[1].id
+    session.select(model.id)
+    session.delete_several([copy], {model.id: [one, three]}, [])
+    settle(session)
+    assert len(session.document) == 1
+    assert ids(session) == [two]
+    assert session.history.position == steps + 2
+    assert session.history.undo_label == "Delete what is chosen"
+    session.undo()
+    settle(session)
+    assert len(session.document) == 2
+    assert ids(session) == [one, two, three]
+
+
+def test_nothing_is_deleted_where_one_of_several_is_locked(session, settle):
+    model = session.selected
+    session.duplicate(model)
+    settle(session)
+    session.set_locked(session.document.models[1].id, True)
+    before = session.document
+    session.delete_several([m.id for m in before], {}, [])
+    assert session.document is before
+    assert "locked" in session.heard[-1].text
+
+
+def test_a_dissolved_group_leaves_its_parts_where_they_stand(session, settle):
+    """Also after the group was moved: silhouettes' groups carry their parts along."""
+    from bozzetto.geometry import Placement
+    from bozzetto.plugin.job import Job
+
+    model = session.selected
+    session.group_parts(model, ids(session)[:2])
+    settle(session)
+    group = session.chosen_group
+    state = session.selected_model.state
+    moved = tuple(
+        replace(node, pose=Placement(offset=(0.0, 0.0, 40.0))) if node.id == group else node
+        for node in state.nodes
+    )
+    moved_model = replace(session.selected_model, state=replace(state, nodes=moved))
+    session.commit("Move", session.document.with_model(moved_model))
+    settle(session)
+    before = session.workbench.shapes(session.document, Job()).solids[0].mesh
+    session.ungroup_chosen()
+    settle(session)
+    after = session.workbench.shapes(session.document, Job()).solids[0].mesh
+    assert session.history.undo_label.startswith("Ungroup")
+    assert not tree(session).groups
+    assert np.allclose(after.bounds, before.bounds, atol=1e-3)
+
+
 def test_every_edit_is_one_step_with_its_name(session, settle):
     model = session.selected
     one, two, three = ids(session)

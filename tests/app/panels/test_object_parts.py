@@ -134,6 +134,34 @@ def test_several_rows_become_a_group(panel, fake_session):
     assert fake_session.calls.named("group_parts") == [(("m1", ["n1", "n2", "n6"]), {})]
 
 
+def test_del_takes_all_chosen_rows_out_at_once(panel, fake_session):
+    select = QItemSelectionModel.SelectionFlag.Select
+    for name in ("Body", "Saddle", "Front.png"):
+        panel.list.setCurrentItem(panel.list.item(row_of(panel, name)), select)
+    panel.list.setCurrentItem(panel.list.item(row_of(panel, "Flank")), select)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert fake_session.calls.named("delete_several") == [
+        ((["m2"], {"m1": ["n1", "n2", "n6"]}, ["u2"]), {})
+    ]
+    for name in ("delete", "delete_part", "delete_underlay"):
+        assert fake_session.calls.named(name) == []
+
+
+def test_a_group_can_be_dissolved_from_its_menu(panel, fake_session):
+    panel.list.choose(row_of(panel, "Legs"))
+    menu = panel.menu_for_current()
+    next(action for action in menu.actions() if action.text() == "Ungroup").trigger()
+    assert fake_session.calls.named("ungroup_part") == [(("m1", "g1"), {})]
+
+
+def test_the_menu_offers_the_modelers_that_take_shapes(panel, fake_session):
+    menu = panel.menu_for_current()
+    uses = next(a.menu() for a in menu.actions() if a.text() == "Use as input for")
+    assert [action.text() for action in uses.actions()] == ["Mesh", "Symmetry"]
+    uses.actions()[1].trigger()
+    assert fake_session.calls.named("use") == [(("bozzetto.symmetry", ["m1"], {"m1": ["n2"]}), {})]
+
+
 def test_the_menu_of_a_part(panel, fake_session):
     menu = panel.menu_for_current()
     titles = [action.text() for action in menu.actions() if not action.isSeparator()]

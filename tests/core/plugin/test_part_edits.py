@@ -127,6 +127,8 @@ def test_every_edit_gives_another_model_and_says_what_was_done(shell):
         "duplicate": edits.duplicate(model, "b"),
         "move": edits.move(model, "a", "b", 0),
         "group": edits.group(model, ["a", "d"]),
+        "ungroup": edits.ungroup(model, "b"),
+        "several": edits.delete(model, "a", "d"),
         "set": edits.set(model, "a", {"size": 3.0}),
     }
     assert {name: edit.label for name, edit in done.items()} == {
@@ -136,6 +138,8 @@ def test_every_edit_gives_another_model_and_says_what_was_done(shell):
         "duplicate": "Duplicate “B”",
         "move": "Reorder “A”",
         "group": "Group 2 parts",
+        "ungroup": "Ungroup “B”",
+        "several": "Delete 2 parts",
         "set": "Change “A”",
     }
     assert model.state == Pieces().create(None)

@@ -48,6 +48,67 @@ def words(tree, group=""):
     return " ".join(said)
 
 
+@pytest.mark.parametrize(
+    ("gone", "left", "chosen"),
+    [
+        ("a", "b(c d(e)) f", "b"),
+        ("bf", "a", "a"),
+        ("ec", "a b(d()) f", "d"),
+        ("be", "a f", "f"),
+        ("abf", "", ""),
+    ],
+)
+def test_several_parts_go_at_once(gone, left, chosen):
+    tree = tree_of("a b(c d(e)) f", gone[0]).without(*gone)
+    assert words(tree) == left
+    assert tree.selected == chosen
+    sound_parts(tree)
+
+
+@pytest.mark.parametrize(
+    ("kept", "left"),
+    [("a", "a"), ("e", "b(d(e))"), ("ce", "b(c d(e))"), ("d", "b(d(e))"), ("", "")],
+)
+def test_only_some_parts_are_kept_with_the_groups_around_them(kept, left):
+    tree = tree_of("a b(c d(e)) f", "f").only(kept)
+    assert words(tree) == left
+    assert tree.selected == ""
+    sound_parts(tree)
+
+
+@pytest.mark.parametrize(
+    ("group", "left", "chosen"),
+    [("b", "a c d(e) f", "c"), ("d", "a b(c e) f", "e")],
+)
+def test_what_is_in_a_dissolved_group_stands_where_it_stood(group, left, chosen):
+    tree = tree_of("a b(c d(e)) f", group).ungrouped(group)
+    assert words(tree) == left
+    assert tree.selected == chosen
+    sound_parts(tree)
+
+
+def test_an_empty_group_is_dissolved_without_a_trace():
+    tree = tree_of("a b() f", "b")
+    assert words(tree.ungrouped("b")) == "a f"
+    assert tree.ungrouped("b").selected == ""
+
+
+def test_a_hidden_groups_parts_stay_hidden():
+    tree = tree_of("a b(c d)").shown("b", False).ungrouped("b")
+    assert [part.visible for part in tree.parts] == [True, False, False]
+
+
+def test_no_group_is_not_dissolved():
+    with pytest.raises(UserError, match="“A” is no group"):
+        tree_of("a b(c)").ungrouped("a")
+
+
+def test_grouping_and_ungrouping_is_the_way_there_and_back():
+    tree = tree_of("a b(c d(e)) f")
+    there = tree.grouped("ab", Piece("g", "G"))
+    assert words(there.ungrouped("g")) == words(tree)
+
+
 def test_rows_are_listed_group_by_group_whatever_order_they_are_kept_in():
     kept = tree_of("a b(c d(e)) f")
     mixed = PartTree(tuple(reversed(kept.parts)), kept.groups)

@@ -1,0 +1,170 @@
+"""Commands of the selected model: menu, keys, history, refusals."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from tests.adviser import MODELER
+from tests.app.tablet import stroke_of
+
+
+def draw(session, settle, x=300.0):
+    session.pen_lifted(stroke_of([(x, 300.0), (x + 100.0, 400.0)], session.camera))
+    settle(session)
+
+
+@pytest.fixture
+def session(make_session, marks, settle):
+    made = make_session(MODELER, extra=[marks.package])
+    draw(made, settle)
+    made.heard.clear()
+    return made
+
+
+def test_a_command_is_one_step_that_can_be_taken_back(session, settle):
+    before = session.document.models[0].state
+    steps = session.history.position
+    session.commanding.run("flip")
+    settle(session)
+    after = session.document.models[0].state
+    assert [pair[0][0] for pair in after.marks] == [-pair[0][0] for pair in before.marks]
+    assert session.history.position == steps + 1
+    assert session.history.undo_label == "Flip"
+    session.undo()
+    settle(session)
+    assert session.document.models[0].state is before
+
+
+def test_commands_run_in_the_order_of_the_gestures(session, settle):
+    """A command right after a stroke finds the model with that stroke."""
+    session.pen_lifted(stroke_of([(500.0, 300.0), (600.0, 400.0)], session.camera))
+    session.commanding.run("flip")
+    session.commanding.run("flip")
+    session.commanding.run("flip")
+    settle(session)
+    first, second = session.document.models[0].state.marks
+    assert list(session.history.entries[-4:]) == ["Mark", "Flip", "Flip", "Flip"]
+    assert first[0][0] > 0 > second[0][0]
+
+
+def test_a_refusal_is_told_and_changes_nothing(session, settle):
+    before = session.document
+    session.commanding.run("refuse")
+    settle(session)
+    assert session.document is before
+    assert [n.text for n in session.heard if n.kind == "error"] == [
+        "This cannot be done. Do something else."
+    ]
+
+
+def test_a_locked_model_is_not_commanded(session, settle):
+    session.set_locked(session.selected, True)
+    settle(session)
+    assert not session.commanding.is_enabled("flip")
+    before = session.document
+    session.commanding.run("flip")
+    settle(session)
+    assert session.document is before
+    assert "locked" in session.heard[-1].text
+
+
+def test_what_is_enabled_follows_the_state(session, settle):
+    assert session.commanding.is_enabled("flip")
+    session.undo()
+    settle(session)
+    assert session.commanding.commands == ()
+    session.redo()
+    settle(session)
+    session.select(session.document.models[0].id)
+    settle(session)
+    assert session.commanding.is_enabled("flip")
+
+
+def test_a_modeler_that_fails_to_name_its_commands_is_asked_once(
+    make_session, marks, settle, monkeypatch
+):
+    asked = []
+
+    def commands():
+        asked.append(1)
+        raise ValueError("no list")
+
+    monkeypatch.setattr(marks, "commands", commands)
+    session = make_session(MODELER, extra=[marks.package])
+    for x in (300.0, 400.0, 500.0):
+        draw(session, settle, x)
+    assert len(asked) == 1
+    assert len([n for n in session.heard if n.kind == "fault"]) == 1
+    assert len(session.document.models[0].state.marks) == 3
+
+
+def test_commands_are_asked_and_run_in_workers(make_session, marks, settle, monkeypatch):
+    threads, whole = set(), marks.commands
+
+    def commands():
+        threads.add(threading.current_thread())
+        return whole()
+
+    monkeypatch.setattr(marks, "commands", commands)
+    session = make_session(MODELER, extra=[marks.package])
+    draw(session, settle)
+    session.commanding.run("flip")
+    settle(session)
+    assert threads
+    assert threading.main_thread() not in threads
+
+
+# -- in the window -------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def window(make_window, marks, settle):
+    made = make_window(MODELER, extra=[marks.package])
+    draw(made.session, settle)
+    return made
+
+
+def test_the_key_of_a_command_works_and_a_taken_one_stays_the_programs(window, settle):
+    registry = window.actions_
+    registry.refresh()
+    assert registry.holder("X").id == "command.flip"
+    assert registry.holder("F").id == "view.frame"
+    assert registry.qaction("command.refuse").shortcuts() == []
+    (refuse,) = (a for a in registry.actions() if a.id == "command.refuse")
+    assert "F" in refuse.tip
+    before = window.session.document.models[0].state
+    window.activateWindow()
+    window.canvas.setFocus()
+    QTest.keyClick(window.canvas, Qt.Key.Key_X)
+    settle(window.session)
+    assert window.session.document.models[0].state is not before
+    assert window.session.history.undo_label == "Flip"
+
+
+def test_commands_go_when_no_model_of_theirs_is_selected(window, settle):
+    window.session.select(None)
+    settle(window.session)
+    assert not [a for a in window.actions_.actions() if a.id.startswith("command.")]
+    assert window.actions_.holder("X") is None
+    window.session.select(window.session.document.models[0].id)
+    settle(window.session)
+    assert {"command.flip", "command.refuse"} <= {a.id for a in window.actions_.actions()}
+
+
+def test_two_commands_with_one_key_leave_it_to_the_first(make_window, marks, settle):
+    marks.keys = {"flip": "Shift+J", "refuse": "Shift+J"}
+    window = make_window(MODELER, extra=[marks.package])
+    draw(window.session, settle)
+    assert window.actions_.holder("Shift+J").id == "command.flip"
+
+
+def test_a_key_that_is_none_is_no_key(make_window, marks, settle):
+    marks.keys = {"flip": "Hyper+Nothing", "refuse": "Space"}
+    window = make_window(MODELER, extra=[marks.package])
+    draw(window.session, settle)
+    for name in ("command.flip", "command.refuse"):
+        assert window.actions_.qaction(name).shortcuts() == []

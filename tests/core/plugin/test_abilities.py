@@ -1,0 +1,286 @@
+"""What a modeler may do besides, without a window: commands, view advice, curves, shapes read."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.errors import UserError
+from bozzetto.exchange.importing import read_drawing
+from bozzetto.geometry import Placement, Shapes
+from bozzetto.ink import Drawing, Strokes
+from bozzetto.ink.steps import CommandStep, DrawStep
+from bozzetto.plugin import Command, ViewAdvice
+from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.testing import Pen, Shell
+from bozzetto.plugin.testing.abilities import ABILITIES
+from bozzetto.plugin.testing.subject import Broken, Subject
+from bozzetto.scene import Layer, Points, Scene
+from bozzetto.view import Camera
+from tests import adviser
+from tests.adviser import MODELER
+
+LINE = Pen().along([(300, 300), (500, 400)])
+TURNED = Placement((1.0, 0, 0, 0, 0, -1.0, 0, 1.0, 0), 2.0, (5.0, -3.0, 1.0))
+"""A quarter about x, twice as large, elsewhere."""
+
+
+@pytest.fixture
+def marks(make_package):
+    package = make_package(adviser.CODE, adviser.MANIFEST)
+    modeler = adviser.Marks()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    return modeler
+
+
+@pytest.fixture
+def shell(marks, tmp_path):
+    made = Shell(Registry(extra=[marks.package]), tmp_path)
+    made.open(MODELER)
+    return made
+
+
+# -- commands ---------------------------------------------------------------------------------
+
+
+def test_a_command_makes_a_new_state(shell):
+    before = shell.draw(LINE).state
+    shell.run("flip")
+    assert np.allclose(np.array(shell.state.marks), np.array(before.marks) * (-1, 1, 1))
+    shell.undo()
+    assert shell.state is before
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("flip", "“Flip” means nothing here now. Exchange left and right."),
+        ("refuse", "This cannot be done. Do something else."),
+        ("fly", "Marks has no command 'fly'; there are: flip, refuse."),
+    ],
+)
+def test_refusals_are_told_in_words(shell, command, words):
+    with pytest.raises(UserError) as told:
+        shell.run(command)
+    assert told.value.message == words
+
+
+def test_a_locked_model_is_not_changed(shell):
+    model = replace(shell.draw(LINE), locked=True)
+    commands = shell.workbench.commands
+    flip = commands.find(MODELER, "flip")
+    assert not commands.can_run(model, flip)
+    with pytest.raises(UserError, match="is locked"):
+        commands.run(model, flip, shell.context())
+
+
+def test_a_command_sees_the_world_from_the_models_frame(shell, monkeypatch):
+    seen = []
+    look = Command("look", "Look", "Looks.", lambda state, context: seen.append(context) or state)
+    model = replace(shell.draw(LINE), placement=TURNED)
+    shell.workbench.commands.run(model, look, shell.context())
+    there = seen[0].camera
+    assert np.allclose(TURNED.points(there.eye), shell.camera.eye)
+    assert np.allclose(
+        TURNED.points(seen[0].curves[0].control_points), shell.context().curves[0].control_points
+    )
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        7,
+        [7],
+        [Command("", "T", "H", adviser.flip)],
+        [Command("a", "", "H", adviser.flip)],
+        [Command("a", "T", None, adviser.flip)],
+        [Command("a", "T", "H", "run")],
+        [Command("a", "T", "H", adviser.flip, key=3)],
+        [Command("a", "T", "H", adviser.flip, enabled=True)],
+        [Command("a", "T", "H", adviser.flip)] * 2,
+        [Command(f"a{k}", "T", "H", adviser.flip) for k in range(201)],
+    ],
+)
+def test_commands_that_are_none_are_a_fault(shell, marks, monkeypatch, wrong):
+    monkeypatch.setattr(marks, "commands", lambda: wrong)
+    with pytest.raises(PluginFault, match="made commands that cannot be used"):
+        shell.commands()
+
+
+@pytest.mark.parametrize("made", [None, 42, object()])
+def test_a_command_that_makes_no_state_is_a_fault(shell, marks, monkeypatch, made):
+    command = Command("a", "T", "H", lambda state, context: made)
+    monkeypatch.setattr(marks, "commands", lambda: [command])
+    before = shell.state
+    with pytest.raises(PluginFault):
+        shell.run("a")
+    assert shell.state is before
+
+
+def test_a_modeler_without_commands_has_none(tmp_path):
+    shell = Shell(Registry(), tmp_path)
+    shell.open("bozzetto.mesh")
+    assert shell.commands() == ()
+    assert shell.advice() is None
+
+
+# -- steps of ink files ------------------------------------------------------------------------
+
+
+def test_a_step_runs_a_command_and_facts_reach_create(shell, tmp_path):
+    from bozzetto.exchange.ink_json import write_drawing
+
+    drawing = Drawing(
+        Strokes([LINE, LINE]),
+        Camera(),
+        extra={"box": 12.5},
+        steps=(DrawStep("mark", (0,)), CommandStep("flip"), DrawStep("mark", (1,))),
+    )
+    (tmp_path / "made.json").write_bytes(write_drawing(drawing))
+    read = read_drawing(tmp_path / "made.json")
+    assert read.steps == drawing.steps
+    made = shell.workbench.from_drawing(MODELER, read, {}).state
+    assert made.box == 12.5
+    (first,), (second,) = made.marks[:1], made.marks[1:]
+    assert np.allclose(np.array(first), np.array(second) * (-1, 1, 1))
+    assert made.seen == 1, "the second mark saw the curve of the first"
+    plain = replace(read, steps=(), strokes=Strokes([LINE]))
+    assert shell.workbench.from_drawing(MODELER, plain, {}).state.box == 12.5
+
+
+@pytest.mark.parametrize("name", ["fly", "flip", "refuse"])
+def test_a_command_that_cannot_be_run_is_named_with_its_step(shell, name):
+    drawing = Drawing(Strokes([LINE]), Camera(), steps=(CommandStep(name),))
+    with pytest.raises(UserError, match="Step 1: "):
+        shell.workbench.from_drawing(MODELER, drawing, {})
+
+
+# -- view advice -------------------------------------------------------------------------------
+
+
+def test_advice_is_given_in_the_world(shell):
+    """A moved model seen from the same side of itself gets the same advice, moved."""
+    plain = shell.workbench.view_advice(shell.model, shell.camera)
+    moved = shell.workbench.view_advice(
+        replace(shell.model, placement=TURNED), shell.camera.moved(TURNED)
+    )
+    assert (moved.level, moved.message) == (plain.level, plain.message)
+    assert np.allclose(moved.better.eye, TURNED.points(plain.better.eye))
+    assert np.allclose(moved.scene.points(), TURNED.points(plain.scene.points()), atol=1e-4)
+    assert {layer.owner for layer in moved.scene.layers} == {shell.model.id}
+
+
+NAN = Points(np.zeros((1, 3), np.float32))
+object.__setattr__(NAN, "points", np.full((1, 3), np.nan, np.float32))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        None,
+        "good",
+        ViewAdvice("fine", "x"),
+        ViewAdvice("good", None),
+        ViewAdvice("good", "x" * 1000),
+        ViewAdvice("good", "x", better=(0, 0, 0)),
+        ViewAdvice("good", "x", scene=None),
+        ViewAdvice("good", "x", scene=Scene((Layer("l", (NAN,)),))),
+    ],
+)
+def test_advice_that_is_none_is_a_fault(shell, marks, wrong):
+    marks.advise = lambda state, camera: wrong
+    with pytest.raises(PluginFault, match="made view advice that cannot be used"):
+        shell.advice()
+
+
+# -- curves, shapes as input -------------------------------------------------------------------
+
+
+def test_curves_follow_the_model_and_nothing_is_solved_for_them(shell, marks, monkeypatch):
+    model, bench = shell.draw(LINE), shell.workbench
+    assert bench.curves.of([model]) == ()
+    shell.solve()
+    (own,) = bench.curves.of([model])
+    monkeypatch.setattr(marks, "solve", None)
+    (moved,) = bench.curves.of([replace(model, placement=TURNED)])
+    assert np.allclose(moved.control_points, TURNED.points(own.control_points))
+    assert bench.curves.of([replace(model, visible=False)]) == ()
+    assert bench.curves.of([replace(model, state=replace(model.state, box=1.0))]) == ()
+
+
+@pytest.mark.parametrize("wrong", [7, ["no curve"], Shapes()])
+def test_curves_that_are_none_do_not_cost_the_shape(shell, marks, monkeypatch, wrong):
+    told = []
+    shell.registry.guard.on_fault(told.append)
+    monkeypatch.setattr(marks, "curves", lambda state, result: wrong)
+    shell.draw(LINE)
+    assert shell.solve() == shell.state.marks
+    assert len(told) == 1
+    assert shell.workbench.curves.of([shell.model]) == ()
+
+
+def test_a_model_starts_from_another(shell):
+    before = shell.draw(LINE).state
+    shell.use("marks")
+    assert np.allclose(np.array(shell.state.marks), np.array(before.marks))
+    assert len(shell.document) == 2
+
+
+def test_what_has_no_shape_and_what_takes_none_is_refused(shell):
+    with pytest.raises(UserError, match="has no shape to start from"):
+        shell.use("marks")
+    shell.draw(LINE)
+    with pytest.raises(UserError, match="cannot start from what is there"):
+        shell.use("silhouette")
+
+
+# -- the test kit ------------------------------------------------------------------------------
+
+
+def failing(marks):
+    subject = Subject(MODELER, (marks.package,), lambda shell, pen: shell.draw(LINE))
+    found = set()
+    for check in ABILITIES:
+        try:
+            check(subject)
+        except (Broken, PluginFault, UserError):
+            found.add(check.__name__.removeprefix("check_"))
+    return found
+
+
+def test_a_good_modeler_passes(marks):
+    assert failing(marks) == set()
+
+
+def test_what_is_wrong_is_found(marks, monkeypatch):
+    advise = marks.advise
+    marks.advise = lambda state, camera: replace(
+        advise(state, camera), better=Camera(eye=(0.0, -1.0, 0.0))
+    )
+    assert failing(marks) == {"view_advice"}, "what is called better is worse"
+    marks.advise = lambda state, camera: ViewAdvice("good", " ")
+    assert failing(marks) == {"view_advice"}
+    marks.advise = advise
+    with monkeypatch.context() as changed:
+        changed.setattr(marks, "commands", lambda: [Command("a", "T", " ", adviser.flip)])
+        assert failing(marks) == {"commands"}
+        changed.setattr(marks, "commands", lambda: [Command("a", "T", "H", lambda s, c: 1 / 0)])
+        assert failing(marks) == {"commands"}
+    with monkeypatch.context() as changed:
+        changed.setattr(marks, "read_shapes", lambda shapes: 1 / 0)
+        assert failing(marks) == {"read_shapes"}
+    with monkeypatch.context() as changed:
+        changed.setattr(marks, "curves", lambda state, result: 1 / 0)
+        assert "curves" in failing(marks)
+
+
+def test_facts_are_only_lent(shell):
+    facts = {"box": 3.0}
+    drawing = Drawing(Strokes([LINE]), Camera(), extra=facts, steps=(DrawStep("mark", (0,)),))
+    shell.workbench.from_drawing(MODELER, drawing, {})
+    assert facts == {"box": 3.0}
