@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.nearest import distances_to_polyline
-from bozzetto_symmetry.sighting import END_NOISE, LEAST_NOISE, Ink, inked
+from bozzetto_symmetry.sighting import END_NOISE, Ink, inked
 from bozzetto_symmetry.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.starting import ROUGHNESS, approximated, half_of, length_of, stations_of
 from bozzetto_symmetry.stereo import MIRROR, Stereo
@@ -54,6 +54,9 @@ the weight of a step along the image is 1."""
 
 LEASH: Final = 0.1
 """Standard deviation of the first guess as a share of the length: it holds what no ink does."""
+
+HELD: Final = 20
+"""Places of a half that the first guess holds."""
 
 PEN: Final = 1.2
 """Distance of the ink (rms, px) above which anything that brings the curve nearer is better:
@@ -228,12 +231,11 @@ class _Problem:
     @classmethod
     def of(cls, basis: SymmetricBasis, start: Array, inks: Sequence[Ink]) -> _Problem:
         low, high = basis.half
-        at = np.linspace(low, high, 2 * basis.count, endpoint=not basis.periodic)
+        at = np.linspace(low, high, HELD, endpoint=not basis.periodic)
         values = basis.values(at)
         length = length_of(basis.at(values, start))
         leash = [
-            basis.rows(values, np.tile(axis, (len(at), 1))) / (LEASH * length * len(at) ** 0.5)
-            for axis in np.eye(3)
+            basis.rows(values, np.tile(axis, (len(at), 1))) / (LEASH * length) for axis in np.eye(3)
         ]
         free = start.ravel()[basis.free]
         rows = [np.vstack(leash)]
@@ -359,8 +361,7 @@ class _Fit:
             ends, rows = rows[count:], rows[:count] * np.sqrt(ink.share)[:, None]
             gap = ink.along[:, None] - ink.along
             alike = np.exp(-((gap / (2.0 * ink.tremor)) ** 2)) * (ink.piece[:, None] == ink.piece)
-            noisier = max(1.0, LEAST_NOISE / ink.noise) ** 2
-            inner += noisier * (rows.T @ alike @ rows + ends.T @ ends)
+            inner += rows.T @ alike @ rows + ends.T @ ends
         inverse = np.linalg.inv(self.normal)
         return np.asarray(inverse @ inner @ inverse)
 

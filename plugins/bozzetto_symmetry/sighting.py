@@ -29,11 +29,9 @@ INDEPENDENT: Final = 2.0 * float(np.sqrt(np.pi))
 """Length of ink, in widths of the tremor, that counts as one measurement: the integral of
 the correlation."""
 
-LEAST_NOISE: Final = 0.3
-"""Standard deviation, px, that every hand has at least; a screen's pixels alone make it."""
-
-CLEAN: Final = 0.1
-"""Standard deviation, px, below which ink is followed no more closely."""
+LEAST_NOISE: Final = 0.5
+"""Standard deviation, px, that every hand has at least. Most of a hand's noise is slow and
+does not show in the ink; a curve that trusts its ink more is bent where it is known least."""
 
 END_NOISE: Final = 2.0
 """How much worse a hand is at ending in the right place than at keeping on the curve."""
@@ -74,7 +72,7 @@ class Ink:
     factors : (n, 3) float
         What the coordinates of the curve are multiplied by: the mirror, for the far side.
     noise : float
-        Standard deviation of the hand across the ink, px, not below `CLEAN`.
+        Standard deviation of the hand across the ink, px, not below `LEAST_NOISE`.
     tremor : (n,) float
         How far along the ink the noise stays alike, px.
     share : (n,) float
@@ -125,7 +123,7 @@ class Ink:
             stereo,
             place,
             np.broadcast_to(factors, (count, 3)),
-            max(noise, CLEAN),
+            max(noise, LEAST_NOISE),
             np.full(count, tremor),
             np.full(count, min(1.0, length / count / (INDEPENDENT * tremor))),
             np.linspace(0.0, length, count, endpoint=not closed),

@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto_symmetry.symmetric_basis import SymmetricBasis
 
-__all__ = ["ROUGHNESS", "approximated", "half_of", "length_of", "polygon_of", "stations_of"]
+__all__ = [
+    "ROUGHNESS",
+    "approximated",
+    "half_of",
+    "length_of",
+    "polygon_of",
+    "stations_of",
+    "trusted_steps",
+]
 
 Array = NDArray[np.float64]
 
@@ -79,12 +87,7 @@ def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Arr
     far too long: a step counts by what is known of it. Then the way is measured on a smooth
     curve through them.
     """
-    ring = basis.closed
-    steps = np.diff(points, axis=0, append=points[:1]) if ring else np.diff(points, axis=0)
-    spread = 0.5 * (covariances + np.roll(covariances, -1, axis=0))[: len(steps)]
-    doubt = (DOUBTFUL * length_of(points)) ** 2
-    discounted = np.linalg.solve(np.eye(3) + spread / doubt, steps[:, :, None])[:, :, 0]
-    lengths = np.sqrt(np.maximum((steps * discounted).sum(axis=1), 0.0))
+    lengths = trusted_steps(points, covariances, closed=basis.closed)
     stations = _shares(lengths, len(points))
     smooth = SymmetricBasis(basis.reading, STATIONS, basis.closed, basis.ring)
     made = approximated(smooth, points, covariances, stations)
@@ -93,6 +96,27 @@ def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Arr
     way = smooth.at(smooth.values(low + (high - low) * fine * (1 - 1e-12)), made)
     passed = np.linalg.norm(np.diff(way, axis=0), axis=1)
     return np.asarray(np.interp(stations, fine, _shares(passed, len(fine))))
+
+
+def trusted_steps(points: Array, covariances: Array, *, closed: bool) -> Array:
+    """Lengths of the steps from place to place, less what is mere doubt, mm.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+    covariances : (n, 3, 3) float
+    closed : bool
+        A last step leads back to the first place.
+
+    Returns
+    -------
+    (n,) or (n - 1,) float
+    """
+    steps = np.diff(points, axis=0, append=points[:1] if closed else points[:0])
+    spread = 0.5 * (covariances + np.roll(covariances, -1, axis=0))[: len(steps)]
+    doubt = (DOUBTFUL * length_of(points)) ** 2
+    trusted = np.linalg.solve(np.eye(3) + spread / doubt, steps[:, :, None])[:, :, 0]
+    return np.asarray(np.sqrt(np.maximum((steps * trusted).sum(axis=1), 0.0)))
 
 
 def _shares(lengths: Array, count: int) -> Array:
