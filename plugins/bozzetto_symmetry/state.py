@@ -7,9 +7,12 @@ better code can solve it again.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Annotated, Literal, TypeVar
 
-from bozzetto.geometry import Curve as ShapeCurve
+import numpy as np
+from numpy.typing import NDArray
+
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter
 from bozzetto_symmetry.plane import CentrePlane, Point
@@ -90,7 +93,8 @@ class Joint:
     end : {0, 1}
         Of this curve.
     other : Curve
-        As it was; it is no node of its own any more.
+        As it was; it is no node of its own any more. A curve without ink stands for this
+        curve itself: its two ends are joined, or, mirrored, its end and its image's.
     other_end : {0, 1}
         Its end that meets this curve.
     mirrored : bool
@@ -141,13 +145,10 @@ class Curve(Node):
         Raw ink, each stroke with its camera, in the order drawn.
     edits : tuple of Edit
         What was done to the curve since, in order.
-    source : Curve, optional
-        A curve in space that was read from a file, in place of ink.
     """
 
     strokes: Strokes = Strokes()
     edits: tuple[Edit, ...] = ()
-    source: ShapeCurve | None = None
     reading: Annotated[
         AskedReading,
         Parameter(
@@ -280,6 +281,14 @@ class SymmetryState:
         if self.symmetry == "free":
             return self.free_plane
         return CentrePlane(self.centre, normals[self.symmetry])
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Corners (2, 3) of the box in the frame of the centre plane, mm."""
+        half = 0.5 * np.asarray(self.size)
+        corners = self.centre + half * np.array(list(product((-1.0, 1.0), repeat=3)))
+        inside = self.plane.inverse.points(corners)
+        return np.stack((inside.min(axis=0), inside.max(axis=0)))
 
     @property
     def curves(self) -> tuple[Curve, ...]:

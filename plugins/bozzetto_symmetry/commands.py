@@ -1,0 +1,88 @@
+"""What can be done to the chosen curve at one word: above all, to read it in another way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Command, Context
+from bozzetto_symmetry.ends import with_nearest_joined
+from bozzetto_symmetry.meeting import with_ends_met
+from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
+from bozzetto_symmetry.trace import traced
+
+__all__ = ["all_commands"]
+
+READINGS: Final[tuple[AskedReading, ...]] = ("pair", "self", "plane", "half")
+"""In the order in which the key goes through them."""
+
+
+def all_commands() -> Sequence[Command]:
+    """The commands, in the order of the menu."""
+    return (
+        Command(
+            id="switch-reading",
+            title="Switch reading",
+            help="Take the chosen curve for what else it can be: both sides, across, in the plane.",
+            run=_switched,
+            key="X",
+            enabled=_has_curve,
+        ),
+        Command(
+            id="other-matching",
+            title="Take the other matching",
+            help="Let the two sides of the chosen curve belong together in the other way.",
+            run=_matched_otherwise,
+            key="C",
+            enabled=_has_curve,
+        ),
+        Command(
+            id="join-nearest",
+            title="Join to the nearest end",
+            help="Make the chosen curve and the one whose end is nearest one smooth curve.",
+            run=with_nearest_joined,
+            enabled=_has_curve,
+        ),
+        Command(
+            id="trim-ends",
+            title="Trim ends that meet",
+            help="Cut ends that pass by one another, and lead on those that fall a little short.",
+            run=with_ends_met,
+        ),
+    )
+
+
+def _has_curve(state: SymmetryState) -> bool:
+    return any(curve.id == state.selected for curve in state.curves)
+
+
+def _chosen(state: SymmetryState) -> Curve:
+    for curve in state.curves:
+        if curve.id == state.selected:
+            return curve
+    raise UserError("No curve is chosen. Choose one in the list.")
+
+
+def _switched(state: SymmetryState, context: Context) -> SymmetryState:
+    """The next reading that the ink allows."""
+    curve = _chosen(state)
+    now = READINGS.index(traced(curve, state).reading)
+    for step in range(1, len(READINGS)):
+        tried = replace(curve, reading=READINGS[(now + step) % len(READINGS)], other=False)
+        try:
+            traced(tried, state)
+        except UserError:
+            continue
+        return state.with_node(tried)
+    raise UserError("These strokes can be read in no other way. Draw the other side, too.")
+
+
+def _matched_otherwise(state: SymmetryState, context: Context) -> SymmetryState:
+    """The second-best matching, or the best one again."""
+    curve = _chosen(state)
+    turned = replace(curve, other=not curve.other)
+    if traced(curve, state).choices < 2:
+        raise UserError("There is no other way in which these strokes belong together.")
+    return state.with_node(turned)

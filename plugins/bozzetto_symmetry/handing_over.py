@@ -1,0 +1,31 @@
+"""The curves for other programs: exact splines in the frame of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bozzetto.geometry import Shapes
+from bozzetto_symmetry.state import Curve, SymmetryState
+from bozzetto_symmetry.trace import Trace
+from bozzetto_symmetry.visibility import shown_curves
+
+__all__ = ["shapes_of"]
+
+
+def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
+    """All curves that are shown; the mirror image of a pair comes after it."""
+    place = state.plane.placement
+    handed = []
+    for curve in shown_curves(state):
+        trace = traces.get(curve.id)
+        if trace is None or trace.curve is None:
+            continue
+        for number, spline in enumerate(trace.curve.curves()):
+            made = spline.to_curve(_name(curve, number), curve.color)
+            handed.append(replace(made, control_points=place.points(made.control_points)))
+    return Shapes(curves=tuple(handed))
+
+
+def _name(curve: Curve, number: int) -> str:
+    return f"{curve.name} mirrored" if number else curve.name

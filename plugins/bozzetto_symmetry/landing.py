@@ -1,0 +1,172 @@
+"""Where new ink belongs: to a side that waits, to a curve that it is drawn along, or to none.
+
+A person draws one side and then the other, goes over a curve again until it settles, looks
+at it from elsewhere and draws it once more. Ink files do the same with strokes in a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.resample import resample
+from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
+from bozzetto_symmetry.stereo import MIRROR, Stereo
+from bozzetto_symmetry.trace import Trace, traced
+from bozzetto_symmetry.visibility import shown_curves
+
+__all__ = ["drawn_curves", "landed", "waits"]
+
+Array = NDArray[np.float64]
+
+ALONG: Final = 14.0
+"""Distance, px, up to which ink runs along what is drawn already: about four times what two
+strokes that are meant to be one lie apart."""
+
+MOSTLY: Final = 0.8
+"""Share of a stroke that must run along."""
+
+WORTH: Final = 0.25
+"""Share of the curve's length that a stroke along it must have: shorter ones are details."""
+
+LOOKS: Final = 60
+"""Places of a stroke that are looked at."""
+
+SURE_PAIR: Final = 4.0
+"""Cost of a pair, px, above which two strokes are rather two curves."""
+
+ENOUGH: Final = 0.6
+"""Share of both strokes' points that must have partners for them to be a pair."""
+
+
+def drawn_curves(
+    state: SymmetryState,
+    strokes: Sequence[Stroke],
+    readings: Mapping[str, AskedReading] | None = None,
+) -> SymmetryState:
+    """The state with the strokes of a whole drawing.
+
+    Strokes of one group are one curve, whose id is the group's name. Others find their own
+    place one by one.
+
+    Parameters
+    ----------
+    state : SymmetryState
+    strokes : sequence of Stroke
+    readings : mapping, optional
+        What curves are, by their id, where the drawing says so.
+    """
+    asked = readings or {}
+    groups: dict[str, list[Stroke]] = {}
+    for stroke in strokes:
+        if stroke.group:
+            groups.setdefault(stroke.group, []).append(stroke)
+    for name, drawn in groups.items():
+        curve = Curve(
+            id=name,
+            name=name,
+            strokes=Strokes(drawn),
+            reading=asked.get(name, "auto"),
+            color=drawn[0].color,
+        )
+        state = state.with_node(curve)
+    for stroke in strokes:
+        if not stroke.group:
+            state = landed(state, (stroke,))
+    return state
+
+
+def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
+    """The state with new ink, which becomes part of a curve or a curve of its own.
+
+    Raises
+    ------
+    UserError
+        If the ink is no more than a dot.
+    """
+    owner = _owner(state, strokes)
+    if owner is None:
+        owner = Curve(
+            id=state.unused_id(),
+            name=state.unused_name(),
+            strokes=Strokes(strokes),
+            color=strokes[0].color,
+        )
+        traced(owner, state)
+    else:
+        owner = replace(owner, strokes=owner.strokes.extended(strokes))
+    return state.with_node(owner)
+
+
+def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
+    """The curve that new strokes belong to: the chosen one, or one that waits.
+
+    Only the chosen curve can be gone over again; beside others it is a new curve that is
+    meant.
+    """
+    known = [(curve, trace) for curve in shown_curves(state) if (trace := _trace(curve, state))]
+    for curve, trace in known:
+        if curve.id == state.selected and _runs_along(strokes, trace, state):
+            return curve
+    fits = [
+        (curve.id != state.selected, cost, curve)
+        for curve, trace in known
+        if waits(curve, trace) and np.isfinite(cost := _as_pair(curve, strokes, state))
+    ]
+    return min(fits, key=lambda fit: fit[:2])[2] if fits else None
+
+
+def waits(curve: Curve, trace: Trace) -> bool:
+    """Whether a curve may still get its other side: it has one, and nobody said what it is."""
+    return trace.reading == "half" or (trace.reading == "plane" and curve.reading == "auto")
+
+
+def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
+    try:
+        return traced(curve, state)
+    except UserError:
+        return None
+
+
+def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> float:
+    """How ill new strokes go with a waiting side of the same view, px; inf: not at all."""
+    if strokes[0].camera not in {stroke.camera for stroke in curve.strokes}:
+        return float("inf")
+    both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
+    if both is None or both.reading == "half" or both.cost > SURE_PAIR:
+        return float("inf")
+    return both.cost
+
+
+def _runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
+    """Whether strokes are drawn along a curve, or along ink of it in the same view."""
+    return all(
+        any(_is_along(stroke.points, line) for line in _lines(stroke, trace, state))
+        for stroke in strokes
+    )
+
+
+def _lines(stroke: Stroke, trace: Trace, state: SymmetryState) -> list[Array]:
+    """What is seen of a curve where a stroke was drawn."""
+    stereo = Stereo.of(stroke.camera, state.plane)
+    lines = [side.pixels for view in trace.views if view.stereo == stereo for side in view.sides]
+    if trace.curve is not None:
+        images = [trace.points] + ([trace.points * MIRROR] if trace.reading == "pair" else [])
+        lines += [stereo.project(points) for points in images]
+    return [line for line in lines if len(line) > 1 and np.isfinite(line).all()]
+
+
+def _is_along(ink: Array, line: Array) -> bool:
+    if len(np.unique(ink, axis=0)) < 2:
+        return False
+    places = resample(ink, count=LOOKS)
+    near = distances_to_polyline(places, line) < ALONG
+    lengths = [float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum()) for p in (places, line)]
+    return bool(near.mean() >= MOSTLY and lengths[0] >= WORTH * lengths[1])

@@ -1,0 +1,136 @@
+"""The symmetry modeler's place in the program: ink in; symmetric curves in space out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Shapes
+from bozzetto.ink import Drawing
+from bozzetto.plugin import Command, Context, Job, Tool, ViewAdvice
+from bozzetto.scene import Scene
+from bozzetto.view import Camera
+from bozzetto_symmetry.advice import advice
+from bozzetto_symmetry.commands import all_commands
+from bozzetto_symmetry.drawing_facts import box_facts
+from bozzetto_symmetry.handing_over import shapes_of
+from bozzetto_symmetry.landing import drawn_curves
+from bozzetto_symmetry.report import report_of
+from bozzetto_symmetry.showing import scene_of
+from bozzetto_symmetry.state import Curve, Group, Line, SymmetryState
+from bozzetto_symmetry.tools import all_tools
+from bozzetto_symmetry.trace import Trace, traced
+from bozzetto_symmetry.vanishing import seen_from
+
+__all__ = ["Symmetry", "SymmetryResult"]
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetryResult:
+    """What the recipes gave.
+
+    Attributes
+    ----------
+    traces : dict of str to Trace
+        By the id of the curve, in their order.
+    problems : dict of str to str
+        Curves whose strokes cannot be what they are said to be, and why.
+    """
+
+    traces: Mapping[str, Trace]
+    problems: Mapping[str, str]
+
+
+class Symmetry:
+    """Both sides of a symmetric curve, drawn in perspective (Bae, Kijima & Kim 2004)."""
+
+    id = "bozzetto.symmetry"
+    title = "Symmetry"
+    state_type = SymmetryState
+    state_version = 1
+    part_types = (Curve, Line, Group)
+
+    def create(self, context: Context) -> SymmetryState:
+        """An empty box: the one that a file asks for, or 200 × 100 × 100 mm."""
+        return replace(SymmetryState(), **box_facts(context.facts))
+
+    def tools(self) -> Sequence[Tool[SymmetryState]]:
+        """What the pen can do, most used first."""
+        return all_tools()
+
+    def read_drawing(self, drawing: Drawing, context: Context) -> SymmetryState:
+        """The curves of a drawing: strokes of one name are one curve, others find their own.
+
+        Raises
+        ------
+        UserError
+            If the drawing is empty, or its box or plane makes no sense.
+        """
+        if not len(drawing.strokes):
+            raise UserError("The drawing has no strokes. Draw a curve first.")
+        return drawn_curves(self.create(context), tuple(drawing.strokes))
+
+    def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
+        """Every curve by itself; what did not change is remembered."""
+        traces: dict[str, Trace] = {}
+        problems: dict[str, str] = {}
+        for number, curve in enumerate(state.curves):
+            job.checkpoint(number / len(state.curves), curve.name)
+            try:
+                traces[curve.id] = traced(curve, state)
+            except UserError as problem:
+                problems[curve.id] = problem.message
+        return SymmetryResult(traces, problems)
+
+    def scene(self, state: SymmetryState, result: SymmetryResult | None) -> Scene:
+        """The see-through box, the curves, and how sure each of them is."""
+        return scene_of(state, {} if result is None else result.traces)
+
+    def shapes(self, state: SymmetryState, result: SymmetryResult) -> Shapes:
+        """The curves, exact; of a pair both."""
+        return shapes_of(state, result.traces)
+
+    def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
+        """Readings, control points and uncertainties of all curves."""
+        return report_of(state, result.traces, result.problems)
+
+    def commands(self) -> Sequence[Command]:
+        """What can be done to the chosen curve at one word."""
+        return all_commands()
+
+    def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
+        """How exact a curve becomes that is drawn in a view, and what of the box hangs on it."""
+        judged = advice(camera, state.plane, state.centre, state.diagonal)
+        return ViewAdvice(judged.level, judged.message, judged.better, seen_from(state, camera))
+
+    # -- parts --
+
+    def parts(self, state: SymmetryState) -> tuple[Curve | Line | Group, ...]:
+        """The curves, lines and groups."""
+        return state.nodes
+
+    def selected_part(self, state: SymmetryState) -> str:
+        """The one that is chosen."""
+        return state.selected
+
+    def is_group(self, part: Curve | Line | Group) -> bool:
+        """Whether it holds others."""
+        return isinstance(part, Group)
+
+    def with_parts(
+        self, state: SymmetryState, parts: tuple[Curve | Line | Group, ...], selected: str
+    ) -> SymmetryState:
+        """The same state with other nodes."""
+        return replace(state, nodes=parts, selected=selected)
+
+    def new_group(self, state: SymmetryState) -> Group:
+        """An empty group."""
+        return Group(id=state.unused_id(), name=state.unused_name("Group"))
+
+    # -- documents --
+
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Nothing to do: this is the first version."""
+        return state

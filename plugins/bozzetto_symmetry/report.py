@@ -1,0 +1,73 @@
+"""What is told about the curves: plain values in the frame of the model, mm."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from bozzetto_symmetry.state import Curve, SymmetryState
+from bozzetto_symmetry.trace import Trace
+
+__all__ = ["report_of"]
+
+
+def report_of(
+    state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
+) -> dict[str, Any]:
+    """How every curve was read, its spline, and how sure its places are.
+
+    Returns
+    -------
+    dict
+        ``"curves"``: for each ``"id"``, ``"name"``, ``"reading"`` (``"pair"``, ``"self"``,
+        ``"plane"``, ``"half"``; ``"none"`` where the strokes make no sense), ``"margin"``
+        (cost of the next best reading over the cost of this one), ``"degree"``,
+        ``"closed"``, ``"knots"``, ``"control_points"``, ``"points"`` and ``"sigma"``
+        (together along the side that was drawn, mm), ``"rms"`` (ink from the curve's image,
+        px) and ``"warnings"``; of a pair the mirror image's ``"mirrored_control_points"``.
+    """
+    told = []
+    for curve in state.curves:
+        if curve.id in traces:
+            told.append(_told(curve, traces[curve.id], state))
+        else:
+            told.append({**_nothing(curve), "warnings": [problems.get(curve.id, "")]})
+    plane = state.plane
+    return {
+        "curves": told,
+        "box": {"center": list(state.centre), "size": list(state.size)},
+        "plane": {"point": list(plane.point), "normal": list(plane.normal)},
+        "unit": "mm",
+    }
+
+
+def _nothing(curve: Curve) -> dict[str, Any]:
+    return {
+        "id": curve.id, "name": curve.name, "reading": "none", "margin": 0.0, "degree": 3,
+        "closed": False, "knots": [], "control_points": [], "points": [], "sigma": [],
+        "rms": 0.0, "warnings": [],
+    }  # fmt: skip
+
+
+def _told(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
+    told = _nothing(curve) | {
+        "reading": trace.reading,
+        "margin": trace.margin,
+        "rms": trace.rms,
+        "warnings": list(trace.warnings),
+    }
+    if trace.curve is None:
+        return told
+    place = state.plane.placement
+    handed = [spline.to_curve() for spline in trace.curve.curves()]
+    told |= {
+        "degree": handed[0].degree,
+        "closed": trace.curve.closed,
+        "knots": handed[0].knots.tolist(),
+        "control_points": place.points(handed[0].control_points).tolist(),
+        "points": place.points(trace.points).tolist(),
+        "sigma": trace.sigma.tolist(),
+    }
+    if len(handed) > 1:
+        told["mirrored_control_points"] = place.points(handed[1].control_points).tolist()
+    return told

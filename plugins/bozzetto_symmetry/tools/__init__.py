@@ -1,0 +1,20 @@
+"""What the pen can do, one tool in a module."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bozzetto.plugin import Tool
+from bozzetto_symmetry.tools.box import ResizeBox
+from bozzetto_symmetry.tools.draw import DrawCurve
+from bozzetto_symmetry.tools.join import JoinCurves
+from bozzetto_symmetry.tools.line import DrawLine
+from bozzetto_symmetry.tools.modify import Modify
+from bozzetto_symmetry.tools.split import Split
+
+__all__ = ["DrawCurve", "all_tools"]
+
+
+def all_tools() -> tuple[Tool[Any], ...]:
+    """The tools in the order of the rail, most used first."""
+    return (DrawCurve(), Modify(), Split(), JoinCurves(), DrawLine(), ResizeBox())

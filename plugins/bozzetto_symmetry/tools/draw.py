@@ -1,0 +1,94 @@
+"""Draw curves: one side and then the other, or one stroke across the centre plane."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Ink, Memory
+from bozzetto.scene import Layer, Lines, Scene
+from bozzetto_symmetry.landing import landed, waits
+from bozzetto_symmetry.live import Growing
+from bozzetto_symmetry.state import Curve, SymmetryState
+from bozzetto_symmetry.stereo import MIRROR, Stereo
+from bozzetto_symmetry.tools.eraser import erased
+from bozzetto_symmetry.trace import traced
+from bozzetto_symmetry.visibility import shown_curves
+
+__all__ = ["DrawCurve"]
+
+LIVE_WIDTH: Final = 2.5
+"""Of a curve that grows, px."""
+
+_growing: Memory[Growing] = Memory(limit=4)
+
+
+class DrawCurve:
+    """Left and right in any order, over and over, or across in one stroke."""
+
+    id = "draw"
+    title = "Draw curve"
+    icon = "icons/draw.svg"
+    hint = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
+        """The curve in space that grows while its second side is drawn."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        stroke = gesture.strokes[-1]
+        growing = _waiting(state, gesture)
+        if growing is None:
+            return Scene()
+        points = growing.points(stroke.points)
+        if len(points) < 2:
+            return Scene()
+        place = state.plane.placement
+        sides = ((points, "accent"), (points * MIRROR, "second"))
+        lines = (
+            Lines(place.points(side).astype(np.float32), color=color, width=LIVE_WIDTH)
+            for side, color in sides
+        )
+        return Scene((Layer("growing", tuple(lines)),))
+
+    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+        """Add the ink to the curve that it belongs to, or begin a new one.
+
+        Raises
+        ------
+        UserError
+            If the ink is a dot, or there is nothing under the eraser.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw a curve with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
+        return landed(state, gesture.strokes)
+
+
+def _waiting(state: SymmetryState, gesture: Ink) -> Growing | None:
+    """What grows from the side that waits in this view; the chosen or the newest one."""
+    curves = sorted(reversed(shown_curves(state)), key=lambda c: c.id != state.selected)
+    for curve in curves:
+        side = _side(curve, state, gesture)
+        if side is not None:
+            return side
+    return None
+
+
+def _side(curve: Curve, state: SymmetryState, gesture: Ink) -> Growing | None:
+    if gesture.camera not in {stroke.camera for stroke in curve.strokes}:
+        return None
+    try:
+        trace = traced(curve, state)
+    except UserError:
+        return None
+    if not waits(curve, trace):
+        return None
+    stereo = Stereo.of(gesture.camera, state.plane)
+    (view,) = (view for view in trace.views if view.stereo == stereo)
+    pixels = view.sides[0].pixels
+    question = (stereo, pixels.tobytes(), gesture.strokes[-1].points[:1].tobytes())
+    return _growing.recall(question, lambda: Growing(stereo, pixels))

@@ -1,0 +1,293 @@
+"""From the recipe of one curve to the curve in space; remembered.
+
+The ink of each view is put in sides and read; what the views say is fused; one symmetric
+spline is fitted to the ink of all views; then everything that was done to the curve since is
+done again, in order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.spline import Spline
+from bozzetto.ink import Stroke
+from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.plugin import Memory
+from bozzetto.view import Camera
+from bozzetto_symmetry.bundle import Bundled, Sight, bundled
+from bozzetto_symmetry.editing import applied
+from bozzetto_symmetry.fusion import Estimate, fused
+from bozzetto_symmetry.reading import Read, read
+from bozzetto_symmetry.sides import Side, sides_of
+from bozzetto_symmetry.space_curve import SpaceCurve
+from bozzetto_symmetry.state import Curve, SymmetryState
+from bozzetto_symmetry.stereo import MIRROR, Stereo
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+__all__ = ["MOST_MARGIN", "Trace", "View", "solved", "traced", "views_of"]
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 200
+"""Places of a curve at which its uncertainty is told."""
+
+MOST_MARGIN: Final = 1000.0
+"""Greatest margin that is told; where there is no other reading it is this."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What was drawn of one curve through one camera."""
+
+    stereo: Stereo
+    strokes: tuple[Stroke, ...]
+    sides: tuple[Side, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What the recipe of a curve gives, in the frame of the centre plane.
+
+    Attributes
+    ----------
+    reading : {"pair", "self", "plane", "half"}
+        "half": there is one side, and no curve yet.
+    curve : SpaceCurve or None
+    points : (k, 3) float
+        Along the side that was drawn, mm; of a curve across the plane along all of it.
+    sigma : (k,) float
+        Standard deviation of each of them, mm.
+    margin : float
+        Cost of the next best reading over the cost of this one; 1 is undecided.
+    cost : float
+        How far the ink contradicts this reading, px.
+    rms : float
+        Distance of the ink from the images of the curve, px.
+    ghost : SpaceCurve or None
+        What the next best reading gives, where it is close.
+    choices : int
+        How many readings the ink allows that give a curve.
+    views : tuple of View
+    warnings : tuple of str
+    """
+
+    reading: Literal["pair", "self", "plane", "half"]
+    curve: SpaceCurve | None = None
+    points: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    sigma: Array = field(default_factory=lambda: np.zeros(0))
+    margin: float = MOST_MARGIN
+    cost: float = 0.0
+    rms: float = 0.0
+    ghost: SpaceCurve | None = None
+    choices: int = 0
+    views: tuple[View, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+_traces: Memory[Trace] = Memory(limit=256)
+_views: Memory[tuple[View, ...]] = Memory(limit=256)
+
+AMBIGUOUS: Final = 1.5
+"""Margin below which the other reading is shown as well (wrong senses are 1.2 % above it)."""
+
+
+def traced(curve: Curve, state: SymmetryState) -> Trace:
+    """The curve in space of a recipe.
+
+    Raises
+    ------
+    UserError
+        If the strokes cannot be what they are said to be.
+    """
+    question = (
+        replace(curve, id="", name="", visible=True, within="", color=None),
+        state.plane, state.centre, state.size,
+        state.restitution, state.location, state.pressure,
+    )  # fmt: skip
+    return _traces.recall(question, lambda: _traced(curve, state))
+
+
+def views_of(strokes: Sequence[Stroke], state: SymmetryState) -> tuple[View, ...]:
+    """Strokes by the camera that they were drawn through, in the order of the first of each."""
+
+    def made() -> tuple[View, ...]:
+        by_camera: dict[Camera, list[Stroke]] = {}
+        for stroke in strokes:
+            by_camera.setdefault(stroke.camera, []).append(stroke)
+        return tuple(
+            View(Stereo.of(camera, state.plane), tuple(drawn), sides_of(drawn))
+            for camera, drawn in by_camera.items()
+        )
+
+    return _views.recall((tuple(strokes), state.plane), made)
+
+
+def _traced(curve: Curve, state: SymmetryState) -> Trace:
+    if not len(curve.strokes):
+        raise UserError(f"“{curve.name}” has no ink. Draw it, or delete it.")
+    if not curve.edits:
+        return _read(curve, state)
+    base = traced(replace(curve, edits=()), state)
+    if base.curve is None:
+        return base
+    changed = applied(base.curve, curve.edits, state, solved)
+    points, sigma = _carried(base, changed.curve)
+    return replace(
+        base, curve=changed.curve, points=points, sigma=sigma,
+        warnings=(*base.warnings, *changed.warnings),
+    )  # fmt: skip
+
+
+def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
+    """The curve in space of a recipe; None while it waits for its other side."""
+    return traced(curve, state).curve
+
+
+def _read(curve: Curve, state: SymmetryState) -> Trace:
+    views = views_of(tuple(curve.strokes), state)
+    box = state.bounds
+    readings = [_readings(view, curve.reading, box, len(views)) for view in views]
+    main = _main(readings)
+    first = _chosen(readings[main], curve.other)
+    if first.reading == "half":
+        return Trace("half", cost=first.cost, views=views, warnings=first.warnings)
+    alike = {main: first}
+    for number, found in enumerate(readings):
+        same = [r for r in found if r.reading == first.reading and r.closed == first.closed]
+        if number != main and same:
+            alike[number] = _facing(same[0], first)
+    fit = _fitted(views, alike, main, curve)
+    rest = [r for r in readings[main] if r is not first and r.reading != "half"]
+    margin = min((r.cost / max(first.cost, 1e-6) for r in rest), default=MOST_MARGIN)
+    at = np.linspace(*fit.curve.spline.range, SAMPLES)
+    return Trace(
+        first.reading, fit.curve, fit.curve.spline.value(at), fit.sigma(at),
+        margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
+        ghost=_ghost(views[main], rest, margin, curve),
+        choices=1 + len(rest), views=views, warnings=_warnings(alike, main, fit, views),
+    )  # fmt: skip
+
+
+def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...]:
+    """The readings of one view; beside other views it need not be what is asked."""
+    if count > 1 and asked != "half":
+        try:
+            return read(view.stereo, view.sides, asked, box=box)
+        except UserError:
+            return read(view.stereo, view.sides, "half", box=box)
+    return read(view.stereo, view.sides, asked, box=box)
+
+
+def _main(readings: Sequence[Sequence[Read]]) -> int:
+    """The view that says best what the curve is."""
+    solved = [k for k, found in enumerate(readings) if found[0].reading != "half"]
+    if not solved:
+        return 0
+    return min(solved, key=lambda k: _trouble(readings[k][0]))
+
+
+def _trouble(reading: Read) -> float:
+    """Median variance of what one view says, mm² per px²."""
+    return float(np.median(np.trace(reading.covariances, axis1=1, axis2=2)))
+
+
+def _chosen(found: Sequence[Read], other: bool) -> Read:
+    real = [r for r in found if r.reading != "half"]
+    return real[1] if other and len(real) > 1 else found[0]
+
+
+def _facing(found: Read, first: Read) -> Read:
+    """A reading with the same half in front as the first one: left may be drawn first here."""
+    if first.reading == "plane":
+        return found
+    image = found.points * MIRROR
+    if first.reading == "pair":
+        tree = _tree(first.points)
+        turned = bool(np.median(tree.query(image)[0]) < np.median(tree.query(found.points)[0]))
+    else:
+        turned = _side(found) != _side(first)
+    if not turned:
+        return found
+    reflected = found.covariances * (MIRROR[:, None] * MIRROR)
+    return replace(found, points=image, covariances=reflected, near=found.far, far=found.near)
+
+
+def _side(across: Read) -> bool:
+    """Whether the half that was drawn first is on the positive side."""
+    return bool(across.points[: len(across.points) // 2, 1].sum() > 0.0)
+
+
+def _tree(points: Array) -> cKDTree:
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points)
+
+
+def _fitted(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Bundled:
+    first = alike[main]
+    assert first.reading != "half"
+    noise = [max((side.noise for side in view.sides), default=0.0) for view in views]
+    estimates = [
+        Estimate(r.points, r.covariances * max(noise[k], 0.3) ** 2) for k, r in alike.items()
+    ]
+    whole = estimates[0] if len(estimates) == 1 else fused(estimates, closed=first.closed)
+    sights = [Sight(views[k].stereo, r.near, r.far, noise[k]) for k, r in alike.items()]
+    sights += [
+        _one_sided(view, noise[k], whole.points, first)
+        for k, view in enumerate(views)
+        if k not in alike
+    ]
+    return bundled(
+        first.reading, whole.points, whole.covariances, sights,
+        closed=first.closed, ring=first.ring,
+        controls="adaptive" if curve.detail == "adaptive" else "seven",
+    )  # fmt: skip
+
+
+def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
+    """A view that shows a curve's sides singly: each is of the half that it is nearer to."""
+    near: list[Array] = []
+    far: list[Array] = []
+    image, mirrored = view.stereo.project(points), view.stereo.project(points * MIRROR)
+    for side in view.sides:
+        to_near = float(np.mean(distances_to_polyline(side.pixels, image)))
+        to_far = float(np.mean(distances_to_polyline(side.pixels, mirrored)))
+        (near if first.reading != "pair" or to_near <= to_far else far).append(side.pixels)
+    return Sight(view.stereo, tuple(near), tuple(far), noise)
+
+
+def _ghost(view: View, rest: Sequence[Read], margin: float, curve: Curve) -> SpaceCurve | None:
+    """What the next best reading gives, where it is about as good."""
+    if not rest or margin > AMBIGUOUS:
+        return None
+    other = min(rest, key=lambda r: r.cost)
+    return _fitted([view], {0: other}, 0, curve).curve
+
+
+def _warnings(
+    alike: dict[int, Read], main: int, fit: Bundled, views: Sequence[View]
+) -> tuple[str, ...]:
+    told = list(alike[main].warnings)
+    if any(not side.sure for view in views for side in view.sides):
+        told.append("It is not sure how the strokes belong together. Draw the curve again.")
+    return tuple(told)
+
+
+def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
+    """Places of a changed curve, and the uncertainty of those of the old one that are nearest."""
+    points = sampled(curve.spline)
+    _, nearest = _tree(base.points).query(points)
+    return points, base.sigma[nearest]
+
+
+def sampled(spline: Spline) -> Array:
+    """Places along a spline, both ends included."""
+    return spline.sampled(SAMPLES)
