@@ -274,8 +274,8 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
     room = share * np.array((width / height, 1.0))
     if camera.kind == "orthographic":
         visible = float(((high - low)[:2] / room).max())
-        if visible <= 0:
-            visible = camera.height
+        if visible <= END_ON * half_depth:
+            visible = max(visible, camera.height)
         visible = float(np.clip(visible, MIN_VISIBLE, MAX_VISIBLE))
         flat = replace(camera, height=visible)
         return _stood(flat, middle + centre @ axes, half_depth + STANDOFF * visible)
