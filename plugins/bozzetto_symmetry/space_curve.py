@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.geometry import Curve
+from bozzetto.geometry.shapes import Color
 from bozzetto.geometry.spline import DEGREE, Spline, uniform_knots
 from bozzetto_symmetry.stereo import MIRROR
 
@@ -44,6 +46,17 @@ class SpaceCurve:
         if self.reading == "pair":
             return self.spline, self.spline.mirrored((0.0, 1.0, 0.0))
         return (self.spline,)
+
+    def to_curves(self, color: Color | None = None) -> tuple[Curve, ...]:
+        """What is handed over: `curves` with clamped ends, mirror images to the last bit.
+
+        Clamping a ring inserts knots, and rounds: the two halves are then made equal again.
+        """
+        handed = tuple(spline.to_curve(color=color) for spline in self.curves())
+        if self.reading != "self":
+            return handed
+        points = np.asarray(handed[0].control_points)
+        return (replace(handed[0], control_points=0.5 * (points + points[::-1] * MIRROR)),)
 
 
 def across(points: ArrayLike, *, ring: bool = False) -> Spline:
