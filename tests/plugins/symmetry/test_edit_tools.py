@@ -235,6 +235,24 @@ def test_ends_are_led_on_where_they_fall_short_and_cut_where_they_pass(second, k
         with_ends_met(made, CONTEXT)
 
 
+@pytest.mark.parametrize(("begin", "cut"), [(-2.0, True), (2.5, False)])
+def test_an_end_that_nearly_meets_a_curve_ends_on_it(begin, cut):
+    rail = PAIRS["roof rail"]
+    way = np.linspace(begin, 60.0, 200)[:, None] * np.array([0.3, 0.1, 1.0])
+    state = SymmetryState(nodes=(pair("a", rail), pair("b", rail[120] + way)))
+    made = with_ends_met(state, CONTEXT)
+    assert made.node("a").edits == ()
+    kinds = [type(edit) for edit in made.node("b").edits]
+    assert kinds == ([Trim, Snap] if cut else [Snap])
+    end = curve_of(made, "b").spline
+    place = end.value(end.range[:1])
+    spline = curve_of(made, "a").spline
+    assert np.linalg.norm(spline.value(spline.foot_points(place)) - place) < 1e-9
+    assert np.linalg.norm(place - rail[120]) < 1.0
+    with pytest.raises(UserError, match="No ends nearly meet"):
+        with_ends_met(made, CONTEXT)
+
+
 def test_an_end_near_the_plane_meets_its_image_there():
     half = ACROSS["wavy bumper"][299:]
     away = half + np.array([0.0, 2.0, 0.0])
