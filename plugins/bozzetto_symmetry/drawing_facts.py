@@ -31,9 +31,6 @@ COINCIDENT: Final = 1e-9
 """Difference of unit normals, and share of the box's diagonal between planes, below which a
 plane is the box's own."""
 
-SPARE: Final = 1.1
-"""Size of a box around ink over that of the ink."""
-
 LEAST_SEEN: Final = 0.4
 """Share of its length that an axis is taken to be seen at, however short it is seen."""
 
@@ -110,7 +107,7 @@ def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
     ink = np.concatenate([stroke.points for stroke in strokes if stroke.camera == camera])
     if not np.isfinite(middle).all():
         middle = 0.5 * np.asarray([camera.viewport])
-    reach = 2.0 * SPARE * float(np.abs(ink - middle).max()) / camera.pixels_per_mm
+    reach = 2.0 * float(np.abs(ink - middle).max()) / camera.pixels_per_mm
     seen = np.sqrt(np.clip(1.0 - camera.axes[2] ** 2, LEAST_SEEN**2, 1.0))
     edges = np.clip([float(f"{v:.{FIGURES}g}") for v in reach / seen], *SIZE_LIMITS)
     length, width, height = edges.tolist()

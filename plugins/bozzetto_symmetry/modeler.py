@@ -14,14 +14,14 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.advice import advice
 from bozzetto_symmetry.commands import all_commands
-from bozzetto_symmetry.drawing_facts import box_facts
+from bozzetto_symmetry.drawing_facts import box_around, box_facts
 from bozzetto_symmetry.handing_over import shapes_of
 from bozzetto_symmetry.landing import drawn_curves
 from bozzetto_symmetry.report import report_of
 from bozzetto_symmetry.showing import scene_of
 from bozzetto_symmetry.state import Curve, Group, Line, SymmetryState
 from bozzetto_symmetry.tools import all_tools
-from bozzetto_symmetry.trace import Trace, traced
+from bozzetto_symmetry.trace import Trace, directions, traced
 from bozzetto_symmetry.vanishing import seen_from
 
 __all__ = ["Symmetry", "SymmetryResult"]
@@ -63,6 +63,8 @@ class Symmetry:
     def read_drawing(self, drawing: Drawing, context: Context) -> SymmetryState:
         """The curves of a drawing: strokes of one name are one curve, others find their own.
 
+        Where the file tells no box, it is one with room for all the ink.
+
         Raises
         ------
         UserError
@@ -70,7 +72,10 @@ class Symmetry:
         """
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes. Draw a curve first.")
-        return drawn_curves(self.create(context), tuple(drawing.strokes))
+        strokes, state = tuple(drawing.strokes), self.create(context)
+        if context.facts.get("box") is None:
+            state = replace(state, **box_around(strokes, state.plane))
+        return drawn_curves(state, strokes)
 
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
         """Every curve by itself; what did not change is remembered."""
@@ -102,7 +107,8 @@ class Symmetry:
 
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
         """How exact a curve becomes that is drawn in a view, and what of the box hangs on it."""
-        judged = advice(camera, state.plane, state.centre, state.diagonal)
+        lines = directions(state)
+        judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
         return ViewAdvice(judged.level, judged.message, judged.better, seen_from(state, camera))
 
     # -- parts --

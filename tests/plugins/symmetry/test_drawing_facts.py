@@ -12,9 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
+from bozzetto.ink import Drawing, Stroke, Strokes
+from bozzetto.plugin import Context
 from bozzetto.view import Camera
 from bozzetto_symmetry.drawing_facts import box_around, box_facts, facts_of
+from bozzetto_symmetry.modeler import Symmetry
 from bozzetto_symmetry.plane import CentrePlane
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.stereo import Stereo
@@ -217,3 +219,21 @@ def test_a_box_around_ink_stands_on_both_sides_of_the_plane() -> None:
     assert made.plane == CentrePlane((40.0, 0.0, 10.0))
     tiny = replace(SymmetryState(), **box_around([Stroke([600.0], [450.0], camera)], CentrePlane()))
     assert min(tiny.size) >= 0.1
+
+
+def test_a_drawing_without_a_box_gets_one_with_room_and_one_with_a_box_keeps_it() -> None:
+    camera = Camera(eye=(1500.0, -2000.0, 900.0))
+    side = np.column_stack(
+        (np.linspace(-500, 500, 80), np.full(80, 260.0), 150 * np.sin(np.linspace(0, 3, 80)))
+    )
+    stereo = Stereo(camera)
+    ink = Strokes(
+        Stroke(*stereo.project(side * sign).T, camera, group="rail")
+        for sign in (np.ones(3), np.array([1.0, -1.0, 1.0]))
+    )
+    drawing = Drawing(ink, camera)
+    roomy = Symmetry().read_drawing(drawing, Context(camera=camera))
+    assert (np.abs(side) <= 0.6 * np.asarray(roomy.size)).all()
+    facts = {"box": [1200, 600, 400]}
+    told = Symmetry().read_drawing(drawing, Context(camera=camera, facts=facts))
+    assert told.size == (1200.0, 600.0, 400.0)
