@@ -33,6 +33,10 @@ DOUBTFUL: Final = 0.01
 """Standard deviation, as a share of the length, from which steps along a direction say
 little about the length of the way."""
 
+BOTH: Final = 0.5
+"""Share of the greatest height above the plane that a curve across it reaches on the other
+side where both halves are given."""
+
 RIDGE: Final = 1e-12
 """Pull of the control points to the chain through the places, as a share of theirs."""
 
@@ -64,8 +68,8 @@ def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[A
         raise UserError("The curve comes out as a dot. Draw it larger, or turn the box.")
     if basis.reading == "self":
         heights = place[:, 1]
-        most = np.abs(heights).max()
-        if heights.max() > 0.1 * most and heights.min() < -0.1 * most:
+        most = BOTH * np.abs(heights).max()
+        if heights.max() > most and heights.min() < -most:
             changes = np.flatnonzero(np.diff(heights > 0))
             middle = int(changes[np.argmin(np.abs(changes + 1 - 0.5 * len(place)))]) + 1
             middle += int(middle < len(place) and heights[middle] == 0.0)
@@ -163,8 +167,10 @@ def approximated(
 def polygon_of(basis: SymmetricBasis, points: Array, stations: Array) -> Array:
     """Control points (count, 3) at even shares of the half on the chain through the points.
 
-    What is not free to move is nought.
+    The ends are the first and the last point exactly; what is not free to move is nought.
     """
     even = np.linspace(0.0, 1.0, basis.count, endpoint=not basis.closed)
     made = np.column_stack([np.interp(even, stations, points[:, axis]) for axis in range(3)])
+    if not basis.closed:
+        made[[0, -1]] = points[[0, -1]]
     return np.where(basis.free.reshape(-1, 3), made, 0.0)
