@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.nearest import distances_to_polyline
-from bozzetto.ink.resample import resample
+from bozzetto.ink.nearest import distances_to_polyline, nearest_curve
 from bozzetto.ink.sheet import FARTHEST
+from bozzetto.plugin import Memory
 from bozzetto.view import Camera
 from bozzetto_symmetry.halves import halves_of
 from bozzetto_symmetry.space_curve import SpaceCurve
@@ -29,14 +29,16 @@ Array = NDArray[np.float64]
 PIECES: Final = 24
 """Segments of a picture for each span of the spline: within a tenth of a pixel of it."""
 
-LOOKS: Final = 48
-"""Places of a stroke whose distances are averaged."""
-
 FAITHFUL: Final = 0.6
 """The chosen curve seems nearer than it is by this factor: a person goes on with it."""
 
 REACH: Final = 120.0
 """Mean distance, px, beyond which a stroke is meant for no curve."""
+
+Picture = tuple[bool, Array, Array]
+"""Whether it is of the mirror image, parameters, and where these are seen."""
+
+_pictures: Memory[tuple[Picture, ...]] = Memory(limit=512)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,14 +127,22 @@ def solved_curves(state: SymmetryState) -> list[tuple[Curve, SpaceCurve]]:
 def seen_curves(state: SymmetryState, camera: Camera) -> list[Seen]:
     """All sides of all curves shown, through a camera of the model's frame."""
     stereo = Stereo.of(camera, state.plane)
-    found = []
-    for node, curve in solved_curves(state):
-        spline = curve.spline
-        spans = len(np.unique(spline.knots))
-        at = np.linspace(*spline.range, spans * PIECES + 1)
-        for number, side in enumerate(curve.curves()):
-            found.append(Seen(node, curve, number == 1, stereo, at, stereo.project(side.value(at))))
-    return found
+    return [
+        Seen(node, curve, mirrored, stereo, at, pixels)
+        for node, curve in solved_curves(state)
+        for mirrored, at, pixels in _pictures.recall(
+            (curve, stereo), partial(_pictures_of, curve, stereo)
+        )
+    ]
+
+
+def _pictures_of(curve: SpaceCurve, stereo: Stereo) -> tuple[Picture, ...]:
+    spline = curve.spline
+    at = np.linspace(*spline.range, len(np.unique(spline.knots)) * PIECES + 1)
+    return tuple(
+        (number == 1, at, stereo.project(side.value(at)))
+        for number, side in enumerate(curve.curves())
+    )
 
 
 def target_of(seen: Sequence[Seen], ink: ArrayLike, chosen: str) -> Seen | None:
@@ -146,13 +156,12 @@ def target_of(seen: Sequence[Seen], ink: ArrayLike, chosen: str) -> Seen | None:
     chosen : str
         Id of the curve that is preferred to others about as near.
     """
-    places = resample(ink, count=LOOKS)
-    best: tuple[float, Seen] | None = None
-    for side in seen:
-        away = float(side.distances(places).mean())
-        if away > REACH:
-            continue
-        weighed = away * (FAITHFUL if side.node.id == chosen else 1.0)
-        if best is None or weighed < best[0]:
-            best = weighed, side
-    return None if best is None else best[1]
+    paths = [side.visible[1] for side in seen]
+    best = nearest_curve(paths, ink)
+    if best is None or best.distance > REACH:
+        return None
+    own = [number for number, side in enumerate(seen) if side.node.id == chosen]
+    mine = nearest_curve([paths[number] for number in own], ink)
+    if mine is not None and FAITHFUL * mine.distance <= best.distance:
+        return seen[own[mine.index]]
+    return seen[best.index]
