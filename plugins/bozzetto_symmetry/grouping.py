@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -72,8 +72,6 @@ class Bond:
         Drawn over one another, at least in part; not merely continued.
     sure : bool
         Close enough by itself; else only where strokes have to be united.
-    gap : float
-        Least distance between an end of one and an end of the other, px.
     part : float
         Length that was drawn over, px.
     """
@@ -81,7 +79,6 @@ class Bond:
     distance: float
     over: bool
     sure: bool
-    gap: float = np.inf
     part: float = 0.0
 
 
@@ -174,7 +171,7 @@ def _bond(
             if bonds[i][j].over and bonds[i][j].sure
         ]
         mean = float(np.average([bond.distance for bond in over], weights=weights))
-        return Bond(mean, True, True, min(bond.gap for bond in pairs))
+        return Bond(mean, True, True)
     return min(pairs, key=lambda bond: (not bond.sure, bond.distance))
 
 
@@ -227,13 +224,12 @@ def _between(one: _Trail, other: _Trail) -> Bond:
     distance = np.where(inside, across, square[rows, nearest])
     cosine = np.abs((shorter.tangents * tangents).sum(axis=1))
     beside = (distance < reach) & (cosine > PARALLEL)
-    joint = _continued(one, other)
     if beside.mean() < GOOD_PART:
         beside = (distance < OVERLAP) & (cosine > CONTINUING)
         if not _overlapping(beside, nearest, len(longer.places)):
-            return joint
+            return _continued(one, other)
     part = float(beside.mean()) * shorter.length
-    return Bond(float(distance[beside].mean()), True, True, joint.gap, part)
+    return Bond(float(distance[beside].mean()), True, True, part)
 
 
 def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: int) -> bool:
@@ -249,7 +245,7 @@ def _continued(one: _Trail, other: _Trail) -> Bond:
     """The best joint of an end of one stroke with an end of the other."""
     shorter = min(one.length, other.length)
     widest = float(np.clip(GAP_SHARE * shorter, *GAP))
-    best, least = Bond(np.inf, False, False), np.inf
+    best = Bond(np.inf, False, False)
     for last in (False, True):
         place, way = one.end(last)
         for other_last in (False, True):
@@ -258,9 +254,8 @@ def _continued(one: _Trail, other: _Trail) -> Bond:
             straight = float(-(way @ back))
             ahead = gap < GAP[0] or float(way @ (there - place)) > 0.5 * gap
             if gap <= widest and straight > CONTINUING and ahead:
-                found = Bond(gap, False, True, gap)
+                found = Bond(gap, False, True)
             else:
-                found = Bond(gap + BENT * shorter * (1.0 - straight), False, False, gap)
-            least = min(least, gap)
+                found = Bond(gap + BENT * shorter * (1.0 - straight), False, False)
             best = min(best, found, key=lambda bond: (not bond.sure, bond.distance))
-    return replace(best, gap=least)
+    return best

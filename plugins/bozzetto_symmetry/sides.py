@@ -17,7 +17,7 @@ from bozzetto.ink.settle import fading, settle
 from bozzetto_symmetry.grouping import bonds_between, grouped
 from bozzetto_symmetry.line import CLOSING, SPACING, Line, drawn_line, evenly_spaced, pen_down
 
-__all__ = ["Side", "drawn_twice", "joined", "sides_of"]
+__all__ = ["Side", "drawn_twice", "gap_between", "joined", "sides_of"]
 
 Array = NDArray[np.float64]
 
@@ -52,6 +52,11 @@ class Side:
     noise: float
     strokes: tuple[int, ...]
     sure: bool = True
+
+    @property
+    def unrolled(self) -> Array:
+        """The side as an open line: a closed one ends where it begins, (m, 2) px."""
+        return np.vstack((self.pixels, self.pixels[:1])) if self.closed else self.pixels
 
 
 def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]:
@@ -119,12 +124,20 @@ def joined(one: Side, other: Side) -> Side | None:
     """Two sides as halves of one line, in the sense of the first, where their ends meet."""
     if one.closed or other.closed:
         return None
-    gap = bonds_between([one.pixels, other.pixels])[0][1].gap
+    gap = gap_between(one.pixels, other.pixels)[0]
     if gap > MEETING * min(_length(one.pixels), _length(other.pixels)):
         return None
     line = evenly_spaced(_chained([one.pixels, other.pixels]))
     noise = max(one.noise, other.noise)
     return Side(line, False, noise, _members(one, other), one.sure and other.sure)
+
+
+def gap_between(one: Array, other: Array) -> tuple[float, Array, bool]:
+    """How near two lines' ends come, px; where; and whether it is the last end of the first."""
+    first, second = one[[0, -1]], other[[0, -1]]
+    gaps = np.linalg.norm(first[:, None] - second, axis=2)
+    which, that = np.unravel_index(int(gaps.argmin()), gaps.shape)
+    return float(gaps.min()), 0.5 * (first[which] + second[that]), bool(which)
 
 
 def _members(one: Side, other: Side) -> tuple[int, ...]:

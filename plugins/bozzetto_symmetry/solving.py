@@ -12,9 +12,10 @@ from bozzetto_symmetry.pairing import Pairing
 from bozzetto_symmetry.stereo import Stereo
 from bozzetto_symmetry.uncertainty import pair_covariances, sigmas
 
-__all__ = ["Solved", "solved"]
+__all__ = ["Solved", "solved", "strays"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 ROOM: Final = 0.2
 """Share of the box's size by which a curve may leave it: the box is a ruler, no fence."""
@@ -76,16 +77,26 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     # A place that the view hardly knows says little about where the curve is.
     trust = 1.0 / (sigmas(covariances) + 0.01 * extent + 1e-300) ** 2
     trust /= trust.sum()
-    out = np.zeros(len(points), bool)
-    if box is not None:
-        room = ROOM * (box[1] - box[0])
-        out = ((points < box[0] - room) | (points > box[1] + room)).any(axis=1)
+    out = _beyond(points, box)
     middle = points - trust @ points
     extents = np.linalg.svd(middle * np.sqrt(trust)[:, None], compute_uv=False)
     buckled = float(extents[-1] / max(extents[0], 1e-300)) if len(extents) == 3 else 0.0
     outside, astride = float(trust[out].sum()), _astride(points[:, 1], trust)
-    keep = ~out if out.any() and out.mean() <= STRAY else np.ones(len(points), bool)
+    keep = ~strays(points, box)
     return Solved(points[keep], covariances[keep], float(seen.mean()), outside, astride, buckled)
+
+
+def strays(points: Array, box: Array | None) -> Flags:
+    """Which of the points are far outside the box while most are not, (n,)."""
+    out = _beyond(points, box)
+    return out if out.mean() <= STRAY else np.zeros(len(points), bool)
+
+
+def _beyond(points: Array, box: Array | None) -> Flags:
+    if box is None:
+        return np.zeros(len(points), bool)
+    room = ROOM * (box[1] - box[0])
+    return np.asarray(((points < box[0] - room) | (points > box[1] + room)).any(axis=1))
 
 
 def _astride(y: Array, trust: Array) -> float:
