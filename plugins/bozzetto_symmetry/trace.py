@@ -28,6 +28,8 @@ from bozzetto_symmetry.sides import Side, sides_of
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import Curve, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR, Stereo
+from bozzetto_symmetry.uncertainty import curve_sigmas
+from bozzetto_symmetry.visibility import shown_curves
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -38,6 +40,9 @@ Array = NDArray[np.float64]
 
 SAMPLES: Final = 200
 """Places of a curve at which its uncertainty is told."""
+
+LOOKS: Final = 12
+"""Places of a curve whose directions a view is judged by."""
 
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is told; where there is no other reading it is this."""
@@ -64,7 +69,7 @@ class Trace:
     points : (k, 3) float
         Along the side that was drawn, mm; of a curve across the plane along all of it.
     sigma : (k,) float
-        Standard deviation of each of them, mm.
+        How far each of them may be off across the curve if the hand is off by 1 px, mm.
     margin : float
         Cost of the next best reading over the cost of this one; 1 is undecided.
     cost : float
@@ -164,12 +169,12 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         same = [r for r in found if r.reading == first.reading and r.closed == first.closed]
         if number != main and same:
             alike[number] = _facing(same[0], first)
-    fit = _fitted(views, alike, main, curve)
+    fit, sights = _fitted(views, alike, main, curve)
     rest = [r for r in readings[main] if r is not first and r.reading != "half"]
     margin = min((r.cost / max(first.cost, 1e-6) for r in rest), default=MOST_MARGIN)
-    at = np.linspace(*fit.curve.spline.range, SAMPLES)
+    points = sampled(fit.curve.spline)
     return Trace(
-        first.reading, fit.curve, fit.curve.spline.value(at), fit.sigma(at),
+        first.reading, fit.curve, points, _uncertainty(fit.curve, points, sights),
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
         ghost=_ghost(views[main], rest, margin, curve),
         choices=1 + len(rest), views=views, warnings=_warnings(alike, main, fit, views),
@@ -231,7 +236,10 @@ def _tree(points: Array) -> cKDTree:
     return cKDTree(points)
 
 
-def _fitted(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Bundled:
+def _fitted(
+    views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve
+) -> tuple[Bundled, list[Sight]]:
+    """The spline through the ink of all views, and that ink."""
     first = alike[main]
     assert first.reading != "half"
     noise = [max((side.noise for side in view.sides), default=0.0) for view in views]
@@ -245,11 +253,20 @@ def _fitted(views: Sequence[View], alike: dict[int, Read], main: int, curve: Cur
         for k, view in enumerate(views)
         if k not in alike
     ]
-    return bundled(
+    made = bundled(
         first.reading, whole.points, whole.covariances, sights,
         closed=first.closed, ring=first.ring,
         controls="adaptive" if curve.detail == "adaptive" else "seven",
     )  # fmt: skip
+    return made, sights
+
+
+def _uncertainty(curve: SpaceCurve, points: Array, sights: Sequence[Sight]) -> Array:
+    at = np.linspace(*curve.spline.range, len(points))
+    near = [sight.stereo for sight in sights if sight.near]
+    far = [sight.stereo for sight in sights if sight.far]
+    tangents = curve.spline.derivative(at)
+    return curve_sigmas(near, far, points, tangents, flat=curve.reading == "plane")
 
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
@@ -269,7 +286,7 @@ def _ghost(view: View, rest: Sequence[Read], margin: float, curve: Curve) -> Spa
     if not rest or margin > AMBIGUOUS:
         return None
     other = min(rest, key=lambda r: r.cost)
-    return _fitted([view], {0: other}, 0, curve).curve
+    return _fitted([view], {0: other}, 0, curve)[0].curve
 
 
 def _warnings(
@@ -291,3 +308,17 @@ def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
 def sampled(spline: Spline) -> Array:
     """Places along a spline, both ends included."""
     return spline.sampled(SAMPLES)
+
+
+def directions(state: SymmetryState) -> Array | None:
+    """Tangents of the curves that are shown, (n, 3) in the frame of the model; None of none."""
+    found = []
+    for curve in shown_curves(state):
+        try:
+            made = traced(curve, state).curve
+        except UserError:
+            continue
+        if made is not None:
+            steps = np.diff(made.spline.sampled(LOOKS), axis=0)
+            found.append(state.plane.placement.directions(steps))
+    return np.vstack(found) if found else None
