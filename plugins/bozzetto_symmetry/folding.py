@@ -39,14 +39,14 @@ UNEVEN: Final = 0.01
 SMOOTHING: Final = 3.0
 """Standard deviation, samples, with which the angle is smoothed to find its turns."""
 
-VERTEX: Final = (16, 64)
+VERTEX: Final = (8, 24)
 """Fewest and most samples to either side of a turn from which its place is found: the turn
 is flat, so a pixel of the hand moves what a few samples say by ten."""
 
 WITHIN: Final = 0.75
 """Share of the way to the next turn, or to the end, that is used for it."""
 
-FLATTENED: Final = 4
+DEGREE: Final = 3
 """Degree of the polynomial through these samples."""
 
 MOST_TURNS: Final = 10
@@ -156,7 +156,7 @@ def _vertex(angles: Array, turn: int, reach: int, closed: bool) -> float:
     offsets = np.arange(-reach, reach + 1)
     if not closed:
         offsets = offsets[(turn + offsets >= 0) & (turn + offsets < count)]
-    fitted = np.polynomial.Polynomial.fit(offsets, angles[(turn + offsets) % count], FLATTENED)
+    fitted = np.polynomial.Polynomial.fit(offsets, angles[(turn + offsets) % count], DEGREE)
     roots = fitted.deriv().roots()
     real = roots[np.abs(roots.imag) < 1e-9].real
     real = real[np.abs(real) <= 0.5 * reach]

@@ -57,6 +57,7 @@ class Growing:
         self._price = UNEVEN * spread(known)
         self._seen: int
         self._sense: int
+        self._pen: Array
         self._found: list[Array]
         self._forget()
 

@@ -65,6 +65,9 @@ FLAT: Final = 150.0
 """Spread of a signal, px, below which prices shrink no more: a hand that shakes by a pixel
 would leave everything without a partner."""
 
+STEEPEST: Final = 1e12
+"""Most pixels per unit of angle, so that their squares stay finite."""
+
 LEAST: Final = 1e-9
 """Of lengths that are divided by."""
 
@@ -136,7 +139,7 @@ class Signal:
     @classmethod
     def of(cls, stereo: Stereo, pixels: Array) -> Signal:
         """The signal of a curve that was resampled at even steps."""
-        scales = np.minimum(stereo.pixels_per_angle(pixels), 1.0 / np.finfo(float).tiny)
+        scales = np.minimum(stereo.pixels_per_angle(pixels), STEEPEST)
         return cls(pixels, stereo.angles(pixels), scales)
 
     def shifted(self, stereo: Stereo, other: Signal) -> Signal:
@@ -213,7 +216,7 @@ def paired(
     far = _bridged(stereo, near, far, weak)
     coverage = (
         float(np.ptp(places)) / (len(first.angles) - 1.0),
-        float(np.ptp(partners)) / (len(second.angles) - 1.0),
+        min(1.0, float(np.ptp(partners)) / (len(second.angles) - 1.0)),
     )
     price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
     left = _left(first, second, places, partners) + BENT * _bending(second, partners)
@@ -276,6 +279,11 @@ def _map_of_stations(
     """
     places, counts = np.unique(path[:, 0], return_counts=True)
     start = np.bincount(path[:, 0], path[:, 1])[places] / counts
+    # Several samples may share the place of a known end; it is the outermost that is meant.
+    if pinned[0]:
+        start[0] = path[0, 1]
+    if pinned[1]:
+        start[-1] = path[-1, 1]
     if not closed:
         return places, _stiffened(first, second, places, start, pinned)
     # Around the cut of a loop the map goes on: an eighth of a round is added at either end.
