@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 REACH: Final = 4.0
 """Half width of the kernel in standard deviations; what lies beyond weighs 6e-5."""
 
-CELLS_PER_SIGMA: Final = 6
+CELLS_PER_SIGMA: Final = 5
 """Fineness of the convolution: linear interpolation errs by less than sigma / 250 then."""
 
 FEWEST_CELLS: Final = 8

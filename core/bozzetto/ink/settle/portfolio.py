@@ -27,14 +27,21 @@ Strategy = Literal["principal", "spanning", "following", "strip"]
 GOOD: Final = 3.0
 """Score (pixels) of a quick strategy that makes the strip, which is slow, superfluous."""
 
+HONEST: Final = 2.0
+"""Score, in widths of the ink, that is as good: the ink itself is spread that much."""
+
 UNSURE: Final = 5.0
 """Score (pixels) above which the curve is shown as not sure. On 418 real clusters this marks
 62 % of the curves that are wrong and 6 % of those that are right."""
 
+BROAD: Final = 0.02
+"""The same as a share of the diagonal of the curve's box: a large scribble may be wider, as
+long as its score is no worse than its own width explains (`HONEST`)."""
+
 FINAL: Final = 2
 """Strategies, the best ones, that are fitted in detail."""
 
-DETAIL: Final = 2.0
+DETAIL: Final = 3.0
 """Least distance of control points, in widths of the ink: what is finer is not meant."""
 
 PATIENCE: Final = 2
@@ -42,6 +49,12 @@ PATIENCE: Final = 2
 
 WORTH: Final = 0.95
 """Share of the score that is left when more control points are worth it."""
+
+CALMING: Final = 2
+"""Rounds of reweighting ink by its distance from the curve."""
+
+FOOT_STEPS: Final = 3
+"""Newton steps to the foot points in each of them."""
 
 NEAR_END: Final = 10.0
 """Gap of the ends that may be closed, in spacings of the ink."""
@@ -60,6 +73,9 @@ BIN: Final = 4.0
 
 PER_BIN: Final = 4
 """Fewest points that such a length holds on average: fewer would follow the noise."""
+
+ROUGHLY: Final = 65
+"""Places on a curve that tell its length well enough to space the polyline."""
 
 SHOWN: Final = 400
 """Most points of the settled polyline."""
@@ -82,7 +98,8 @@ class Settled:
     strategy : {"principal", "spanning", "following", "strip"}
         Which ordering was taken.
     sure : bool
-        Whether the score is at most 5 px; if not, the person should be asked to draw again.
+        Whether the score is at most 5 px, or on a large curve no more than the width of the
+        ink explains; if not, the person should be asked to draw again.
     """
 
     points: Array
@@ -123,9 +140,11 @@ def settle(
         raise ValueError("every stroke needs a weight that is not negative")
     judge = _Judge(gather(strokes, weight, pixel))
     found = [made for way in QUICK if (made := judge.tried(*way))]
+    good = GOOD * pixel
     for way in SLOW:
-        if min(made.curve.score for made in found) > GOOD * pixel and (made := judge.tried(*way)):
+        if min(made.curve.score for made in found) > good and (made := judge.tried(*way)):
             found.append(made)
+            good = max(good, HONEST * min(made.noise for made in found))
     found.sort(key=lambda made: made.curve.score)
     return min((judge.detailed(made) for made in found[:FINAL]), key=lambda made: made.score)
 
@@ -182,7 +201,7 @@ class _Judge:
         made = approximate_adaptively(
             points, weights, order.parameters, enough, closed=order.closed
         )
-        return _Tried(order, noise, self._settled(name, order, made.spline))
+        return _Tried(order, noise, self._settled(name, order, noise, made.spline))
 
     def detailed(self, tried: _Tried) -> Settled:
         """The same with more control points, where they bring the curve nearer to the ink.
@@ -195,24 +214,44 @@ class _Judge:
         points, weights = ink.points[order.numbers], ink.weights[order.numbers]
         count = len(best.spline.control_points) - (DEGREE if order.closed else 0)
         least = max(DETAIL * tried.noise, ink.spacing)
-        most = min(MOST, len(points), DEGREE + int(best.spline.length / least))
+        most = min(MOST, len(points), DEGREE + int(arc_length(best.points)[-1] / least))
         vain = 0
         while best.score > GOOD * ink.pixel and count + MORE <= most and vain < PATIENCE:
             count += MORE
             made = approximate(points, weights, order.parameters, count, closed=order.closed)
-            finer = self._settled(best.strategy, order, made.spline)
+            finer = self._settled(best.strategy, order, tried.noise, made.spline)
             vain = 0 if finer.score < WORTH * best.score else vain + 1
             best = best if vain else finer
-        return best
+        return best if best.score <= GOOD * ink.pixel else self._calmed(tried, best)
 
-    def _settled(self, name: Strategy, order: Ordering, spline: Spline) -> Settled:
-        line = self._polyline(spline)
+    def _calmed(self, tried: _Tried, best: Settled) -> Settled:
+        """The same with less say for ink far off, where that brings the curve nearer to ink.
+
+        Reweighted least squares with Cauchy's weights: the curve runs along most strokes
+        instead of between them and one that strayed.
+        """
+        ink, order = self.ink, tried.order
+        points, weights = ink.points[order.numbers], ink.weights[order.numbers]
+        count = len(best.spline.control_points) - (DEGREE if order.closed else 0)
+        spline, feet = best.spline, order.parameters
+        for _ in range(CALMING):
+            feet = spline.foot_points(points, feet, steps=FOOT_STEPS)
+            apart = np.linalg.norm(spline.value(feet) - points, axis=1)
+            say = weights / (1.0 + (apart / max(tried.noise, ink.pixel)) ** 2)
+            spline = approximate(points, say, feet, count, closed=order.closed).spline
+        calmed = self._settled(best.strategy, order, tried.noise, spline)
+        return calmed if calmed.score < WORTH * best.score else best
+
+    def _settled(self, name: Strategy, order: Ordering, noise: float, spline: Spline) -> Settled:
+        line, pixel = self._polyline(spline), self.ink.pixel
         score = self._score(line)
-        return Settled(line, spline, order.closed, score, name, score <= UNSURE * self.ink.pixel)
+        broad = min(BROAD * float(np.linalg.norm(np.ptp(line, axis=0))), HONEST * noise)
+        sure = score <= max(UNSURE * pixel, broad)
+        return Settled(line, spline, order.closed, score, name, sure)
 
     def _polyline(self, spline: Spline) -> Array:
-        count = int(np.clip(np.ceil(spline.length / self.ink.pixel), 32, SHOWN)) + 1
-        return spline.sampled(count)
+        length = float(arc_length(spline.sampled(ROUGHLY))[-1])
+        return spline.sampled(int(np.clip(np.ceil(length / self.ink.pixel), 32, SHOWN)) + 1)
 
     def _score(self, line: Array) -> float:
         from scipy.spatial import cKDTree
