@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
 from bozzetto_symmetry.halves import halves_of, made_symmetric
@@ -13,6 +15,9 @@ __all__ = ["SHORTEST", "piece", "share_of", "trimmed"]
 
 SHORTEST: Final = 1e-3
 """Least share of a curve that is kept: less is a dot."""
+
+SLIVER: Final = 1e-11
+"""Distance of a cut from a knot, as a share of the range, that is rounding."""
 
 
 def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
@@ -64,6 +69,7 @@ def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
 
 def piece(spline: Spline, low: float, high: float) -> Spline:
     """The open piece of a spline between two parameters; of a closed one it may run on."""
+    low, high = _at_knot(spline, low), _at_knot(spline, high)
     if not spline.closed:
         begin, end = spline.range
         pieces = spline.split(low, high)
@@ -74,6 +80,14 @@ def piece(spline: Spline, low: float, high: float) -> Spline:
     first, last = (float(u) for u in spline.within([low, high]))
     pieces = spline.split(first, last)
     return pieces[0] if first < last else pieces[-1]
+
+
+def _at_knot(spline: Spline, at: float) -> float:
+    """The parameter, or the knot beside it: a span of no width would have no direction."""
+    begin, end = spline.range
+    inside = float(spline.within([at])[0])
+    knot = float(spline.knots[np.argmin(np.abs(spline.knots - inside))])
+    return at + knot - inside if abs(knot - inside) <= SLIVER * (end - begin) else at
 
 
 def share_of(curve: SpaceCurve, parameter: float) -> float:

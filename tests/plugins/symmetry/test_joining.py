@@ -10,6 +10,7 @@ from bozzetto.geometry.spline import Spline
 from bozzetto.ink.fit import fit_spline
 from bozzetto_symmetry.bridging import bridged, looped
 from bozzetto_symmetry.joining import closed_up, joined, joined_across
+from bozzetto_symmetry.snapping import snapped
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.trimming import trimmed
 from tests.plugins.symmetry.edited_curves import (
@@ -156,3 +157,11 @@ def test_what_cannot_be_joined_is_refused_in_words():
         joined(FLAT, 0, PAIR, 1)
     with pytest.raises(UserError, match="its own mirror image already"):
         joined_across(FLAT, 0)
+
+
+def test_free_ends_that_touch_on_the_plane_become_one_crossing():
+    touching = snapped(ACROSS, 1, (60.0, 0.0, 20.0))
+    ring = joined_across(touching, 1)
+    assert ring.closed
+    check(ring)
+    assert kink(ring.spline) < 1e-5

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.trimming import share_of, trimmed
+from bozzetto_symmetry.trimming import piece, share_of, trimmed
 from tests.plugins.symmetry.edited_curves import (
     ACROSS,
     ALL,
@@ -88,3 +88,16 @@ def test_shares_lead_back_to_places(name):
     place = curve.spline.value([at])
     assert np.linalg.norm(ends * (1, np.sign(place[0, 1]) or 1, 1) - place, axis=1).min() < 40
     assert np.linalg.norm(np.abs(ends) - np.abs(place), axis=1).min() < 1e-9
+
+
+@pytest.mark.parametrize("off", [1e-14, -1e-14])
+def test_a_cut_beside_a_knot_makes_no_sliver(off):
+    knot = float(PAIR.spline.knots[6])
+    for kept in (piece(PAIR.spline, 0.0, knot + off), piece(PAIR.spline, knot + off, 1.0)):
+        assert np.diff(np.unique(kept.knots)).min() > 1e-3
+        speed = np.linalg.norm(kept.derivative(kept.range), axis=1)
+        place = [u for u in kept.range if 0.0 < u < 1.0]
+        expected = np.linalg.norm(PAIR.spline.derivative(place), axis=1)
+        assert speed.min() == pytest.approx(expected[0]) or speed.max() == pytest.approx(
+            expected[0]
+        )
