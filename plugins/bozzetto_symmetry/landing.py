@@ -39,11 +39,9 @@ WORTH: Final = 0.25
 LOOKS: Final = 60
 """Places of a stroke that are looked at."""
 
-SURE_PAIR: Final = 4.0
-"""Cost of a pair, px, above which two strokes are rather two curves."""
-
-ENOUGH: Final = 0.6
-"""Share of both strokes' points that must have partners for them to be a pair."""
+SURE_PAIR: Final = 3.0
+"""Cost of a pair, px, above which two strokes are rather two curves. Sides of one curve cost
+less than half of it, two curves several times as much."""
 
 
 def drawn_curves(
@@ -124,8 +122,12 @@ def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
 
 
 def waits(curve: Curve, trace: Trace) -> bool:
-    """Whether a curve may still get its other side: it has one, and nobody said what it is."""
-    return trace.reading == "half" or (trace.reading == "plane" and curve.reading == "auto")
+    """Whether a curve may still get its other side: it has one, and nobody said what it is.
+
+    A side alone can look like a curve across the plane, or in it.
+    """
+    one_sided = len(trace.views) == 1 and len(trace.views[0].sides) == 1
+    return trace.reading == "half" or (one_sided and curve.reading == "auto")
 
 
 def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
@@ -140,7 +142,7 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) ->
     if strokes[0].camera not in {stroke.camera for stroke in curve.strokes}:
         return float("inf")
     both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
-    if both is None or both.reading == "half" or both.cost > SURE_PAIR:
+    if both is None or both.reading != "pair" or both.cost > SURE_PAIR:
         return float("inf")
     return both.cost
 
