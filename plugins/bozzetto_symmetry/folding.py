@@ -7,7 +7,7 @@ matched like a pair.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
@@ -119,7 +119,6 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
         cuts, firsts, seconds, ways, halves, strict=True
     ):
         pairing = paired(stereo, one, other, way, pinned=(True, closed))
-        pairing = replace(pairing, closed=False)
         made.append(Folding(pairing, _places(stroke, cut, closed), early))
     return tuple(sorted(made, key=lambda folding: folding.pairing.score))
 

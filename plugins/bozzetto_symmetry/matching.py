@@ -208,10 +208,12 @@ def paired(
             path = path[np.isin(path[:, 0], places[inside])]
             places, partners = _map_of_stations(first, second, path, pinned, closed)
     near = first.pixels[places]
-    roughly = _at(second.pixels, partners)
+    # On a loop the map may run a little beyond the cut, and goes on from the other end.
+    at = np.mod(partners, len(second.angles) - 1.0) if closed else partners
+    roughly = _at(second.pixels, at)
     way = stereo.toward_vanishing(near)
     far = near + ((roughly - near) * way).sum(axis=1, keepdims=True) * way
-    weak = _shallow(first, places) & _shallow(second, np.rint(partners).astype(np.intp))
+    weak = _shallow(first, places) & _shallow(second, np.rint(at).astype(np.intp))
     weak = _long_runs(weak, LONG * len(first.angles))
     far = _bridged(stereo, near, far, weak)
     coverage = (
@@ -219,7 +221,7 @@ def paired(
         min(1.0, float(np.ptp(partners)) / (len(second.angles) - 1.0)),
     )
     price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
-    left = _left(first, second, places, partners) + BENT * _bending(second, partners)
+    left = _left(first, second, places, at) + BENT * _bending(second, partners)
     astray = share_astray(stereo.intersected(near, far)[:, 1])
     return Pairing(
         near,

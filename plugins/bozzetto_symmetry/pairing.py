@@ -34,6 +34,9 @@ be and still be the same place."""
 MOST_CUTS: Final = 3
 """Places of the other loop at which it is tried to be cut."""
 
+FLATTEST: Final = 0.05
+"""Least roundness that counts, so that no loop is without end the worse."""
+
 
 def pairings(
     stereo: Stereo, near: ArrayLike, far: ArrayLike, *, closed: bool = False
@@ -84,19 +87,18 @@ def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
 def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
     """Loops are cut where they reach furthest round, which both images do at one place."""
     count = len(one)
-    cut = int(np.argmax(_round(stereo, one)))
+    cut = int(np.argmax(stereo.angles(one)))
     first = Signal.of(stereo, _cut(one, cut))
     made = []
     for sense in (1, -1):
         ring = other[::sense]
-        cuts = _tops(_round(stereo, ring))
+        cuts = _tops(stereo.angles(ring))
         seconds = [Signal.of(stereo, _cut(ring, k)).shifted(stereo, first) for k in cuts]
         unit = spread(first, *seconds)
         tables = np.stack([differences(first, second) for second in seconds])
         ways = warpings(tables, step=UNEVEN * unit)
         best = min(range(len(cuts)), key=lambda k: ways[k].total)
         found = paired(stereo, first, seconds[best], ways[best], closed=True)
-        order = np.roll(np.arange(count), cut)[: len(found.near)]
         stations = (found.stations + cut / count) % 1.0
         order = np.argsort(stations, kind="stable")
         theirs = (found.far_stations * count + cuts[best]) / count
@@ -115,11 +117,6 @@ def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
             )
         )
     return made
-
-
-def _round(stereo: Stereo, ring: Array) -> Array:
-    """Angles along a loop, unwrapped from where it is cut at first."""
-    return stereo.angles(ring)
 
 
 def _cut(ring: Array, place: int) -> Array:
@@ -151,7 +148,3 @@ def _roundness(points: Array) -> float:
     middle = seen.mean(axis=0)
     area = 0.5 * float(np.linalg.norm(np.cross(seen - middle, after - middle).sum(axis=0)))
     return max(FLATTEST, 4.0 * np.pi * area / length**2 if length else 0.0)
-
-
-FLATTEST: Final = 0.05
-"""Least roundness that counts, so that no loop is without end the worse."""

@@ -231,11 +231,21 @@ def lifted(ink: Array, depth: Array) -> Array:
     return np.column_stack((place[:, 0], 10.0 + 35.0 * sweep, -place[:, 1]))
 
 
+def winds(ink: Array) -> bool:
+    """Whether a stroke is much longer than it is wide: no plain arc, and no scribble either."""
+    return 1.25 < _length(ink) / float(np.linalg.norm(np.ptp(ink, axis=0))) < 5.0
+
+
 def real_curves(count: int, seed: int = 0) -> list[Array]:
-    """Space curves from recorded ink, (300, 3) each; an empty list where there is none."""
+    """Space curves from recorded ink, (300, 3) each; an empty list where there is none.
+
+    Every other one winds; left to chance nearly all would be plain arcs.
+    """
     strokes = real_ink()
     if not strokes:
         return []
     random = np.random.default_rng(seed)
-    chosen = random.permutation(len(strokes))[:count]
+    winding = np.array([winds(ink) for ink in strokes])
+    kinds = [random.permutation(np.flatnonzero(kind)) for kind in (winding, ~winding)]
+    chosen = np.concatenate([kinds[0][: count // 2], kinds[1][: count - count // 2]])
     return [lifted(strokes[k], strokes[random.integers(len(strokes))]) for k in chosen]
