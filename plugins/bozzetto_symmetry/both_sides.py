@@ -16,7 +16,7 @@ from bozzetto_symmetry.sides import Side, gap_between
 from bozzetto_symmetry.solving import Solved, solved
 from bozzetto_symmetry.stereo import Stereo
 
-__all__ = ["as_pair"]
+__all__ = ["as_pair", "overdrawn"]
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ place that a view knows least."""
 
 OVERDRAWN: Final = (8.0, 4.5)
 """Mean distance, px, below which two sides may be one that was drawn twice, and the price of
-taking strokes upon one another for a pair, px."""
+taking strokes upon one another for two, px."""
 
 
 def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterator[Read]:
@@ -52,7 +52,7 @@ def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterat
     """
     closed = one.closed and other.closed
     first, second = (side.pixels if closed else side.unrolled for side in (one, other))
-    overdrawn = _overdrawn(one, other)
+    twice = overdrawn(one, other)
     told: tuple[str, ...]
     for pairing in pairings(stereo, first, second, closed=closed):
         made = solved(stereo, pairing, box)
@@ -70,7 +70,7 @@ def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterat
         yield Read(
             "pair",
             price(pairing, made, missing)
-            + overdrawn
+            + twice
             + (0.0 if closed else _continued(stereo, first, second, made)),
             1.0 - missing,
             made.points,
@@ -84,8 +84,8 @@ def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterat
         )
 
 
-def _overdrawn(one: Side, other: Side) -> float:
-    """Price of taking two lines for a pair that run alongside one another."""
+def overdrawn(one: Side, other: Side) -> float:
+    """Price of taking two lines for two sides that run alongside one another, px."""
     bond = bonds_between([one.pixels, other.pixels])[0][1]
     widest, price = OVERDRAWN
     return price * max(0.0, 1.0 - bond.distance / widest) if bond.over else 0.0

@@ -18,6 +18,9 @@ __all__ = ["Line", "drawn_line", "evenly_spaced", "hand_noise", "pen_down"]
 
 Array = NDArray[np.float64]
 
+DECIMALS: Final = 4
+"""Of a place on the sheet, px: steps below them are no ink but rounding."""
+
 SPACING: Final = 2.0
 """Distance of the points of a line, px."""
 
@@ -109,6 +112,7 @@ def drawn_line(points: Array) -> Line:
     UserError
         If the stroke is a dot.
     """
+    points = np.round(points, DECIMALS)
     points = points[distinct(points)]
     if len(points) < 2:
         raise UserError("The stroke is a dot. Draw the whole curve.")

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.both_sides import as_pair
+from bozzetto_symmetry.both_sides import as_pair, overdrawn
 from bozzetto_symmetry.crossing import as_crossing
 from bozzetto_symmetry.interpretation import Read
 from bozzetto_symmetry.sides import Side, drawn_twice, gap_between, joined
@@ -91,11 +91,10 @@ def read(
     if asked in ("auto", "self"):
         across = list(as_crossing(stereo, single, corners)) if single else []
         if halves:
-            gap = gap_between(sides[0].pixels, sides[1].pixels)[0]
-            across += [
-                replace(one, cost=one.cost + GAP * gap)
-                for one in as_crossing(stereo, halves, corners)
-            ]
+            more = GAP * gap_between(sides[0].pixels, sides[1].pixels)[0]
+            more += overdrawn(sides[0], sides[1])
+            folded = as_crossing(stereo, halves, corners)
+            across += [replace(one, cost=one.cost + more) for one in folded]
         found += _best(across)
     whole = single or halves
     if asked in ("auto", "plane") and whole is not None:

@@ -21,6 +21,9 @@ __all__ = ["Side", "drawn_twice", "gap_between", "joined", "sides_of"]
 
 Array = NDArray[np.float64]
 
+DOT: Final = 1e-3
+"""Extent of a stroke that is none, px."""
+
 MEETING: Final = 0.08
 """Widest gap between the halves of one curve across the plane, as a share of the shorter one."""
 
@@ -85,7 +88,11 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     UserError
         If there is no stroke with a length.
     """
-    drawn = {k: points for k, s in enumerate(strokes) if len(points := pen_down(s)) > 1}
+    drawn = {
+        k: points
+        for k, s in enumerate(strokes)
+        if np.ptp(points := pen_down(s), axis=0).max() > DOT
+    }
     if not drawn:
         raise UserError("There is only a dot. Draw the whole curve.")
     numbers = list(drawn)
