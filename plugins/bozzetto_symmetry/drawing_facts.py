@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,9 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto_symmetry.axes import AXES
 from bozzetto_symmetry.plane import CentrePlane
-from bozzetto_symmetry.state import SymmetryState
+from bozzetto_symmetry.state import AskedReading, SymmetryState
 
-__all__ = ["box_around", "box_facts", "facts_of"]
+__all__ = ["box_around", "box_facts", "facts_of", "readings_of"]
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,8 @@ def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
         ``{"center": [x, y, z], "size": [l, w, h]}``, or ``{"min": […], "max": […]}``, or
         ``{"length": l, "width": w, "height": h}`` with or without ``"center"``. ``"plane"``
         is ``"x"``, ``"y"`` or ``"z"`` for the plane through the middle of the box that is
-        square to that axis, or ``{"point": […], "normal": […]}``, or
+        square to that axis, ``"y = 0"`` and the like for one at a coordinate, or
+        ``{"point": […], "normal": […]}``, or
         ``{"normal": n, "offset": d}`` for n · p = d, or ``[a, b, c, d]`` for
         a x + b y + c z + d = 0. Other keys are left alone.
 
@@ -70,6 +71,30 @@ def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
     if facts.get("plane") is not None:
         changes |= _plane(facts["plane"], SymmetryState(**changes))
     return changes
+
+
+def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
+    """What the facts of a drawing say that its curves are.
+
+    Parameters
+    ----------
+    facts : mapping
+        ``"readings"`` names a reading for some curves, by the names of their strokes:
+        ``"auto"``, ``"pair"``, ``"self"``, ``"plane"`` or ``"half"``.
+
+    Raises
+    ------
+    UserError
+        If it is something else.
+    """
+    told = facts.get("readings", {})
+    if not isinstance(told, Mapping):
+        raise UserError("“readings” is no list of names. Give one reading for each curve.")
+    for name, reading in told.items():
+        if reading not in get_args(AskedReading):
+            known = ", ".join(f"“{r}”" for r in get_args(AskedReading))
+            raise UserError(f"“readings” of “{str(name)[:40]}”: there are {known}.")
+    return dict(told)
 
 
 def facts_of(state: SymmetryState) -> dict[str, Any]:
@@ -122,6 +147,7 @@ def _box(told: object) -> tuple[Array, Array]:
     """Centre and size."""
     if not isinstance(told, Mapping):
         return np.zeros(3), _size(told, "box")
+    told = {"center" if key == "centre" else key: value for key, value in told.items()}
     keys = set(told)
     if keys == {"min", "max"}:
         low, high = _place(told["min"], "box.min"), _place(told["max"], "box.max")
@@ -155,9 +181,7 @@ def _size(told: object, key: str) -> Array:
 
 
 def _plane(told: object, state: SymmetryState) -> dict[str, Any]:
-    if isinstance(told, str):
-        if told not in SYMMETRIES:
-            raise UserError(f"“plane” is “{told[:20]}”. Give “x”, “y” or “z”, or a normal.")
+    if isinstance(told, str) and told in SYMMETRIES:
         return {"symmetry": SYMMETRIES[told]}
     point, normal = _point_and_normal(told)
     plane = CentrePlane(_triple(point), _triple(normal))
@@ -170,6 +194,8 @@ def _plane(told: object, state: SymmetryState) -> dict[str, Any]:
 
 
 def _point_and_normal(told: object) -> tuple[Array, Array]:
+    if isinstance(told, str):
+        return _at_coordinate(told)
     if isinstance(told, Mapping):
         if set(told) == {"point", "normal"}:
             return _place(told["point"], "plane.point"), _normal(told["normal"], "plane.normal")
@@ -184,6 +210,19 @@ def _point_and_normal(told: object) -> tuple[Array, Array]:
     numbers = _numbers(told, "plane", 4, "a, b, c and d of a x + b y + c z + d = 0")
     normal = _normal(numbers[:3].tolist(), "plane")
     return _foot(normal, -float(numbers[3]), "plane"), normal
+
+
+def _at_coordinate(told: str) -> tuple[Array, Array]:
+    """The plane that "y = 0" and the like tell."""
+    name, _, number = told.partition("=")
+    try:
+        axis = AXES[list(SYMMETRIES).index(name.strip())]
+        offset = float(number)
+    except ValueError:
+        raise UserError(
+            f"“plane” is “{told[:20]}”. Give “x”, “y” or “z”, or “y = 0”, or a normal."
+        ) from None
+    return _foot(axis, offset, "plane"), axis
 
 
 def _foot(normal: Array, offset: float, key: str) -> Array:

@@ -14,7 +14,7 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.advice import advice
 from bozzetto_symmetry.commands import all_commands
-from bozzetto_symmetry.drawing_facts import box_around, box_facts
+from bozzetto_symmetry.drawing_facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.handing_over import shapes_of
 from bozzetto_symmetry.landing import drawn_curves
 from bozzetto_symmetry.report import report_of
@@ -75,7 +75,7 @@ class Symmetry:
         strokes, state = tuple(drawing.strokes), self.create(context)
         if context.facts.get("box") is None:
             state = replace(state, **box_around(strokes, state.plane))
-        return drawn_curves(state, strokes)
+        return drawn_curves(state, strokes, readings_of(context.facts))
 
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
         """Every curve by itself; what did not change is remembered."""

@@ -15,7 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
-from bozzetto_symmetry.drawing_facts import box_around, box_facts, facts_of
+from bozzetto_symmetry.drawing_facts import box_around, box_facts, facts_of, readings_of
 from bozzetto_symmetry.modeler import Symmetry
 from bozzetto_symmetry.plane import CentrePlane
 from bozzetto_symmetry.state import SymmetryState
@@ -237,3 +237,26 @@ def test_a_drawing_without_a_box_gets_one_with_room_and_one_with_a_box_keeps_it(
     facts = {"box": [1200, 600, 400]}
     told = Symmetry().read_drawing(drawing, Context(camera=camera, facts=facts))
     assert told.size == (1200.0, 600.0, 400.0)
+
+
+@pytest.mark.parametrize("told", ["y = 0", "y=0", " y =0.0 "])
+def test_a_coordinate_names_a_plane_wherever_the_box_stands(told: str) -> None:
+    facts = {"box": {"centre": [0.0, 30.0, 0.0], "size": [200, 100, 50]}, "plane": told}
+    state = replace(SymmetryState(), **box_facts(facts))
+    assert state.centre == (0.0, 30.0, 0.0)
+    assert state.plane.normal == (0.0, 1.0, 0.0)
+    assert state.plane.point[1] == 0.0
+
+
+@pytest.mark.parametrize("told", ["w = 0", "y = nan", "y = ", "y = 1e99", "= 3", ""])
+def test_a_coordinate_that_is_none_is_refused(told: str) -> None:
+    with pytest.raises(UserError, match="plane"):
+        box_facts({"plane": told})
+
+
+def test_readings_are_told_by_name() -> None:
+    assert readings_of({}) == {}
+    assert readings_of({"readings": {"spine": "plane"}}) == {"spine": "plane"}
+    for told in ({"spine": "flat"}, {"spine": 3}, {"spine": ["plane"]}, ["plane"], "plane"):
+        with pytest.raises(UserError, match="readings"):
+            readings_of({"readings": told})
