@@ -9,11 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke, Strokes
 from bozzetto_symmetry.editing import applied, edited
 from bozzetto_symmetry.plane import CentrePlane
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import Curve, Joint, Modification, Snap, SymmetryState, Trim
+from bozzetto_symmetry.stereo import MIRROR
 from tests.plugins.symmetry.edited_curves import ALL, FLAT, LOOP, PAIR, RAIL, check, same
 from tests.plugins.symmetry.scenes import camera
 
@@ -117,3 +119,25 @@ def test_any_edits_leave_a_curve_of_a_symmetric_thing(name, row):
     made = applied(ALL[name], row, STATE, rail)
     check(made.curve)
     assert len(made.curve.spline.control_points) < 2000
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        (Joint(0, Curve(), 0, mirrored=True),),
+        (Joint(0, Curve(), 0, mirrored=True), Joint(1, Curve(), 1, mirrored=True)),
+        (Joint(0, Curve(), 0, mirrored=True), Trim(0.0, 0.7), over(PAIR.spline, 0.2, 0.4, 9.0)),
+    ],
+)
+def test_edited_curves_are_handed_over_with_two_exactly_equal_halves(row):
+    made = applied(PAIR, row, STATE, nobody).curve
+    (handed,) = made.to_curves()
+    points = np.asarray(handed.control_points)
+    assert (points[::-1] * MIRROR == points).all()
+    again = Spline(handed.knots, points)
+    share = np.linspace(0.0, 1.0, 300)
+    one, other = (
+        spline.value(spline.range[0] + share * np.ptp(spline.range))
+        for spline in (again, made.spline)
+    )
+    np.testing.assert_allclose(one, other, atol=1e-9)

@@ -9,13 +9,15 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto.ink.fit import fit_spline
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_symmetry.halves import halves_of
 from bozzetto_symmetry.modification import drawn_over
+from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 from tests.plugins.symmetry.edited_curves import ACROSS, ALL, FLAT, PAIR, RAIL, check
-from tests.plugins.symmetry.scenes import camera, tremor
+from tests.plugins.symmetry.scenes import camera, real_curves, tremor
 
 VIEWS = [
     (azimuth, elevation, kind)
@@ -81,7 +83,7 @@ def test_drawing_over_the_mirror_image_is_drawing_over_the_curve_mirrored(view):
     goal = hump(seen(image, stereo, 0.3, 0.6), 12.0)
     made = drawn_over(PAIR, stereo, [stroke(goal, stereo)], mirrored=True)
     twin = drawn_over(
-        type(PAIR)("pair", image), stereo, [stroke(goal, stereo)]
+        SpaceCurve("pair", image), stereo, [stroke(goal, stereo)]
     ).spline.control_points
     np.testing.assert_allclose(made.spline.control_points, twin * MIRROR, atol=1e-9)
 
@@ -187,3 +189,27 @@ def test_it_is_quick():
             drawn_over(curve, stereo, [ink])
             took.append(time.process_time() - begin)
         assert min(took) < 0.06
+
+
+@pytest.mark.slow
+def test_real_curves_are_retraced_without_change_and_follow_what_is_drawn():
+    random = np.random.default_rng(0)
+    curves = real_curves(200)
+    if not curves:
+        pytest.skip("no recorded ink here")
+    off, took = [], []
+    for points in curves:
+        spline = fit_spline(points, controls="adaptive", pixel=0.3).spline
+        curve = SpaceCurve("pair", spline)
+        view = camera(random.uniform(20, 70), random.uniform(5, 35), pixels=800.0)
+        stereo = Stereo(view)
+        assert drawn_over(curve, stereo, [stroke(seen(spline, stereo), stereo)]) is curve
+        begin = random.uniform(0.05, 0.6)
+        goal = hump(seen(spline, stereo, begin, begin + 0.3), random.uniform(8, 20))
+        start = time.process_time()
+        made = drawn_over(curve, stereo, [stroke(goal, stereo)])
+        took.append(time.process_time() - start)
+        off.append(np.median(distances_to_polyline(goal, seen(made.spline, stereo, count=3000))))
+    assert np.median(off) < 0.3
+    assert np.quantile(off, 0.9) < 1.0
+    assert np.median(took) < 0.06
