@@ -89,7 +89,7 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
 def strays(points: Array, box: Array | None) -> Flags:
     """Which of the points are far outside the box while most are not, (n,)."""
     out = _beyond(points, box)
-    return out if out.mean() <= STRAY else np.zeros(len(points), bool)
+    return out if out.sum() <= STRAY * len(out) else np.zeros(len(points), bool)
 
 
 def _beyond(points: Array, box: Array | None) -> Flags:
