@@ -31,13 +31,25 @@ NODES: Final = 300
 KNOWN: Final = 1e-4
 """Standard deviation, as a share of the curve's size, that every estimate has at least."""
 
+BLIND: Final = 0.2
+"""Standard deviation, as a share of the curve's size, above which a place says nothing."""
+
 LEAST_DOUBT: Final = 1e-3
 """Variance in the best known direction, as a share of that in all, with which places are
 brought together."""
 
+WORTH: Final = 8.0
+"""How many times as uncertain as the best one an estimate may be: beyond it could add next to
+nothing, and a wrong partner could take much away."""
+
+LIKELY: Final = 9.0
+"""Squared distance between two places, in standard deviations, up to which they agree. The
+one from the worse view then counts less in proportion: it is a wrong partner, or a view
+that is worse than it claims."""
+
 TAIL: Final = 0.05
-"""Share of an estimate beyond the end of the best one that leads it on; less is the
-uncertainty of where that end belongs."""
+"""Share of an estimate beyond the end of the best one that leads it on: less is the
+uncertainty of where that end belongs. What leads on must be known to this share of its size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,14 +98,16 @@ def fused(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
     misfit, shared = 0.0, 0
     tails = (_none(), _none())
     for other in known:
-        if other is best:
+        if other is best or _trouble(other) > WORTH**2 * _trouble(best):
             continue
         partners, has, beyond = _partners(whole, _resampled(other, NODES, closed), closed)
-        apart = (partners.points - whole.points)[has]
-        doubt = np.linalg.inv((partners.covariances + whole.covariances)[has])
-        misfit += float(np.einsum("ni,nij,nj->", apart, doubt, apart))
+        apart = partners.points - whole.points
+        doubt = np.linalg.inv(partners.covariances + whole.covariances)
+        odds = np.einsum("ni,nij,nj->n", apart, doubt, apart)
+        misfit += float(odds[has].sum())
         shared += int(has.sum())
-        more = has[:, None, None] * np.linalg.inv(partners.covariances)
+        trust = has / np.maximum(1.0, odds / LIKELY)
+        more = trust[:, None, None] * np.linalg.inv(partners.covariances)
         information = information + more
         weighted = weighted + np.einsum("nij,nj->ni", more, partners.points)
         tails = (_longer(tails[0], beyond[0]), _longer(tails[1], beyond[1]))
@@ -117,12 +131,26 @@ def _longer(one: Estimate, other: Estimate) -> Estimate:
 
 
 def _finite(estimate: Estimate) -> Estimate:
-    """What is finite, with covariances that can be inverted."""
-    known = np.isfinite(estimate.points).all(axis=1)
-    known &= np.isfinite(estimate.covariances).all(axis=(1, 2))
-    points = estimate.points[known]
-    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    return Estimate(points, estimate.covariances[known] + (KNOWN * size) ** 2 * np.eye(3))
+    """What is finite, with covariances that can be inverted; what is next to unknown bridged.
+
+    A place that may be anywhere along a ray can lie far away from the curve. It is put on the
+    chain of the others instead, and known badly in all directions.
+    """
+    finite = np.isfinite(estimate.points).all(axis=1)
+    finite &= np.isfinite(estimate.covariances).all(axis=(1, 2))
+    points, covariances = estimate.points[finite], estimate.covariances[finite]
+    if len(points) < 2:
+        return Estimate(points, covariances)
+    size = float(np.ptp(np.quantile(points, (0.1, 0.9), axis=0), axis=0).max())
+    covariances = covariances + (KNOWN * size) ** 2 * np.eye(3)
+    blind = np.trace(covariances, axis1=1, axis2=2) > (BLIND * size) ** 2
+    if 1 < blind.sum() + 1 < len(blind):
+        at = np.arange(len(points))
+        seen = at[~blind]
+        chain = np.column_stack([np.interp(at, seen, points[seen, axis]) for axis in range(3)])
+        points = np.where(blind[:, None], chain, points)
+        covariances = covariances + blind[:, None, None] * (BLIND * size) ** 2 * np.eye(3)
+    return Estimate(points, covariances)
 
 
 def _typical(estimate: Estimate) -> Array:
@@ -173,8 +201,7 @@ def _partners(
     lengths = 0.5 * (steps + np.roll(steps, 1))
     step = float(np.linalg.norm(np.diff(rows, axis=0), axis=1).mean())
     chosen = ordered_feet(rows, step, nodes, lengths, closed=closed)
-    at = chosen % len(nodes)
-    partners = Estimate(other.points[at], other.covariances[at])
+    partners = _between(other, chosen % len(nodes), rows, nodes, closed)
     has = np.ones(len(rows), bool)
     if closed:
         return partners, has, (_none(), _none())
@@ -187,6 +214,36 @@ def _partners(
         chosen = len(nodes) - 1 - chosen
     before, after = slice(0, chosen[0]), slice(chosen[-1] + 1, None)
     tails = [Estimate(other.points[part], other.covariances[part]) for part in (before, after)]
-    least = TAIL * len(nodes)
-    first, last = (tail if len(tail.points) >= least else _none() for tail in tails)
+    first, last = (tail if _leads_on(tail, other) else _none() for tail in tails)
     return partners, has, (first, last)
+
+
+def _leads_on(tail: Estimate, other: Estimate) -> bool:
+    """Whether a stretch is long enough, and known well enough, to be more of the curve."""
+    if len(tail.points) < TAIL * len(other.points):
+        return False
+    return _trouble(tail) < (TAIL * float(np.ptp(other.points, axis=0).max())) ** 2
+
+
+def _between(
+    other: Estimate, chosen: NDArray[np.intp], rows: Array, nodes: Array, closed: bool
+) -> Estimate:
+    """What an estimate says where it is nearest to the rows, up to half a node from the chosen."""
+    count = len(nodes)
+    ahead, behind = chosen + 1, chosen - 1
+    if closed:
+        ahead, behind = ahead % count, behind % count
+    else:
+        ahead, behind = np.minimum(ahead, count - 1), np.maximum(behind, 0)
+    way = 0.5 * (nodes[ahead] - nodes[behind])
+    squared = (way**2).sum(axis=1)
+    share = np.zeros(len(rows))
+    np.divide(((rows - nodes[chosen]) * way).sum(axis=1), squared, out=share, where=squared > 0)
+    share = np.clip(share, -0.5, 0.5)
+    beside = np.where(share < 0.0, behind, ahead)
+    share = np.abs(share)
+    points, spread = other.points, other.covariances
+    return Estimate(
+        points[chosen] + share[:, None] * (points[beside] - points[chosen]),
+        spread[chosen] + share[:, None, None] * (spread[beside] - spread[chosen]),
+    )
