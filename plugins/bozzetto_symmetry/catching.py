@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context
 from bozzetto.view import Camera
+from bozzetto_symmetry.aiming import solved_curves
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import Snap, SymmetryState
-from bozzetto_symmetry.targets import Targets
+from bozzetto_symmetry.targets import Targets, targets
+from bozzetto_symmetry.trace import traced
 
-__all__ = ["snap_of", "snaps_of"]
+__all__ = ["snap_of", "snaps_of", "with_ends_caught"]
 
 Array = NDArray[np.float64]
 
@@ -102,6 +107,29 @@ def snaps_of(
     places = state.plane.placement.points(curve.spline.value(curve.spline.range))
     found = (snap_of(end, places[end], float(spread[-end]), camera, known, state) for end in ends)
     return tuple(snap for snap in found if snap is not None)
+
+
+def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
+    """The state in which the free ends of the chosen curve are where they are meant to be.
+
+    The curve's own last view says how sure its ends are.
+
+    Raises
+    ------
+    UserError
+        If no curve is chosen, it has no free end, or nothing is near its ends.
+    """
+    node = next((curve for curve in state.curves if curve.id == state.selected), None)
+    trace = None if node is None else traced(node, state)
+    if node is None or trace is None or trace.curve is None or trace.curve.closed:
+        raise UserError("Choose a curve with free ends. They snap to what is near them.")
+    others = [curve for other, curve in solved_curves(state) if other.id != node.id]
+    camera = node.strokes[-1].camera
+    known = targets(state, others, context)
+    snaps = snaps_of(trace.curve, trace.sigma, camera, known, state)
+    if not snaps:
+        raise UserError("There is nothing near the ends of this curve. Draw them closer.")
+    return state.with_node(replace(node, edits=(*node.edits, *snaps)))
 
 
 def _among_points(place: Array, shrink: Array, known: Targets) -> Array | None:

@@ -8,6 +8,7 @@ from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
+from bozzetto_symmetry.catching import with_ends_caught
 from bozzetto_symmetry.ends import with_nearest_joined
 from bozzetto_symmetry.meeting import with_ends_met
 from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
@@ -50,6 +51,13 @@ def all_commands() -> Sequence[Command]:
             title="Trim ends that meet",
             help="Cut ends that pass by one another, and lead on those that fall a little short.",
             run=with_ends_met,
+        ),
+        Command(
+            id="snap-ends",
+            title="Snap ends",
+            help="Take the ends of the chosen curve to ends, curves, edges or planes near them.",
+            run=with_ends_caught,
+            enabled=_has_curve,
         ),
     )
 

@@ -12,6 +12,7 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Drag, Ink, Tap
 from bozzetto_symmetry.aiming import seen_curves, solved_curves, target_of
+from bozzetto_symmetry.catching import with_ends_caught
 from bozzetto_symmetry.ends import ends_of, with_joint, with_nearest_joined
 from bozzetto_symmetry.meeting import with_ends_met
 from bozzetto_symmetry.state import Curve, Line, Modification, Snap, SymmetryState, Trim
@@ -260,6 +261,21 @@ def test_an_end_near_the_plane_meets_its_image_there():
     made = with_ends_met(state, CONTEXT)
     point = curve_of(made, "a").spline.value([0.0])[0]
     assert abs(point[1]) < 1e-9
+
+
+def test_the_chosen_curve_snaps_to_the_end_of_another():
+    rail = PAIRS["roof rail"]
+    state = SymmetryState(nodes=(pair("a", rail[:150]), pair("b", rail[153:])), selected="b")
+    made = with_ends_caught(state, CONTEXT)
+    assert made.node("a") is state.node("a")
+    (snap,) = made.node("b").edits
+    assert snap.end == 0
+    assert gap(made) < 1e-9
+    with pytest.raises(UserError, match="free ends"):
+        with_ends_caught(SymmetryState(), CONTEXT)
+    alone = SymmetryState(nodes=(pair("b", 0.5 * rail),), selected="b")
+    with pytest.raises(UserError, match="nothing near"):
+        with_ends_caught(alone, CONTEXT)
 
 
 # -- erase ---------------------------------------------------------------------------------------
