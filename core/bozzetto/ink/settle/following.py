@@ -45,7 +45,7 @@ LEAST_BESIDE: Final = 3
 """Points of a stroke that must run beside the guide to tell where it belongs."""
 
 MOST_ROUNDS: Final = 24
-"""Most times the guide is made longer."""
+"""Most times that strokes are aligned with the guide: it grows by one of them each time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,57 +84,40 @@ def following(ink: Gathered) -> Ordering | None:
     free ends), in the sense that is cheaper: neighbours on a stroke stay in their order, so
     laps, loops and crossings that come near one another are told apart by what came before.
     Ink that runs past an end of the guide makes the guide longer. Right for letters,
-    curls and spirals drawn over and over; strokes that touch no other are left out.
+    curls and spirals drawn over and over. Ink beside no other carries the guide on over a
+    gap; what is too far away for that is left out.
     """
     pieces = [numbers for numbers in ink.pieces if len(numbers) >= SHORTEST]
     if not pieces:
         return None
     pieces.sort(key=len, reverse=True)
+    lengths = [arc_length(ink.points[numbers]) for numbers in pieces]
+    paths = [_path(ink, *both) for both in zip(pieces, lengths, strict=True)]
     step = STRIDE * ink.spacing
-    first = pieces[0]
-    along = {0: arc_length(ink.points[first])}
-    guide = _path(ink, first, along[0])
-    waiting = list(range(1, len(pieces)))
-    reach = BEYOND
+    guide, reach = paths[0], BEYOND
+    stations = {0: guide.along}
     for _ in range(MOST_ROUNDS):
+        waiting = [k for k in range(len(pieces)) if k not in stations]
         if not waiting:
             break
-        strokes = [_path(ink, pieces[k], arc_length(ink.points[pieces[k]])) for k in waiting]
-        found = _aligned(guide, strokes, step, reach)
-        placed = []
-        longer = None
-        for k, stroke, made in zip(tuple(waiting), strokes, found, strict=True):
-            beside = (made.cells >= 0) & (made.cells < len(guide.points))
-            if beside.sum() < LEAST_BESIDE:
-                continue
-            stations = _stations(guide, stroke, made)
-            outside = (stations < guide.along[0]) | (stations > guide.along[-1])
-            if not outside.any():
-                placed.append((k, stroke, stations))
-            elif longer is None or made.cost < longer[0]:
-                longer = made.cost, k, stroke, stations, outside
-        if longer is not None:
-            _, k, stroke, stations, outside = longer
-            placed.append((k, stroke, stations))
-            guide = _longer(guide, stroke, stations, outside)
-        for k, stroke, stations in placed:
-            along[k] = _fine(stroke, stations, arc_length(ink.points[pieces[k]]))
-            waiting.remove(k)
-        if not placed and reach > BEYOND:
-            joined = _joined(guide, strokes, GAP * step)
-            if joined is None:
-                break
-            at, stations = joined
-            k = waiting.pop(at)
-            along[k] = _fine(strokes[at], stations, arc_length(ink.points[pieces[k]]))
-            guide = _longer(guide, strokes[at], stations, np.ones(len(stations), bool))
-            reach = BEYOND
-        elif not placed:
+        found, longer = _beside(guide, [paths[k] for k in waiting], step, reach)
+        if not found and reach < FAR:
             reach = FAR
-        else:
-            reach = BEYOND
-    numbers = np.concatenate([pieces[k] for k in along])
-    place = np.concatenate(list(along.values()))
+            continue
+        if not found:
+            longer = _joined(guide, [paths[k] for k in waiting], GAP * step)
+            if longer is None:
+                break
+            found = dict([longer])
+        if longer is not None:
+            at, places = longer
+            guide = _longer(guide, paths[waiting[at]], places)
+        stations |= {waiting[at]: places for at, places in found.items()}
+        reach = BEYOND
+    place = np.concatenate([
+        np.interp(lengths[k], paths[k].along, places) for k, places in stations.items()
+    ])  # fmt: skip
+    numbers = np.concatenate([pieces[k] for k in stations])
     extent = float(np.ptp(place))
     if not extent > 0:
         return None
@@ -145,6 +128,35 @@ def _path(ink: Gathered, numbers: Index, along: Array) -> _Path:
     """Every so manieth point of a piece, and its last."""
     kept = np.unique(np.append(np.arange(0, len(numbers), STRIDE), len(numbers) - 1))
     return _Path(ink.points[numbers[kept]], ink.tangents[numbers[kept]], along[kept])
+
+
+def _beside(
+    guide: _Path, strokes: list[_Path], step: float, reach: float
+) -> tuple[dict[int, Array], tuple[int, Array] | None]:
+    """Strokes that run beside the guide.
+
+    Returns
+    -------
+    found : dict
+        Places along the guide for the points of each stroke that runs beside it all the
+        way, and of one that makes it longer.
+    longer : (int, (m,) float) or None
+        That one: the one that runs beside the guide most closely.
+    """
+    found: dict[int, Array] = {}
+    longer: tuple[int, Array] | None = None
+    least = np.inf
+    for at, made in enumerate(_aligned(guide, strokes, step, reach)):
+        if ((made.cells >= 0) & (made.cells < len(guide.points))).sum() < LEAST_BESIDE:
+            continue
+        places = _stations(guide, strokes[at], made)
+        if places.min() >= guide.along[0] and places.max() <= guide.along[-1]:
+            found[at] = places
+        elif made.cost < least:
+            least, longer = made.cost, (at, places)
+    if longer is not None:
+        found[longer[0]] = longer[1]
+    return found, longer
 
 
 def _aligned(guide: _Path, strokes: list[_Path], step: float, reach: float) -> list[_Alignment]:
@@ -213,14 +225,11 @@ def _joined(guide: _Path, strokes: list[_Path], gap: float) -> tuple[int, Array]
     return at, guide.along[-1] + outward if tip == 1 else guide.along[0] - outward
 
 
-def _fine(stroke: _Path, stations: Array, along: Array) -> Array:
-    return np.asarray(np.interp(along, stroke.along, stations))
-
-
-def _longer(guide: _Path, stroke: _Path, stations: Array, outside: NDArray[np.bool_]) -> _Path:
+def _longer(guide: _Path, stroke: _Path, places: Array) -> _Path:
     """The guide with what a stroke shows beyond its ends."""
-    sense = 1.0 if stations[-1] >= stations[0] else -1.0
-    along = np.concatenate((guide.along, stations[outside]))
+    sense = 1.0 if places[-1] >= places[0] else -1.0
+    outside = (places < guide.along[0]) | (places > guide.along[-1])
+    along = np.concatenate((guide.along, places[outside]))
     order = np.argsort(along, kind="stable")
     return _Path(
         np.vstack((guide.points, stroke.points[outside]))[order],
