@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.resample import resample
-from bozzetto_symmetry.matching import ASTRAY, Signal, differences, share_astray, spread
+from bozzetto_symmetry.matching import ASTRAY, share_astray
+from bozzetto_symmetry.signals import Signal, differences, spread
 from bozzetto_symmetry.stereo import Stereo
 from bozzetto_symmetry.warping import first_row, next_row
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.resample import resample
 from bozzetto_symmetry.folding import Folding, foldings
-from bozzetto_symmetry.matching import Pairing, Signal, differences, paired, spread
+from bozzetto_symmetry.matching import Pairing, paired
+from bozzetto_symmetry.signals import Signal, differences, spread
 from bozzetto_symmetry.stereo import Stereo
 from bozzetto_symmetry.warping import warpings
 
