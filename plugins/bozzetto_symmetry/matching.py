@@ -180,7 +180,13 @@ def _with_partner(partners: Array, last: float, pinned: tuple[bool, bool]) -> Fl
 
 
 def share_astray(heights: Array) -> float:
-    """Which share of the distance from the plane is on the side with less of it, 0 … 0.5."""
+    """Which share of the distance from the plane is on the side with less of it, 0 … 0.5.
+
+    Parameters
+    ----------
+    heights : (n,) float
+        Above the plane, mm; NaN where there is no place. If most are NaN the share is 0.5.
+    """
     seen = heights[np.isfinite(heights)]
     total = float(np.abs(seen).sum())
     if len(seen) < len(heights) / 2 or total == 0.0:

@@ -15,8 +15,9 @@ Array = NDArray[np.float64]
 
 STIFFNESS: Final = 3.0
 """Weight of the bending of the map of stations (squared second differences, px²) against
-squared distances across the epipolar lines: without noise it moves 95 % of the places by
-less than 0.1 % of a box, with a pixel of noise it halves the errors where lines touch."""
+squared distances across the epipolar lines. Measured on four curves in 21 views: up to 10
+the errors without noise stay below 0.2 % of the box for 95 % of the places in nine of ten
+drawings; with a pixel of noise that figure falls from 4.8 % without stiffness to about 4 %."""
 
 ROUNDS: Final = 8
 """Most Gauss-Newton steps for the map of stations; three are usual."""

@@ -65,6 +65,18 @@ def bridged(stereo: Stereo, near: Array, far: Array, weak: Flags) -> Array:
 
     Along the epipolar line the place of a partner is taken linear in that of the near one,
     as slopes of rays: a line parallel to the plane's normal then keeps its x and z.
+
+    Parameters
+    ----------
+    near, far : (k, 2) float
+        Partners on common epipolar lines, px.
+    weak : (k,) bool
+        The runs; the first and last pair count as known in any case.
+
+    Returns
+    -------
+    (k, 2) float
+        `far`, with other places on the runs.
     """
     if not weak.any():
         return far
