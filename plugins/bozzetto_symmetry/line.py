@@ -88,7 +88,7 @@ class Line:
 
 def pen_down(stroke: Stroke) -> Array:
     """The places of a stroke without the tail that the pen left while it was lifted, (n, 2) px."""
-    points = stroke.points
+    points = np.round(stroke.points, DECIMALS)
     if stroke.has_pressure:
         firm = np.flatnonzero(stroke.pressure >= LIFT * stroke.pressure.max())
         points = points[: firm[-1] + 1]

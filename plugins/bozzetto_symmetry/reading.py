@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto_symmetry.both_sides import as_pair, overdrawn
 from bozzetto_symmetry.crossing import as_crossing
 from bozzetto_symmetry.interpretation import Read
@@ -46,6 +47,9 @@ TWO_SIDES: Final = 25.0
 
 GAP: Final = 0.35
 """Price of a pixel between halves that are taken for one curve across the plane."""
+
+ALIKE: Final = 0.02
+"""Median distance, in lengths of the curve, below which two readings are one and the same."""
 
 KEPT: Final = 4
 """Most readings of one kind that are handed on."""
@@ -107,7 +111,18 @@ def read(
 
 
 def _best(readings: Iterable[Read]) -> list[Read]:
-    return sorted(readings, key=lambda one: one.cost)[:KEPT]
+    """The cheapest readings of a kind that put the curve in different places."""
+    kept: list[Read] = []
+    for one in sorted(readings, key=lambda one: one.cost):
+        if len(kept) < KEPT and all(_differ(one, better) for better in kept):
+            kept.append(one)
+    return kept
+
+
+def _differ(one: Read, other: Read) -> bool:
+    extent = float(np.linalg.norm(np.ptp(other.points, axis=0)))
+    apart = distances_to_polyline(one.points, other.points)
+    return one.ring != other.ring or float(np.median(apart)) > ALIKE * extent
 
 
 def _impossible(asked: str, sides: Sequence[Side]) -> str:

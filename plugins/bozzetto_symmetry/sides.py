@@ -75,8 +75,7 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     strokes : sequence of Stroke
         Of one camera, in the order drawn. Dots are left out.
     asked : {"auto", "pair", "self", "plane", "half"}
-        "pair" keeps two sides apart that would be taken for one; one side is enough for
-        the last three, so that strokes on both sides of the plane are put together.
+        "pair" keeps two sides apart that would surely be taken for one.
 
     Returns
     -------

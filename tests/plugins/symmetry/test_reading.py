@@ -187,6 +187,16 @@ def test_the_other_sense_is_handed_on() -> None:
     assert costs == sorted(costs)
 
 
+def test_no_reading_is_handed_on_twice() -> None:
+    seen = camera(30, 20)
+    for curve in ACROSS.values():
+        found = [one for one in readings([drawn(curve, seen)], seen) if one.reading == "self"]
+        for number, one in enumerate(found):
+            assert one.crossings.shape == (1, 2)
+            for better in found[:number]:
+                assert error(one, better.points) > 0.5
+
+
 def test_what_is_asked_is_given_or_refused_in_words() -> None:
     seen = camera(30, 20)
     rail = drawn(PAIRS["roof rail"], seen)
