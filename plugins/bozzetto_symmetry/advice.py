@@ -107,7 +107,7 @@ class Turn:
     @property
     def words(self) -> str:
         """How one would say it to somebody."""
-        return f"Turn the view {self.degrees:.0f}° {WAYS[self.azimuth, self.elevation]}"
+        return f"Turn {self.degrees:.0f}° {WAYS[self.azimuth, self.elevation]}"
 
     def of(self, camera: Camera) -> Camera:
         """The camera turned about its target, upright as before."""
@@ -182,7 +182,7 @@ def _judged(stereo: Stereo, uncertainty: float) -> tuple[Level, str, str]:
         if slant > 90.0 - WARNED:
             return "warn", "Left and right nearly fall on each other in this view.", "Turn the box."
         return "warn", "Lines run towards their mirror images in this view.", "Turn the box."
-    return "good", f"A good view: 1 px of the hand is {_length(uncertainty)} in space.", ""
+    return "good", f"A good view: 1 px is {_length(uncertainty)} in space.", ""
 
 
 def _best_turn(camera: Camera, uncertainty: Callable[[Camera], float]) -> tuple[Turn, float]:

@@ -216,13 +216,13 @@ class SymmetryState:
     centre: Point = (0.0, 0.0, 0.0)
     free_plane: CentrePlane = CentrePlane()
     length: Annotated[
-        float, Parameter("Length", 0.1, 1e6, unit="mm", help="Of the box, along x.")
+        float, Parameter("Length", 0.1, unit="mm", help="Of the box, along x.")
     ] = 200.0
     width: Annotated[
-        float, Parameter("Width", 0.1, 1e6, unit="mm", help="Of the box, along y.")
+        float, Parameter("Width", 0.1, unit="mm", help="Of the box, along y.")
     ] = 100.0
     height: Annotated[
-        float, Parameter("Height", 0.1, 1e6, unit="mm", help="Of the box, along z.")
+        float, Parameter("Height", 0.1, unit="mm", help="Of the box, along z.")
     ] = 100.0
     symmetry: Annotated[
         Literal["width", "length", "height", "free"],
