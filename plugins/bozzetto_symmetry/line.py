@@ -18,7 +18,7 @@ __all__ = ["Line", "drawn_line", "evenly_spaced", "hand_noise", "pen_down"]
 
 Array = NDArray[np.float64]
 
-DECIMALS: Final = 4
+DECIMALS: Final = 6
 """Of a place on the sheet, px: steps below them are no ink but rounding."""
 
 SPACING: Final = 2.0
