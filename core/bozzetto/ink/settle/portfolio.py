@@ -47,8 +47,8 @@ DETAIL: Final = 3.0
 PATIENCE: Final = 2
 """Times that more control points may help nothing before no more are tried."""
 
-WORTH: Final = 0.95
-"""Share of the score that is left when more control points are worth it."""
+WORTH: Final = 0.98
+"""Share of the score that may be left for more control points, or less say, to be worth it."""
 
 CALMING: Final = 2
 """Rounds of reweighting ink by its distance from the curve."""
