@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Command, Context, Job, Tool, ViewAdvice
@@ -96,6 +97,10 @@ class Symmetry:
     def shapes(self, state: SymmetryState, result: SymmetryResult) -> Shapes:
         """The curves, exact; of a pair both."""
         return shapes_of(state, result.traces)
+
+    def curves(self, state: SymmetryState, result: SymmetryResult) -> tuple[ShapeCurve, ...]:
+        """The same curves, for the tools of other models to hold on to."""
+        return shapes_of(state, result.traces).curves
 
     def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
         """Readings, control points and uncertainties of all curves."""
