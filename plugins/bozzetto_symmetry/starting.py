@@ -29,6 +29,10 @@ have: that of a wave and a quarter with an amplitude of a sixth of the length.""
 KNOWN: Final = 0.002
 """Standard deviation, as a share of the length, below which a place counts as no better."""
 
+GUESSED: Final = 0.01
+"""Standard deviation, as a share of the length, that a place has at most: where nothing is
+known it was put on a bridge, which is a better guess than none."""
+
 DOUBTFUL: Final = 0.01
 """Standard deviation, as a share of the length, from which steps along a direction say
 little about the length of the way."""
@@ -150,7 +154,8 @@ def approximated(
     """
     length = length_of(points)
     floor = (KNOWN * length) ** 2 * np.eye(3)
-    weight = np.linalg.cholesky(np.linalg.inv(covariances + floor))
+    least = np.eye(3) / (GUESSED * length) ** 2
+    weight = np.linalg.cholesky(np.linalg.inv(covariances + floor) + least)
     low, high = basis.half
     values = basis.values(low + (high - low) * stations)
     matrix = np.vstack([basis.rows(values, weight[:, :, axis]) for axis in range(3)])

@@ -37,7 +37,7 @@ def percent(lengths: Array) -> Array:
 def known(
     curve: Array, stereo: Stereo, random: np.random.Generator, pixels: float = 1.0
 ) -> tuple[Array, Array]:
-    """Places that are wrong by about as much as their covariances for so many pixels say."""
+    """Places as wrong as their covariances for so many pixels say, at most 4 % each."""
     near, far = stereo.project(curve), stereo.project(curve * MIRROR)
     tangents = np.gradient(far, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
@@ -46,7 +46,9 @@ def known(
     slow = np.array([np.cos(np.linspace(0.0, random.uniform(2, 9), len(curve))) for _ in "xyz"])
     wrong = np.einsum("nij,nj->ni", axes, pixels * np.sqrt(np.maximum(stretch, 0.0)) * slow.T)
     size = np.linalg.norm(wrong, axis=1, keepdims=True)
-    return curve + wrong * np.minimum(1.0, 0.04 * DIAGONAL / np.maximum(size, 1e-12)), spread
+    return curve + wrong * np.minimum(
+        1.0, 0.04 * pixels * DIAGONAL / np.maximum(size, 1e-12)
+    ), spread
 
 
 def fitted(
