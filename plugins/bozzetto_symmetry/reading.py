@@ -48,6 +48,9 @@ TWO_SIDES: Final = 25.0
 GAP: Final = 0.35
 """Price of a pixel between halves that are taken for one curve across the plane."""
 
+MET: Final = 3.0
+"""Gap, px, above which ends that are seen near one another need not have been drawn to meet."""
+
 ALIKE: Final = 0.02
 """Median distance, in lengths of the curve, below which two readings are one and the same."""
 
@@ -95,8 +98,9 @@ def read(
     if asked in ("auto", "self"):
         across = list(as_crossing(stereo, single, corners)) if single else []
         if halves:
-            more = GAP * gap_between(sides[0].pixels, sides[1].pixels)[0]
-            more += overdrawn(sides[0], sides[1])
+            gap = gap_between(sides[0].pixels, sides[1].pixels)[0]
+            # Ends that meet say themselves that these are halves, and no line drawn twice.
+            more = GAP * gap + overdrawn(sides[0], sides[1]) * min(1.0, gap / MET)
             folded = as_crossing(stereo, halves, corners)
             across += [replace(one, cost=one.cost + more) for one in folded]
         found += _best(across)
