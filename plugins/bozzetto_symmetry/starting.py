@@ -155,7 +155,7 @@ def approximated(
     length = length_of(points)
     floor = (KNOWN * length) ** 2 * np.eye(3)
     least = np.eye(3) / (GUESSED * length) ** 2
-    weight = np.linalg.cholesky(np.linalg.inv(covariances + floor) + least)
+    weight = np.asarray(np.linalg.cholesky(np.linalg.inv(covariances + floor) + least))
     low, high = basis.half
     values = basis.values(low + (high - low) * stations)
     matrix = np.vstack([basis.rows(values, weight[:, :, axis]) for axis in range(3)])
