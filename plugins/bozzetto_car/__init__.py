@@ -1,0 +1,1 @@
+"""The car modeler: from a sketch and a few marks to a styled body that CAD opens exactly."""

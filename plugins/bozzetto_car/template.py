@@ -1,0 +1,287 @@
+"""A template: a car as nodes, cubic edges and four-sided patches, and what one may ask of it.
+
+Kara & Shimada (2008) start every car from a template: a symmetric network of curves whose
+nodes are *fiducial* points, which a person can find again in a sketch. A `Template` is such a
+network as data. It holds no rules of its own: `template_file` reads it, `template_check` says
+what is wrong with it, `soundness` makes inequalities of its rules.
+
+World: x rearward from the nose, y to the right, z up from the ground, mm; the plane of
+symmetry is y = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import frozen
+
+__all__ = ["AXES", "MIRROR", "Chain", "Patch", "Picture", "Rule", "Template", "twin"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+MIRROR: Final = np.array([1.0, -1.0, 1.0])
+"""The reflection in the plane of symmetry, as factors of the coordinates."""
+
+AXES: Final = "xyz"
+"""Letters of the coordinates, in order."""
+
+
+def twin(name: str) -> str:
+    """Name of the mirror image of a node, patch or chain: ``S1.R`` and ``S1.L``."""
+    if name.endswith(".R"):
+        return name[:-2] + ".L"
+    return name[:-2] + ".R" if name.endswith(".L") else name
+
+
+@dataclass(frozen=True)
+class Picture:
+    """From where a node is seen best on the small car that shows what is asked for.
+
+    Attributes
+    ----------
+    azimuth : float
+        Degrees: 0 looks at the nose, 90 at the right side, 180 at the tail, -90 at the left.
+    elevation : float
+        Degrees above the horizon.
+    patches : tuple of str
+        Names of the patches to tint: the part of the body that the prompt speaks of.
+    """
+
+    azimuth: float
+    elevation: float
+    patches: tuple[str, ...] = ()
+
+    @property
+    def toward_eye(self) -> Array:
+        """Unit vector from the car to the eye, (3,)."""
+        turn, rise = np.radians(self.azimuth), np.radians(self.elevation)
+        flat = np.cos(rise)
+        return np.array([-flat * np.cos(turn), flat * np.sin(turn), np.sin(rise)])
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A four-sided part of the body; seen from outside its nodes run anticlockwise.
+
+    Attributes
+    ----------
+    name : str
+    edges : (int, int, int, int)
+        Round the patch. An edge that is run through from its end to its start is ``~edge``.
+    nodes : (int, int, int, int)
+        The edge ``edges[i]`` leads from ``nodes[i]`` to the next. With u from ``nodes[0]``
+        to ``nodes[1]`` and v from ``nodes[0]`` to ``nodes[3]``, x_u × x_v points outward.
+    """
+
+    name: str
+    edges: tuple[int, int, int, int]
+    nodes: tuple[int, int, int, int]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Edges that follow each other and make one smooth line.
+
+    Attributes
+    ----------
+    name : str
+    nodes : tuple of int
+    edges : tuple of int
+        ``edges[i]`` leads from ``nodes[i]`` to ``nodes[i + 1]``; ``~edge`` where against it.
+    smooth : tuple of int
+        The nodes, none of them an end, at which the line has one tangent direction (G1).
+    """
+
+    name: str
+    nodes: tuple[int, ...]
+    edges: tuple[int, ...]
+    smooth: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A linear inequality that a sound car keeps: the sum of all terms is not below 0, mm.
+
+    Attributes
+    ----------
+    name : str
+        In a designer's words; by it the rule is switched off and reported.
+    text : str
+        As it stands in the file, for example ``C3.x >= C2.x + 50``.
+    terms : tuple of (node, axis, factor)
+    constant : float
+    """
+
+    name: str
+    text: str
+    terms: tuple[tuple[int, int, float], ...]
+    constant: float
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """A car before anybody has drawn it.
+
+    Attributes
+    ----------
+    id, title, about : str
+        The word for it in files; its name for people; a sentence or two on what it is.
+    names : tuple of str, length n
+        Of the nodes: ``C2`` on the plane of symmetry, ``S1.R`` and ``S1.L`` off it.
+    positions : (n, 3) float
+        mm.
+    pairs : (p, 2) int
+        Nodes off the plane: right, left. The wheels are among them.
+    centre : (c,) int
+        Nodes on the plane of symmetry.
+    wheels : (2, 2) int
+        Centres of the wheels: front and rear, each right and left. No edge ends in them.
+    edges : (m, 2) int
+        Start and end of each edge. Right half and centre first, then the mirror images.
+    tangents : (m, 2, 3) float
+        Derivatives of the cubic edge by its parameter 0 … 1 at its start and its end, mm.
+    patches : tuple of Patch
+    chains : tuple of Chain
+    rules : tuple of Rule
+    order : tuple of str
+        In which marks are asked for. Of a pair ``S1.near`` is the one on the side that the
+        sketch shows, ``S1.far`` the other; `asked` gives the nodes.
+    titles, prompts : mapping of str to str
+        By name of the node: what it is, and how to ask for it.
+    pictures : mapping of str to Picture
+    """
+
+    id: str
+    title: str
+    about: str
+    names: tuple[str, ...]
+    positions: Array
+    pairs: Index
+    centre: Index
+    wheels: Index
+    edges: Index
+    tangents: Array
+    patches: tuple[Patch, ...]
+    chains: tuple[Chain, ...]
+    rules: tuple[Rule, ...]
+    order: tuple[str, ...]
+    titles: Mapping[str, str]
+    prompts: Mapping[str, str]
+    pictures: Mapping[str, Picture]
+
+    def __post_init__(self) -> None:
+        for name, columns in (("positions", 3), ("pairs", 2), ("wheels", 2), ("edges", 2)):
+            kind = np.float64 if name == "positions" else np.intp
+            object.__setattr__(self, name, frozen(getattr(self, name), kind, columns))
+        object.__setattr__(self, "centre", frozen(self.centre, np.intp))
+        object.__setattr__(self, "tangents", frozen(self.tangents, np.float64))
+        for name in ("titles", "prompts", "pictures"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    # -- names ---------------------------------------------------------------------------------
+
+    @cached_property
+    def node(self) -> Mapping[str, int]:
+        """Index of each node by its name."""
+        return MappingProxyType({name: number for number, name in enumerate(self.names)})
+
+    @cached_property
+    def edge_names(self) -> tuple[str, ...]:
+        """The names of both ends of each edge, for example ``C1-S1.R``."""
+        return tuple(f"{self.names[a]}-{self.names[b]}" for a, b in self.edges)
+
+    def asked(self, near: str = "R") -> tuple[int, ...]:
+        """Nodes in the order in which their marks are asked for.
+
+        Parameters
+        ----------
+        near : {"R", "L"}
+            The side that the sketch shows.
+        """
+        sides = {"near": near, "far": "L" if near == "R" else "R"}
+        found = []
+        for word in self.order:
+            name, _, side = word.partition(".")
+            found.append(self.node[f"{name}.{sides[side]}" if side else name])
+        return tuple(found)
+
+    # -- the network ---------------------------------------------------------------------------
+
+    @cached_property
+    def mirrored(self) -> Index:
+        """The mirror image of each node, (n,): itself on the plane of symmetry."""
+        image = np.arange(len(self.names))
+        image[self.pairs[:, 0]], image[self.pairs[:, 1]] = self.pairs[:, 1], self.pairs[:, 0]
+        return image
+
+    @cached_property
+    def edge_between(self) -> Mapping[tuple[int, int], int]:
+        """The edge that leads from one node to another; ``~edge`` for the way back."""
+        found: dict[tuple[int, int], int] = {}
+        for number, (start, end) in enumerate(self.edges.tolist()):
+            found[start, end], found[end, start] = number, ~number
+        return MappingProxyType(found)
+
+    @cached_property
+    def mirrored_edges(self) -> Index:
+        """The mirror image of each edge, (m,); ``~edge`` where it runs the other way.
+
+        An edge on the plane of symmetry is its own image.
+
+        Raises
+        ------
+        KeyError
+            If there is none; `template_check.check` says so in words.
+        """
+        image = self.mirrored
+        return np.array([self.edge_between[image[a], image[b]] for a, b in self.edges], np.intp)
+
+    @cached_property
+    def control_points(self) -> Array:
+        """The edges as cubic Bezier curves, (m, 4, 3) mm."""
+        start, end = self.positions[self.edges[:, 0]], self.positions[self.edges[:, 1]]
+        first, last = start + self.tangents[:, 0] / 3.0, end - self.tangents[:, 1] / 3.0
+        return np.stack((start, first, last, end), axis=1)
+
+    @cached_property
+    def basis(self) -> Array:
+        """Symmetric cars as a linear space: positions = basis @ variables, (3 n, q).
+
+        The variables are x and z of every node on the plane and x, y, z of every right node
+        off it, mm, in the order of the nodes; the left nodes follow exactly, for the rows
+        hold nothing but 0, 1 and -1. (The reduced variables of the deformation: 63 for the
+        sedan.)
+        """
+        columns = []
+        image = self.mirrored
+        right = set(self.pairs[:, 0].tolist())
+        middle = set(self.centre.tolist())
+        for number in range(len(self.names)):
+            for axis in range(3):
+                if number in right or (number in middle and axis != 1):
+                    column = np.zeros((len(self.names), 3))
+                    column[image[number], axis] = MIRROR[axis]
+                    column[number, axis] = 1.0
+                    columns.append(column.ravel())
+        return np.stack(columns, axis=1)
+
+    @cached_property
+    def variables(self) -> Array:
+        """The template's own variables, (q,): ``basis @ variables`` are its positions."""
+        return self.reduced(self.positions)
+
+    def reduced(self, positions: Array) -> Array:
+        """Variables (q,) of a symmetric car with the given positions (n, 3), mm."""
+        return np.asarray(np.ravel(positions)[np.argmax(self.basis == 1.0, axis=0)])
+
+    def whole(self, variables: Array) -> Array:
+        """Positions (n, 3), mm, of the car with the given variables (q,)."""
+        return np.asarray((self.basis @ variables).reshape(-1, 3))

@@ -1,0 +1,173 @@
+"""What a template's file says, before anything is built of it: strict JSON, with limits.
+
+A file is not trusted. Unknown and doubled keys are refused, numbers are finite and of a sane
+size, texts are short, and there are no more entries than a big template needs. A message names
+the key.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Final
+
+import msgspec
+from msgspec import Meta
+
+from bozzetto.errors import FormatError
+
+__all__ = [
+    "FORMAT",
+    "LARGEST_FILE",
+    "ChainRecord",
+    "NodeRecord",
+    "PictureRecord",
+    "Records",
+    "Vector",
+    "read_records",
+]
+
+FORMAT: Final = "bozzetto-car-template/1"
+
+LARGEST_FILE: Final = 1 << 20
+"""Bytes; a template is some pages of text."""
+
+MOST_ITEMS: Final = 400
+"""Nodes, edges, patches, chains or rules of one half: ten times what a sedan has."""
+
+FARTHEST: Final = 100_000.0
+"""Largest coordinate or tangent, mm: a hundred metres hold any vehicle on a road."""
+
+Length = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
+Vector = tuple[Length, Length, Length]
+Text = Annotated[str, Meta(min_length=1, max_length=200)]
+Name = Annotated[str, Meta(pattern=r"\A[A-Z][A-Z0-9]{0,7}\Z")]
+Label = Annotated[str, Meta(pattern=r"\A[a-z][a-z0-9_]{0,39}\Z")]
+Names = Annotated[list[Name], Meta(min_length=2, max_length=MOST_ITEMS)]
+
+
+class PictureRecord(msgspec.Struct, forbid_unknown_fields=True):
+    """From where a node is seen best; `template.Picture` of the right half."""
+
+    azimuth: Annotated[float, Meta(ge=-180, le=180)]
+    elevation: Annotated[float, Meta(ge=-90, le=90)]
+    patches: Annotated[list[Label], Meta(max_length=8)] = []
+
+
+class NodeRecord(msgspec.Struct, forbid_unknown_fields=True):
+    """A node of the right half or the middle."""
+
+    at: Vector
+    title: Text
+    prompt: Text
+    picture: PictureRecord
+
+
+class ChainRecord(msgspec.Struct, forbid_unknown_fields=True):
+    """A chain of the right half, or along or across the middle."""
+
+    nodes: Names
+    smooth: Annotated[list[Name], Meta(min_length=1, max_length=MOST_ITEMS)]
+
+
+class Records(msgspec.Struct, forbid_unknown_fields=True):
+    """All that a file says."""
+
+    format: str
+    id: Label
+    title: Text
+    about: Text
+    centre: dict[Name, NodeRecord]
+    pairs: dict[Name, NodeRecord]
+    wheels: dict[Name, NodeRecord]
+    edges: dict[Text, tuple[Vector, Vector]]
+    patches: dict[Label, tuple[Name, Name, Name, Name]]
+    chains: dict[Label, ChainRecord]
+    soundness: dict[Text, Text]
+    order: Annotated[list[Text], Meta(max_length=2 * MOST_ITEMS)]
+
+
+_SECTIONS: Final[Mapping[str, tuple[Any, Any]]] = {
+    "centre": (Name, NodeRecord),
+    "pairs": (Name, NodeRecord),
+    "wheels": (Name, NodeRecord),
+    "edges": (Text, tuple[Vector, Vector]),
+    "patches": (Label, tuple[Name, Name, Name, Name]),
+    "chains": (Label, ChainRecord),
+    "soundness": (Text, Text),
+}
+"""The objects of a file: types of their keys and values, to read them entry by entry."""
+
+
+def read_records(data: bytes) -> Records:
+    """Read what a file says.
+
+    Parameters
+    ----------
+    data : bytes
+        JSON, UTF-8.
+
+    Raises
+    ------
+    FormatError
+        Names the key that is wrong.
+    """
+    top = _parsed(data)
+    if top.get("format") != FORMAT:
+        raise FormatError(f"This is not a car template: “format” must be “{FORMAT}”.")
+    for key in Records.__struct_fields__:
+        if key not in top:
+            raise FormatError(f"“{key}” is missing from the template.")
+    for key, (names, values) in _SECTIONS.items():
+        _check_section(top[key], key, names, values)
+    records: Records = _as(top, Records, "the template")
+    return records
+
+
+def _parsed(data: bytes) -> dict[str, Any]:
+    if len(data) > LARGEST_FILE:
+        raise FormatError(f"The template is larger than {LARGEST_FILE:,} bytes. Shorten it.")
+    try:
+        top = json.loads(
+            data.decode("utf-8-sig"), object_pairs_hook=_unique, parse_constant=_no_number
+        )
+    except UnicodeDecodeError:
+        raise FormatError("The template is not UTF-8 text. Save it as such.") from None
+    except RecursionError:
+        raise FormatError("The template is nested too deeply.") from None
+    except ValueError as problem:
+        raise FormatError(f"The template is not valid JSON: {problem}.") from None
+    if not isinstance(top, dict):
+        raise FormatError("The template is not a JSON object.")
+    return top
+
+
+def _unique(members: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    made = dict(members)
+    if len(made) < len(members):
+        keys = [key for key, _ in members]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise FormatError(f"“{twice[:40]}” stands twice in one object. Keep one of them.")
+    return made
+
+
+def _no_number(word: str) -> float:
+    raise FormatError(f"{word} is no number in JSON. Write a finite one.")
+
+
+def _check_section(value: Any, key: str, names: Any, values: Any) -> None:
+    """Refuse a section, naming the entry; msgspec by itself would not tell which it was."""
+    if not isinstance(value, dict):
+        raise FormatError(f"{key}: an object belongs here.")
+    if len(value) > MOST_ITEMS:
+        raise FormatError(f"{key}: {len(value)} entries are more than the {MOST_ITEMS} allowed.")
+    for name, entry in value.items():
+        _as(name, names, f"{key}, the name “{name[:40]}”")
+        _as(entry, values, f"{key}, {name[:40]}")
+
+
+def _as(value: Any, kind: Any, place: str) -> Any:
+    try:
+        return msgspec.convert(value, kind)
+    except msgspec.ValidationError as problem:
+        raise FormatError(f"{place}: {problem}.") from None
