@@ -61,6 +61,7 @@ def _named(shapes: Shapes, model: Model) -> Shapes:
         named(shapes.surfaces),
         named(shapes.curves),
         named(shapes.skeletons),
+        named(shapes.patchworks),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
 from bozzetto.geometry.skin import Rig, Skin
@@ -12,6 +13,7 @@ from bozzetto.geometry.texture import Texture
 __all__ = [
     "Curve",
     "Mesh",
+    "Patchwork",
     "Placement",
     "Rig",
     "Shapes",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.skin import Skin
 from bozzetto.geometry.texture import Texture
@@ -136,9 +137,10 @@ class Shapes:
     surfaces: tuple[Surface, ...] = ()
     curves: tuple[Curve, ...] = ()
     skeletons: tuple[Skeleton, ...] = ()
+    patchworks: tuple[Patchwork, ...] = ()
 
     def __bool__(self) -> bool:
-        return bool(self.solids or self.surfaces or self.curves or self.skeletons)
+        return any((self.solids, self.surfaces, self.curves, self.skeletons, self.patchworks))
 
     def __add__(self, other: Shapes) -> Shapes:
         return Shapes(
@@ -146,6 +148,7 @@ class Shapes:
             self.surfaces + other.surfaces,
             self.curves + other.curves,
             self.skeletons + other.skeletons,
+            self.patchworks + other.patchworks,
         )
 
     def meshes(self) -> Iterator[Solid | Surface]:
@@ -167,4 +170,5 @@ class Shapes:
                 replace(s, joints=placement.points(s.joints), radii=s.radii * placement.scale)
                 for s in self.skeletons
             ),
+            tuple(p.placed(placement) for p in self.patchworks),
         )

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.part_tree import PartTree
@@ -106,7 +107,8 @@ def sound_shapes(shapes: Any) -> Shapes:
     if type(shapes) is not Shapes:
         raise Unsound(f"{type(shapes).__name__} where Shapes belong")
     count = 0
-    for entry, kind in zip(fields(Shapes), (Solid, Surface, Curve, Skeleton), strict=True):
+    kinds = (Solid, Surface, Curve, Skeleton, Patchwork)
+    for entry, kind in zip(fields(Shapes), kinds, strict=True):
         parts = getattr(shapes, entry.name)
         _expect_tuple(parts, f"Shapes.{entry.name}")
         count += len(parts)
@@ -335,6 +337,10 @@ def _check_part(part: Any) -> None:
         _finite(part.control_points, "the control points of a curve")
         if part.weights is not None:
             _finite(part.weights, "the weights of a curve")
+    elif isinstance(part, Patchwork):
+        _finite(part.nets, "the control points of a patchwork")
+        _finite(part.edges, "the edges of a patchwork")
+        _expect(all(isinstance(n, str) for n in part.patch_names), "the names of patches")
     else:
         _finite(part.joints, "the joints of a skeleton")
         _finite(part.radii, "the radii of a skeleton")

@@ -1,0 +1,192 @@
+"""How smoothly patches meet: the crease along an edge, and the lock that takes it away.
+
+Over an edge with two patches the derivatives across it are blended from those in its two ends.
+Where the tangents in each end are opposite, as in smooth lines that cross the edge, the patches
+have one tangent plane all along it only if the *ratio* of their lengths is the same in both ends.
+Smooth curves alone do not make a smooth surface: with ratios of 1 and 3 the middle of an edge
+may be creased by 10°.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry.coons import edge_numbers
+from bozzetto.geometry.patch import grid_normals
+
+__all__ = ["SMOOTH", "crease_angles", "joints_of_chain", "locked"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+SMOOTH: Final = 0.1
+"""Degrees below which no crease is seen: the tolerance of class A surfacing."""
+
+CREASE_SAMPLES: Final = 33
+"""Places along an edge in which its crease is measured."""
+
+Joint = tuple[int, int]
+"""Two edges that leave a node, each as ``e`` from its start or ``~e`` from its end, and make one
+smooth line there."""
+
+
+def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
+    """The largest angle between the tangent planes of both patches along each edge.
+
+    Parameters
+    ----------
+    nets : (k, 4, 4, 3) array_like
+    sides : (k, 4) array_like of int
+        As in `coons`; no edge belongs to more than two of them.
+    edges : int
+        How many edges there are.
+
+    Returns
+    -------
+    (edges,) float
+        Degrees, 0 … 180. NaN for edges of one patch and of none: they have no crease.
+    """
+    signed = np.asarray(sides, np.intp)
+    at = np.linspace(0.0, 1.0, CREASE_SAMPLES)
+    normals = np.stack(
+        (
+            grid_normals(nets, at, [0.0])[:, :, 0],
+            grid_normals(nets, [1.0], at)[:, 0],
+            grid_normals(nets, at, [1.0])[:, ::-1, 0],
+            grid_normals(nets, [0.0], at)[:, 0, ::-1],
+        ),
+        axis=1,
+    )
+    along = np.where((signed < 0)[..., None, None], normals[..., ::-1, :], normals)
+    along = along.reshape(-1, CREASE_SAMPLES, 3)
+    numbers = edge_numbers(signed).ravel()
+    order = np.argsort(numbers, kind="stable")
+    twice = np.flatnonzero(numbers[order][1:] == numbers[order][:-1])
+    one, other = along[order[twice]], along[order[twice + 1]]
+    sine = np.linalg.norm(np.cross(one, other), axis=-1)
+    angle = np.degrees(np.arctan2(sine, (one * other).sum(axis=-1)))
+    found = np.full(edges, np.nan)
+    found[numbers[order[twice]]] = angle.max(axis=1)
+    return found
+
+
+def joints_of_chain(chain: ArrayLike, *, closed: bool = False) -> tuple[Joint, ...]:
+    """The joints of edges that follow each other.
+
+    Parameters
+    ----------
+    chain : (n,) array_like of int
+        Edges as they are run through, ``~e`` where against their sense.
+    closed : bool
+        The last one is joined to the first.
+    """
+    row = [int(edge) for edge in np.asarray(chain, np.intp)]
+    after = row[1:] + row[:1] if closed else row[1:]
+    return tuple((~edge, next_) for edge, next_ in zip(row, after, strict=False))
+
+
+def locked(edges: ArrayLike, sides: ArrayLike, joints: tuple[Joint, ...]) -> Array:
+    """Edges with the lengths of their tangents evened out, so that joints make smooth surfaces.
+
+    Joints in both ends of an edge that lies between their lines need one ratio of lengths, and
+    so do those in the ends of the next edge in line: each such row gets the geometric mean of
+    its ratios, which changes the logarithms of the lengths least in the sum of squares. Each
+    joint keeps the product of its two lengths, and all tangents keep their directions.
+
+    Parameters
+    ----------
+    edges : (m, 4, 3) array_like
+        The tangents in a joint are opposite (the lock cannot make them so).
+    sides : (k, 4) array_like of int
+    joints : tuple of (int, int)
+        No end of an edge is in two of them.
+
+    Returns
+    -------
+    (m, 4, 3) float
+        Ends of edges stay bit for bit, and so do tangents that need no change. A network
+        that is symmetric to the last bit stays so.
+    """
+    made = np.array(edges, float)
+    lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2)
+    for row in _rows(np.asarray(sides, np.intp), joints):
+        ratios = [sign * _ratio(lengths, joints[number]) for number, sign in row]
+        # Exact sums do not depend on their order: both sides of a car get the same.
+        mean = math.fsum(ratios) / len(ratios)
+        for number, sign in dict(row).items():
+            change = 0.5 * (sign * mean - _ratio(lengths, joints[number]))
+            if abs(change) > 4.0 * np.finfo(float).eps:
+                one, other = joints[number]
+                _stretch(made, one, math.exp(-change))
+                _stretch(made, other, math.exp(change))
+    return made
+
+
+def _ratio(lengths: Array, joint: Joint) -> float:
+    """Logarithm of the second tangent's length over that of the first; 0 where one has none."""
+    one, other = (float(lengths[e, 0] if e >= 0 else lengths[~e, 1]) for e in joint)
+    return math.log(other) - math.log(one) if one > 0.0 < other else 0.0
+
+
+def _stretch(edges: Array, end: int, share: float) -> None:
+    """Multiply the tangent in one end of an edge."""
+    edge, node, inner = (end, 0, 1) if end >= 0 else (~end, 3, 2)
+    edges[edge, inner] = edges[edge, node] + share * (edges[edge, inner] - edges[edge, node])
+
+
+Row = list[tuple[int, float]]
+
+
+def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[Row]:
+    """Joints that need one ratio, each with the sense in which it counts.
+
+    One that is met in both senses, on a surface with one side, stands there twice, so that the
+    mean is a ratio of 1: no other suits it.
+    """
+    links = _links(sides, joints)
+    seen: set[int] = set()
+    for first in range(len(joints)):
+        if first in seen:
+            continue
+        senses = {(first, 1.0)}
+        open_ = [(first, 1.0)]
+        while open_:
+            number, sign = open_.pop()
+            for other, turn in links.get(number, ()):
+                if (other, sign * turn) not in senses:
+                    senses.add((other, sign * turn))
+                    open_.append((other, sign * turn))
+        seen.update(number for number, _ in senses)
+        yield sorted(senses)
+
+
+def _links(sides: Index, joints: tuple[Joint, ...]) -> dict[int, list[tuple[int, float]]]:
+    """For each joint those in the other ends of the edges between its lines.
+
+    The sign says whether both name the two sides of the edge in the same order.
+    """
+    where = {frozenset(joint): number for number, joint in enumerate(joints)}
+    sided: dict[int, tuple[int, int]] = {}
+    links: dict[int, list[tuple[int, float]]] = {}
+    for row in sides.tolist():
+        for place, side in enumerate(row):
+            # The ends that leave the start and the end of this side within the patch.
+            sided[side] = (~row[place - 1], row[(place + 1) % 4])
+    for side, (start, end) in sided.items():
+        if side < 0 or ~side not in sided:
+            continue
+        other_end, other_start = sided[~side]  # that patch runs the other way
+        one = where.get(frozenset((start, other_start)))
+        two = where.get(frozenset((end, other_end)))
+        if one is None or two is None:
+            continue
+        same = (joints[one][0] == start) == (joints[two][0] == end)
+        turn = 1.0 if same else -1.0
+        links.setdefault(one, []).append((two, turn))
+        links.setdefault(two, []).append((one, turn))
+    return links

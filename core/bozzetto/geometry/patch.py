@@ -1,0 +1,293 @@
+"""Bicubic Bézier patches in space: values, derivatives, normals, exact pieces and images.
+
+A patch is a *control net*, (4, 4, 3) mm: ``net[i, j]`` weighs with the i-th Bernstein polynomial
+of u and the j-th of v, both over 0 … 1. Many patches are one array, (k, 4, 4, 3). All functions
+here are plain array work, quick enough to follow a pen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "Places",
+    "bernstein",
+    "extent",
+    "grid",
+    "grid_normals",
+    "halved",
+    "mirrored",
+    "normals_at",
+    "points_at",
+    "split",
+    "turned_over",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+FLAT_SINE: Final = 1e-9
+"""Sine of the angle between the tangents in u and v below which they tell no tangent plane."""
+
+INWARD: Final = 1e-3
+"""Share of the way to the middle of its patch that is gone for a normal where there is none, as
+in a corner whose two edges run on into each other."""
+
+EXTENT_TOLERANCE: Final = 1e-10
+"""Error of `extent`, per unit of the largest coordinate."""
+
+EXTENT_PIECES: Final = 4096
+"""Most pieces kept in the search for an extent: on a patch flat along an axis they never thin
+out, and their bounds meet within rounding all the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Places on patches, which follow when the patches change.
+
+    Attributes
+    ----------
+    patches : (n,) int
+        −1 where there is none.
+    parameters : (n, 2) float
+        u and v, 0 … 1; 0 where there is no place.
+    """
+
+    patches: Index
+    parameters: Array
+
+    def __len__(self) -> int:
+        return len(self.patches)
+
+    def __getitem__(self, which: slice | NDArray[np.bool_] | Index) -> Places:
+        return Places(self.patches[which], self.parameters[which])
+
+
+def bernstein(at: ArrayLike, order: int = 0) -> Array:
+    """Cubic Bernstein polynomials, or a derivative of them.
+
+    Parameters
+    ----------
+    at : (n,) array_like
+    order : int
+        Of the derivative: 0 … 3.
+
+    Returns
+    -------
+    (n, 4) float
+    """
+    t = np.asarray(at, float)
+    s = 1.0 - t
+    degree = 3 - order
+    if degree == 3:
+        rows = np.stack((s * s * s, 3.0 * t * s * s, 3.0 * t * t * s, t * t * t), axis=-1)
+    elif degree == 2:
+        rows = np.stack((s * s, 2.0 * t * s, t * t), axis=-1)
+    elif degree == 1:
+        rows = np.stack((s, t), axis=-1)
+    else:
+        rows = np.ones((*t.shape, 1))
+    for level in range(order):  # forward differences of the control points, one by one
+        padded = np.zeros((*rows.shape[:-1], rows.shape[-1] + 1))
+        padded[..., :-1] -= rows
+        padded[..., 1:] += rows
+        rows = (degree + 1 + level) * padded
+    return rows
+
+
+def grid(nets: ArrayLike, u: ArrayLike, v: ArrayLike, *, du: int = 0, dv: int = 0) -> Array:
+    """Places of all patches, or derivatives there, on one grid of parameters.
+
+    Parameters
+    ----------
+    nets : (k, 4, 4, 3) array_like
+    u, v : (a,), (b,) array_like
+    du, dv : int
+        Orders of the derivatives by u and by v.
+
+    Returns
+    -------
+    (k, a, b, 3) float
+    """
+    return np.ascontiguousarray(np.moveaxis(_columns(nets, u, v, du, dv), 0, -1))
+
+
+def _columns(nets: ArrayLike, u: ArrayLike, v: ArrayLike, du: int, dv: int) -> Array:
+    """As `grid`, each coordinate by itself, (3, k, a, b): quicker to go on with."""
+    nets = np.asarray(nets, float)
+    rows, columns = bernstein(u, du), bernstein(v, dv)
+    both = (rows.T[:, None, :, None] * columns.T[None, :, None, :]).reshape(16, -1)
+    flat = np.ascontiguousarray(nets.reshape(-1, 16, 3).transpose(2, 0, 1))
+    return np.asarray((flat.reshape(-1, 16) @ both).reshape(3, -1, len(rows), len(columns)))
+
+
+def grid_normals(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
+    """Unit normals of all patches on one grid of parameters, along x_u × x_v.
+
+    Parameters
+    ----------
+    nets, u, v
+        As in `grid`.
+
+    Returns
+    -------
+    (k, a, b, 3) float
+        In a corner without a tangent plane that of a place just inside; 0 where the patch has
+        none there either.
+    """
+    nets = np.asarray(nets, float)
+    across, sound = _unit_across(_columns(nets, u, v, 1, 0), _columns(nets, u, v, 0, 1))
+    normals = np.ascontiguousarray(np.moveaxis(across, 0, -1))
+    if not sound.all():
+        patches, i, j = np.nonzero(~sound)
+        at = np.column_stack((np.asarray(u, float)[i], np.asarray(v, float)[j]))
+        normals[patches, i, j] = normals_at(nets, Places(patches, at))
+    return normals
+
+
+def points_at(nets: ArrayLike, places: Places, *, du: int = 0, dv: int = 0) -> Array:
+    """Points at places, or derivatives there.
+
+    Parameters
+    ----------
+    nets : (k, 4, 4, 3) array_like
+    places : Places
+        All of them on patches.
+    du, dv : int
+        Orders of the derivatives by u and by v.
+
+    Returns
+    -------
+    (n, 3) float
+    """
+    own = np.asarray(nets, float)[places.patches]
+    u, v = places.parameters.T
+    across = (bernstein(u, du)[:, None] @ own.reshape(-1, 4, 12)).reshape(-1, 4, 3)
+    return np.asarray((bernstein(v, dv)[:, None] @ across)[:, 0])
+
+
+def normals_at(nets: ArrayLike, places: Places) -> Array:
+    """Unit normals at places, (n, 3), as `grid_normals` gives them."""
+    across, sound = _unit_across(points_at(nets, places, du=1).T, points_at(nets, places, dv=1).T)
+    normals = np.ascontiguousarray(across.T)
+    if not sound.all():
+        hidden = places[~sound]
+        inside = Places(hidden.patches, hidden.parameters + INWARD * (0.5 - hidden.parameters))
+        normals[~sound] = _unit_across(
+            points_at(nets, inside, du=1).T, points_at(nets, inside, dv=1).T
+        )[0].T
+    return normals
+
+
+def _unit_across(a: Array, b: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """The unit vector across two, 0 where they are parallel, (3, …); and where they are not."""
+    across = np.stack(
+        (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    )
+    length = np.sqrt(_squares(across))
+    sound = length > FLAT_SINE * np.sqrt(_squares(a) * _squares(b))
+    across *= sound / np.where(sound, length, 1.0)
+    return across, sound
+
+
+def _squares(a: Array) -> Array:
+    """Squared lengths of vectors (3, …)."""
+    return np.asarray(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+# -- pieces and images -----------------------------------------------------------------------------
+
+
+def split(nets: ArrayLike, at: float, axis: int) -> tuple[Array, Array]:
+    """Both parts of patches cut along a line of one parameter (de Casteljau 1959).
+
+    Parameters
+    ----------
+    nets : (k, 4, 4, d) array_like
+    at : float
+        0 … 1.
+    axis : int
+        0 cuts at u, 1 at v.
+
+    Returns
+    -------
+    low, high : (k, 4, 4, d) float
+        Each over its own 0 … 1. Their common control points are the same numbers.
+    """
+    row = np.moveaxis(np.asarray(nets, float), axis + 1, 1)
+    low, high = np.empty_like(row), np.empty_like(row)
+    for level in range(4):
+        low[:, level], high[:, 3 - level] = row[:, 0], row[:, -1]
+        row = (1.0 - at) * row[:, :-1] + at * row[:, 1:]
+    return np.moveaxis(low, 1, axis + 1), np.moveaxis(high, 1, axis + 1)
+
+
+def halved(nets: Array) -> Array:
+    """All quarters of patches, (4, k, 4, 4, d): halves of u, and in each those of v."""
+    return np.stack([part for half in split(nets, 0.5, 0) for part in split(half, 0.5, 1)])
+
+
+def turned_over(nets: ArrayLike) -> Array:
+    """The same patches with u run the other way, so that their normals point the other way."""
+    return np.asarray(nets, float)[:, ::-1].copy()
+
+
+def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
+    """Mirror images in the plane where one coordinate is 0, exact to the last bit.
+
+    They are turned over, too: normals that pointed outward still do.
+
+    Parameters
+    ----------
+    nets : (k, 4, 4, 3) array_like
+    axis : int
+        Of the coordinate that changes its sign.
+    """
+    made = turned_over(nets)
+    made[..., axis] *= -1.0
+    return made
+
+
+# -- extent ----------------------------------------------------------------------------------------
+
+
+def extent(nets: ArrayLike) -> Array:
+    """The bounding box of the very surface; that of the control points is larger.
+
+    Branch and bound: a patch lies within its control points, and its corners lie on it. What
+    cannot reach further than a corner does is dropped, the rest is cut in quarters.
+
+    Parameters
+    ----------
+    nets : (k, 4, 4, 3) array_like
+        ``k >= 1``.
+
+    Returns
+    -------
+    (2, 3) float
+        Least and largest coordinates, within `EXTENT_TOLERANCE`, mm.
+    """
+    nets = np.asarray(nets, float)
+    slack = EXTENT_TOLERANCE * float(np.abs(nets).max())
+    ends = [[sign * _highest(sign * nets[..., [axis]], slack) for axis in range(3)]
+            for sign in (-1.0, 1.0)]  # fmt: skip
+    return np.array(ends)
+
+
+def _highest(heights: Array, slack: float) -> float:
+    """The largest value of polynomials (k, 4, 4, 1), from below, within slack."""
+    best = float(heights[:, ::3, ::3].max())
+    while True:
+        reach = heights.max(axis=(1, 2, 3))
+        open_ = reach > best + slack
+        if not open_.any():
+            return best
+        kept = heights[open_]
+        if len(kept) > EXTENT_PIECES:
+            kept = kept[np.argsort(reach[open_])[-EXTENT_PIECES:]]
+        heights = halved(kept).reshape(-1, 4, 4, 1)
+        best = max(best, float(heights[:, ::3, ::3].max()))
