@@ -104,6 +104,7 @@ class Window(QMainWindow):
         self.canvas.menu_entries = self._radial_entries
         self._replay: Replay | None = None
         self._closing = False
+        self._said_first = ""
 
         self.status = StatusLine(session)
         self.status.faults.lie_over(self.canvas)
@@ -141,13 +142,14 @@ class Window(QMainWindow):
         session.files.imported.connect(self._imported)
         session.opened.connect(self._stop_replay)
         session.files.busy_changed.connect(self._saving_ended)
+        session.modeler_changed.connect(self._say_what_first)
         session.when_safe = self.files.when_safe
         self.canvas.hand.ink_began.connect(self._ink_began)
         self._restore_layout()
         self._show_title()
         if session.modelers and not session.active_modeler:
             session.activate_modeler(session.modelers[0].id)
-        self.canvas.show_hint(session.hint)
+        self._say_what_first()
         self.canvas.setFocus()
 
     # -- putting it together --
@@ -463,6 +465,16 @@ class Window(QMainWindow):
         off = {info.id for info in self.session.registry.plugins() if info.status == "disabled"}
         keep_disabled_plugins(off | {plugin})
         self.modelers.refresh()
+
+    def _say_what_first(self) -> None:
+        """On an empty sheet: what the modeler that was just taken wants to have drawn first."""
+        modeler = self.session.active_modeler
+        if modeler == self._said_first:
+            return
+        self._said_first = modeler
+        drawn = len(self.session.document) or self.session.pending or self._replay is not None
+        if modeler and not drawn:
+            self.canvas.show_hint(self.session.registry.info(modeler).hint)
 
     def _show_title(self) -> None:
         if len(self.session.document):

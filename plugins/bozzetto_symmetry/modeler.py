@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
@@ -26,6 +26,9 @@ from bozzetto_symmetry.trace import Trace, directions, traced
 from bozzetto_symmetry.vanishing import seen_from
 
 __all__ = ["Symmetry", "SymmetryResult"]
+
+ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState().height)}
+"""Where the box stands of which a file says nothing: things stand on the ground, at z = 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +57,9 @@ class Symmetry:
     part_types = (Curve, Line, Group)
 
     def create(self, context: Context) -> SymmetryState:
-        """An empty box: the one that a file asks for, or 200 × 100 × 100 mm."""
-        return replace(SymmetryState(), **box_facts(context.facts))
+        """An empty box: the one that a file asks for, or 200 × 100 × 100 mm on the ground."""
+        told = box_facts(context.facts)
+        return replace(SymmetryState(), **({} if told else ON_GROUND), **told)
 
     def tools(self) -> Sequence[Tool[SymmetryState]]:
         """What the pen can do, most used first."""
