@@ -30,6 +30,10 @@ SMOOTH_ANGLE: Final = 1e-6
 """Largest angle between the tangents of a smooth chain at a node, radians. A file tells them
 with a few decimals; what is meant to be parallel can be written so that it is."""
 
+NARROWEST_CORNER: Final = 5.0
+"""Least angle, degrees, of the two edges at a corner of a patch, and of each to the other's
+continuation. Where they run in one line the surface has no normal."""
+
 
 def edge_faults(template: Template) -> Iterator[str]:
     """What is wrong with the edges by themselves."""
@@ -76,10 +80,29 @@ def patch_faults(template: Template) -> Iterator[str]:
     if broken:
         return
     yield from _shell_faults(template)
+    yield from _corner_faults(template)
     corners = {frozenset(patch.nodes) for patch in template.patches}
     for patch in template.patches:
         if frozenset(template.mirrored[list(patch.nodes)].tolist()) not in corners:
             yield f"The patch {patch.name} has no mirror image."
+
+
+def _corner_faults(template: Template) -> Iterator[str]:
+    for patch in template.patches:
+        for number, node in enumerate(patch.nodes):
+            ahead = _tangents(template, node, patch.nodes[(number + 1) % 4])[0]
+            back = _tangents(template, node, patch.nodes[number - 1])[0]
+            opening = np.degrees(_angle(ahead, back))
+            if not NARROWEST_CORNER <= opening <= 180.0 - NARROWEST_CORNER:
+                yield (
+                    f"The edges of the patch {patch.name} at {template.names[node]} run in one "
+                    f"line (they make {opening:.1f}°): the surface has no normal there."
+                )
+
+
+def _angle(one: Array, other: Array) -> float:
+    """Angle of two vectors, radians; 0 where one of them is nought."""
+    return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))
 
 
 def _shell_faults(template: Template) -> Iterator[str]:
@@ -137,6 +160,7 @@ def _volume(template: Template, rim: list[int]) -> float:
 def chain_faults(template: Template) -> Iterator[str]:
     """What is wrong with the chains: gaps, kinks, and ends of edges claimed twice."""
     claimed: dict[tuple[int, int], str] = {}
+    sides = [{max(edge, ~edge) for edge in patch.edges} for patch in template.patches]
     for chain in template.chains:
         steps = pairwise(chain.nodes)
         if [template.edge_between.get(step) for step in steps] != list(chain.edges):
@@ -151,8 +175,15 @@ def chain_faults(template: Template) -> Iterator[str]:
                 yield f"The chain {chain.name} cannot be smooth at {name}, which is not inside it."
                 continue
             yield from _kinks(template, chain, node)
-            for edge in _around(chain, node):
-                end = (max(edge, ~edge), node)
+            around = _around(chain, node)
+            for patch, its in zip(template.patches, sides, strict=True):
+                if its >= set(around):
+                    yield (
+                        f"The chain {chain.name} cannot be smooth at {template.names[node]}, a "
+                        f"corner of the patch {patch.name}: the surface would have no normal there."
+                    )
+            for edge in around:
+                end = (edge, node)
                 if end in claimed:
                     yield (
                         f"The chains {claimed[end]} and {chain.name} are both smooth along the "
@@ -162,21 +193,21 @@ def chain_faults(template: Template) -> Iterator[str]:
 
 
 def _around(chain: Chain, node: int) -> tuple[int, int]:
-    """The edges of a chain before and after a node."""
+    """The edges of a chain before and after a node, whichever way they run."""
     at = chain.nodes.index(node)
-    return chain.edges[at - 1], chain.edges[at]
+    before, after = chain.edges[at - 1 : at + 1]
+    return max(before, ~before), max(after, ~after)
 
 
 def _kinks(template: Template, chain: Chain, node: int) -> Iterator[str]:
     at = chain.nodes.index(node)
     into = _tangents(template, chain.nodes[at - 1], node)[1]
     out = _tangents(template, node, chain.nodes[at + 1])[0]
-    lengths = np.linalg.norm(into), np.linalg.norm(out)
     name = template.names[node]
-    if not all(lengths):
+    if not (into.any() and out.any()):
         yield f"The chain {chain.name} has no direction at {name}: a tangent is nought."
         return
-    angle = np.arctan2(np.linalg.norm(np.cross(into, out)), into @ out)
+    angle = _angle(into, out)
     if angle > SMOOTH_ANGLE:
         yield f"The chain {chain.name} has a kink of {np.degrees(angle):.3g}° at {name}."
     if node == template.mirrored[node] and chain.nodes[0] == template.mirrored[chain.nodes[-1]]:
