@@ -39,18 +39,20 @@ def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
 
 
 def shapes_in_world(shapes: Shapes, model: Model) -> Shapes:
-    """A modeler's shapes in the world: in the model's name and colour, placed."""
+    """A modeler's shapes in the world: named, in the model's colour, placed."""
     return _named(shapes, model).placed(model.placement)
 
 
 def _named(shapes: Shapes, model: Model) -> Shapes:
-    """Parts named after the model, numbered where there are several, in its colour."""
+    """Parts in the model's colour; those without a name are named after it and numbered."""
 
     def named(parts: tuple[Any, ...]) -> tuple[Any, ...]:
         made = []
         for number, part in enumerate(parts, 1):
-            name = model.name if len(parts) == 1 else f"{model.name} {number}"
-            changes: dict[str, Any] = {"name": name}
+            changes: dict[str, Any] = {}
+            if part.name == type(part).name:
+                name = model.name if len(parts) == 1 else f"{model.name} {number}"
+                changes["name"] = name
             if hasattr(part, "color") and part.color is None:
                 changes["color"] = model.color
             made.append(replace(part, **changes))

@@ -27,7 +27,8 @@ SAME: Final = 1e-6
 def as_crossing(stereo: Stereo, side: Side, box: Array | None) -> Iterator[Read]:
     """Every way in which a side can be a curve across the plane, at its price.
 
-    A closed side may be a ring, or a line whose ends happen to be seen near one another.
+    A closed side is a ring; where it can be none, it may be a line whose ends happen to be
+    seen near one another.
 
     Parameters
     ----------
@@ -37,10 +38,12 @@ def as_crossing(stereo: Stereo, side: Side, box: Array | None) -> Iterator[Read]
         Least and greatest corner, in the frame of the plane, mm.
     """
     ways = [(side.pixels, True)] if side.closed else []
+    some = False
     for pixels, ring in [*ways, (side.unrolled, False)]:
-        for folding in foldings(stereo, pixels, closed=ring):
+        for folding in () if some else foldings(stereo, pixels, closed=ring):
             found = _folded(stereo, folding, pixels, ring, box)
             if found is not None:
+                some |= ring
                 yield found
 
 

@@ -21,9 +21,9 @@ def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
         trace = traces.get(curve.id)
         if trace is None or trace.curve is None:
             continue
-        for number, spline in enumerate(trace.curve.curves()):
-            made = spline.to_curve(_name(curve, number), curve.color)
-            handed.append(replace(made, control_points=place.points(made.control_points)))
+        for number, made in enumerate(trace.curve.to_curves(curve.color)):
+            points = place.points(made.control_points)
+            handed.append(replace(made, name=_name(curve, number), control_points=points))
     return Shapes(curves=tuple(handed))
 
 

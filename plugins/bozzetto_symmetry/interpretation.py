@@ -26,9 +26,10 @@ OUTSIDE: Final = 10.0
 ASTRIDE: Final = 20.0
 """Price of a side that lies as much on one side of the plane as on the other, px."""
 
-BUCKLED: Final = 5.0
-"""Price of a loop that is as deep as it is wide, px: loops match as well in either sense, and
-most of them are about flat."""
+ASKEW: Final = 2.0
+"""Price of a loop that faces no way of the box, px, over 1 − the cosine. Loops match nearly as
+well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
+side, the front or the top, and is evenly round, which the matching's own score counts."""
 
 TELL: Final = 0.03
 """Share of a side without a partner that a person is told of."""
@@ -93,10 +94,8 @@ def price(pairing: Pairing, made: Solved, missing: float) -> float:
     missing : float
         Share of the ink without a partner.
     """
-    buckled = BUCKLED * made.buckled if pairing.closed else 0.0
-    return (
-        pairing.cost + MISSING * missing + OUTSIDE * made.outside + ASTRIDE * made.astride + buckled
-    )
+    misfit = pairing.score + ASKEW * made.askew if pairing.closed else pairing.cost
+    return misfit + MISSING * missing + OUTSIDE * made.outside + ASTRIDE * made.astride
 
 
 def matched(pixels: Array, stations: Array) -> Array:

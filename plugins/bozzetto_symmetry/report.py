@@ -60,7 +60,7 @@ def _told(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
     if trace.curve is None:
         return told
     place = state.plane.placement
-    handed = [spline.to_curve() for spline in trace.curve.curves()]
+    handed = trace.curve.to_curves()
     told |= {
         "degree": handed[0].degree,
         "closed": trace.curve.closed,

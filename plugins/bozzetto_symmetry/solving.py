@@ -44,8 +44,9 @@ class Solved:
         Share of the points outside the box and the room about it.
     astride : float
         How much of the curve lies on the other side of the plane than most of it, 0 … 1.
-    buckled : float
-        Least over greatest extent of the points: 0 if they are in one plane.
+    askew : float
+        How far the plane that fits the points best is from facing one of the box's ways:
+        0 if it does, and 0.42 at most.
     """
 
     points: Array
@@ -53,7 +54,7 @@ class Solved:
     kept: float
     outside: float
     astride: float
-    buckled: float
+    askew: float
 
 
 def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
@@ -79,11 +80,11 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     trust /= trust.sum()
     out = _beyond(points, box)
     middle = points - trust @ points
-    extents = np.linalg.svd(middle * np.sqrt(trust)[:, None], compute_uv=False)
-    buckled = float(extents[-1] / max(extents[0], 1e-300)) if len(extents) == 3 else 0.0
+    least = np.linalg.svd(middle * np.sqrt(trust)[:, None], full_matrices=False)[2][-1]
+    askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
     outside, astride = float(trust[out].sum()), _astride(points[:, 1], trust)
     keep = ~strays(points, box)
-    return Solved(points[keep], covariances[keep], float(seen.mean()), outside, astride, buckled)
+    return Solved(points[keep], covariances[keep], float(seen.mean()), outside, astride, askew)
 
 
 def strays(points: Array, box: Array | None) -> Flags:

@@ -7,7 +7,7 @@ done again, in order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -26,7 +26,7 @@ from bozzetto_symmetry.fusion import Estimate, fused
 from bozzetto_symmetry.reading import Read, read
 from bozzetto_symmetry.sides import Side, sides_of
 from bozzetto_symmetry.space_curve import SpaceCurve
-from bozzetto_symmetry.state import Curve, SymmetryState
+from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 from bozzetto_symmetry.uncertainty import curve_sigmas
 from bozzetto_symmetry.visibility import shown_curves
@@ -120,19 +120,32 @@ def traced(curve: Curve, state: SymmetryState) -> Trace:
     return _traces.recall(question, lambda: _traced(curve, state))
 
 
-def views_of(strokes: Sequence[Stroke], state: SymmetryState) -> tuple[View, ...]:
-    """Strokes by the camera that they were drawn through, in the order of the first of each."""
+def views_of(
+    strokes: Iterable[Stroke], state: SymmetryState, asked: AskedReading = "auto"
+) -> tuple[View, ...]:
+    """Strokes by the camera that they were drawn through, in the order of the first of each.
+
+    Parameters
+    ----------
+    strokes : iterable of Stroke
+        Of one curve.
+    state : SymmetryState
+        For its plane.
+    asked : str
+        What the curve is said to be; a pair has two sides, and all others one.
+    """
+    drawn = tuple(strokes)
 
     def made() -> tuple[View, ...]:
         by_camera: dict[Camera, list[Stroke]] = {}
-        for stroke in strokes:
+        for stroke in drawn:
             by_camera.setdefault(stroke.camera, []).append(stroke)
         return tuple(
-            View(Stereo.of(camera, state.plane), tuple(drawn), sides_of(drawn))
-            for camera, drawn in by_camera.items()
+            View(Stereo.of(camera, state.plane), tuple(seen), sides_of(seen, asked))
+            for camera, seen in by_camera.items()
         )
 
-    return _views.recall((tuple(strokes), state.plane), made)
+    return _views.recall((drawn, state.plane, asked), made)
 
 
 def _traced(curve: Curve, state: SymmetryState) -> Trace:
@@ -157,7 +170,7 @@ def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
 
 
 def _read(curve: Curve, state: SymmetryState) -> Trace:
-    views = views_of(tuple(curve.strokes), state)
+    views = views_of(curve.strokes, state, curve.reading)
     box = state.bounds
     readings = [_readings(view, curve.reading, box, len(views)) for view in views]
     main = _main(readings)
@@ -171,7 +184,9 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
             alike[number] = _facing(same[0], first)
     fit, sights = _fitted(views, alike, main, curve)
     rest = [r for r in readings[main] if r is not first and r.reading != "half"]
-    margin = min((r.cost / max(first.cost, 1e-6) for r in rest), default=MOST_MARGIN)
+    # What is taken to be in the plane may as well wait for its other side.
+    against = [r for r in readings[main] if r is not first] if first.reading == "plane" else rest
+    margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
     points = sampled(fit.curve.spline)
     return Trace(
         first.reading, fit.curve, points, _uncertainty(fit.curve, points, sights),

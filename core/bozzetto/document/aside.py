@@ -16,6 +16,9 @@ __all__ = ["Aside", "Refusal", "runs"]
 MAX_REPEATS: Final = 16
 """How often a state may name each of its strokes on average: memory stays near the file's."""
 
+FEW: Final = 100_000
+"""Names of strokes that are never too many: they take less than a megabyte."""
+
 
 class Refusal(ValueError):
     """A value that does not fit its type; says where in the state."""
@@ -49,7 +52,7 @@ class Aside:
     def name_strokes(self, count: int) -> None:
         """Count the strokes that rows of strokes name; raises `Refusal` for endless repeats."""
         self.named += count
-        if self.named > MAX_REPEATS * len(self.strokes):
+        if self.named > max(FEW, MAX_REPEATS * len(self.strokes)):
             raise Refusal("names the same strokes over and over")
 
     @staticmethod
