@@ -1,0 +1,110 @@
+"""The least of a convex quadratic function under linear inequalities.
+
+Lawson & Hanson, *Solving Least Squares Problems* (1974), chapter 23: with a Cholesky factor of
+the quadratic form the problem becomes that of the shortest vector that keeps the inequalities
+(least distance programming), and that one is non-negative least squares in the dual. SciPy's
+solver for the latter finds which inequalities hold with equality; the answer is then computed
+from these by themselves, so that it does not inherit the tolerance of the search.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Contradiction", "Constrained", "constrained_minimum"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+CONTRADICTORY: Final = 1e-9
+"""Length of the dual residual, of 1, below which no vector keeps all inequalities: it is the
+share of the farthest-off inequality that is left when the others are combined against it."""
+
+KEPT: Final = 1e-11
+"""Shortfall of an inequality that is no violation, as a share of the largest one demanded."""
+
+
+class Contradiction(ValueError):
+    """No vector keeps all inequalities.
+
+    Attributes
+    ----------
+    rows : (k,) int
+        Inequalities that contradict each other: a certificate by Farkas' lemma.
+    """
+
+    def __init__(self, rows: Index) -> None:
+        super().__init__("the inequalities contradict each other")
+        self.rows = rows
+
+
+@dataclass(frozen=True, eq=False)
+class Constrained:
+    """Where a quadratic function is least.
+
+    Attributes
+    ----------
+    place : (n,) float
+    active : (k,) int
+        Inequalities that hold it back.
+    """
+
+    place: Array
+    active: Index
+
+
+def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) -> Constrained:
+    """The vector x for which x·form·x / 2 + slope·x is least while rows·x ≥ least.
+
+    Parameters
+    ----------
+    form : (n, n) float
+        Symmetric, positive definite.
+    slope : (n,) float
+    rows : (m, n) float
+    least : (m,) float
+
+    Returns
+    -------
+    Constrained
+        The inequalities hold to rounding.
+
+    Raises
+    ------
+    Contradiction
+        If no vector keeps the inequalities.
+    numpy.linalg.LinAlgError
+        If the form is not positive definite.
+    """
+    from scipy.linalg import cho_solve, solve_triangular
+    from scipy.optimize import nnls
+
+    factor = np.linalg.cholesky(form)
+    free = -cho_solve((factor, True), slope)
+    lacking = least - rows @ free
+    if not len(lacking) or lacking.max() <= 0.0:
+        return Constrained(free, np.empty(0, np.intp))
+    # In the metric of the form: the shortest y with turned·y ≥ lacking.
+    turned = solve_triangular(factor, rows.T, lower=True)
+    lengths = np.linalg.norm(turned, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    turned /= lengths
+    lacking = lacking / lengths
+    worst = float(lacking.max())
+    dual = np.vstack((turned, lacking / worst))
+    goal = np.zeros(len(dual))
+    goal[-1] = 1.0
+    weights, residual = nnls(dual, goal, maxiter=30 * dual.shape[1])
+    active = np.flatnonzero(weights)
+    if residual < CONTRADICTORY:
+        raise Contradiction(active)
+    step = np.linalg.lstsq(turned[:, active].T, lacking[active], rcond=None)[0]
+    if (turned.T @ step - lacking).min() < -KEPT * worst:
+        # Active inequalities that depend on each other: the residual itself is the answer.
+        gap = dual @ weights - goal
+        step = -gap[:-1] / gap[-1] * worst
+    return Constrained(free + solve_triangular(factor, step, lower=True, trans="T"), active)
