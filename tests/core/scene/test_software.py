@@ -230,6 +230,14 @@ def test_panes_are_laid_from_far_to_near_where_they_cross():
     np.testing.assert_array_equal(image[:, beside], swapped[:, beside])
 
 
+@pytest.mark.parametrize("opacity", [0.09, 0.6])
+def test_behind_a_pane_the_later_line_hides_the_earlier_one(opacity):
+    pane = Shaded(sheet(80, y=-5.0), "second", opacity)
+    red, green = (Lines(LINE, color=c, width=9.0) for c in ((200, 40, 40), (0, 140, 130)))
+    alone, over = (shot(scene_of(pane, *lines))[50, 60] for lines in ((green,), (red, green)))
+    np.testing.assert_allclose(over, alone, atol=1)
+
+
 # -- lines -------------------------------------------------------------------------------------
 
 LINE = [(-30.0, 0.0, 0.25), (30.0, 0.0, 0.25)]

@@ -106,8 +106,11 @@ class Canvas:
         if not veiled or self.veil is None:
             self.pixels[touched] += alpha * (paint - self.pixels[touched])
             return
-        alpha *= 1 - self.veil.opacity.ravel()[touched][:, None]
-        changed = self.pixels[touched] + alpha * (paint - self.veil.behind[touched])
+        behind = self.veil.behind[touched]
+        change = alpha * (paint - behind)
+        self.veil.behind[touched] = behind + change  # the next line lies over this one
+        seen = 1 - self.veil.opacity.ravel()[touched][:, None]
+        changed = self.pixels[touched] + seen * change
         self.pixels[touched] = np.clip(changed, 0, np.array((255, 255, 255, 1), np.float32))
 
 
