@@ -286,7 +286,7 @@ class Inking(QObject):
             if used:
                 session.pending_changed.emit()
             hint = session.toolbox.hint_of(answer.tool)
-            if hint:
+            if hint and not session.toolbox.tells_next(answer.tool):
                 session.say_hint(
                     tr(
                         "Session",

@@ -30,6 +30,7 @@ from bozzetto.workbench import Workbench
 from bozzetto_app.advising import Advising
 from bozzetto_app.commanding import Commanding
 from bozzetto_app.editing import ObjectEdits
+from bozzetto_app.expecting import Expecting
 from bozzetto_app.files import Files
 from bozzetto_app.inking import Inking
 from bozzetto_app.looking import Looking, Shading
@@ -120,6 +121,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.using = Using(self)
         self.advising = Advising(self)
         self.commanding = Commanding(self)
+        self.expecting = Expecting(self)
         self.showing = Showing(self.workbench, self)
         self.showing.changed.connect(self._model_shown)
         self.showing.settled.connect(self.settled)
@@ -220,6 +222,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             self.inking,
             self.commanding,
             self.advising,
+            self.expecting,
             self.using,
             self.showing,
             self.files,

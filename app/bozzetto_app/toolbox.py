@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from PySide6.QtCore import QObject
 
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.modeler import TellsNext
 from bozzetto_app.jobs import Channel, Request
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ class ToolInfo:
     icon: Path | None
     hint: str
     gesture: Literal["ink", "tap", "drag"]
+    tells_next: bool = False
+    """Whether it says itself what to do next; see `TellsNext`."""
 
 
 class Toolbox(QObject):
@@ -74,6 +77,7 @@ class Toolbox(QObject):
                     info.folder / tool.icon if tool.icon else None,
                     tool.hint,
                     tool.gesture,
+                    isinstance(tool, TellsNext),
                 )
                 for tool in session.workbench.tools(modeler_id)
             )
@@ -111,3 +115,7 @@ class Toolbox(QObject):
     def hint_of(self, tool_id: str) -> str:
         """A tool's hint; "" where it is not among the tools."""
         return next((tool.hint for tool in self.tools if tool.id == tool_id), "")
+
+    def tells_next(self, tool_id: str) -> bool:
+        """Whether a tool says itself what to do next."""
+        return any(tool.tells_next for tool in self.tools if tool.id == tool_id)

@@ -26,7 +26,14 @@ from bozzetto.part_edits import PartEdits
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture, Ink
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Modeler, ReadsDrawings, ReadsShapes, Reports, Tool
+from bozzetto.plugin.modeler import (
+    Modeler,
+    ReadsDrawings,
+    ReadsShapes,
+    Reports,
+    TellsNext,
+    Tool,
+)
 from bozzetto.plugin.registry import Registry
 from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
@@ -136,6 +143,14 @@ class Workbench:
             model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
         )
         return scene_in_world(self.registry.guard.check_scene(model.modeler, scene), model)
+
+    def next_hint(self, model: Model, tool: Tool[Any]) -> str:
+        """What is to be done next with a tool, as the model is now."""
+        if not isinstance(tool, TellsNext):
+            return tool.hint
+        guard = self.registry.guard
+        said = guard.call(model.modeler, f"{tool.id}.next_hint", tool.next_hint, model.state)
+        return guard.check_hint(model.modeler, said)
 
     def _in_frame_of(
         self, model: Model, gesture: Gesture, context: Context

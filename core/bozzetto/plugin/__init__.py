@@ -19,6 +19,7 @@ from bozzetto.plugin.modeler import (
     ReadsDrawings,
     ReadsShapes,
     Reports,
+    TellsNext,
     Tool,
 )
 from bozzetto.plugin.panel import PanelHost
@@ -49,6 +50,7 @@ __all__ = [
     "ReleasesParts",
     "Reports",
     "Tap",
+    "TellsNext",
     "Tool",
     "Unfinished",
     "UserError",

@@ -21,6 +21,7 @@ from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.soundness import (
     sound_advice,
     sound_commands,
+    sound_hint,
     sound_parts,
     sound_report,
     sound_scene,
@@ -218,6 +219,16 @@ class Guard:
             If it is no `ViewAdvice`, or holds something that cannot be shown.
         """
         return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
+
+    def check_hint(self, modeler_id: str, hint: Any) -> str:
+        """Return what a tool says is to be done next.
+
+        Raises
+        ------
+        PluginFault
+            If it is not a text.
+        """
+        return self._check(modeler_id, "a hint", lambda: sound_hint(hint))
 
     def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
         """Return the parts of a state.

@@ -18,7 +18,15 @@ from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 
-__all__ = ["Modeler", "OffersCurves", "ReadsDrawings", "ReadsShapes", "Reports", "Tool"]
+__all__ = [
+    "Modeler",
+    "OffersCurves",
+    "ReadsDrawings",
+    "ReadsShapes",
+    "Reports",
+    "TellsNext",
+    "Tool",
+]
 
 State = TypeVar("State")
 Result = TypeVar("Result")
@@ -120,6 +128,18 @@ class Modeler(Protocol[State, Result]):
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Turn the stored form of an older version's state into today's."""
+        ...
+
+
+@runtime_checkable
+class TellsNext(Protocol):
+    """A tool for which the next gesture depends on what is there already."""
+
+    def next_hint(self, state: Any) -> str:
+        """What to do next, and what to look at, in plain words; takes the place of `Tool.hint`.
+
+        Asked in a worker after every change and whenever the tool is taken.
+        """
         ...
 
 

@@ -32,6 +32,7 @@ __all__ = [
     "Unsound",
     "sound_advice",
     "sound_commands",
+    "sound_hint",
     "sound_parts",
     "sound_report",
     "sound_scene",
@@ -143,6 +144,18 @@ def sound_tools(tools: Any) -> tuple[Any, ...]:
         if not all(callable(getattr(tool, name, None)) for name in ("preview", "apply")):
             raise Unsound(f"{type(tool).__name__} needs the methods preview and apply")
     return tuple(tools)
+
+
+def sound_hint(hint: Any) -> str:
+    """Return a hint if it is a text.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(hint, str):
+        raise Unsound(f"{type(hint).__name__} where a text belongs")
+    return hint
 
 
 def sound_commands(commands: Any) -> tuple[Command, ...]:

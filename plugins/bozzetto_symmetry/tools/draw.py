@@ -11,6 +11,7 @@ from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.landing import landed, waits
 from bozzetto_symmetry.live import Growing
+from bozzetto_symmetry.next_step import FIRST, next_step
 from bozzetto_symmetry.state import Curve, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 from bozzetto_symmetry.tools.eraser import erased
@@ -31,8 +32,12 @@ class DrawCurve:
     id = "draw"
     title = "Draw curve"
     icon = "icons/draw.svg"
-    hint = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
+    hint = FIRST
     gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def next_hint(self, state: SymmetryState) -> str:
+        """What the chosen curve was taken for, what is wrong with it, and what comes next."""
+        return next_step(state)
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """The curve in space that grows while its second side is drawn."""

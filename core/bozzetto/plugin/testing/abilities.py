@@ -16,7 +16,7 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import OffersCurves, ReadsShapes
+from bozzetto.plugin.modeler import OffersCurves, ReadsShapes, TellsNext
 from bozzetto.plugin.testing.sameness import same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_cameras
@@ -79,6 +79,16 @@ def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
     return advice
 
 
+def check_next_hint(subject: Subject) -> None:
+    """Tools that say what to do next have words for an empty and for a drawn state."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            for tool in shell.tools():
+                if isinstance(tool, TellsNext):
+                    said = shell.workbench.next_hint(shell.model, tool)
+                    ensure(bool(said.strip()), f"next_hint of {tool.id} needs words")
+
+
 def check_curves(subject: Subject) -> None:
     """Curves that are offered are sound, in both qualities; an empty state offers none."""
     with subject.shell() as shell:
@@ -132,6 +142,7 @@ def _given() -> tuple[Shapes, ...]:
 ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_commands,
     check_view_advice,
+    check_next_hint,
     check_curves,
     check_read_shapes,
 )
