@@ -106,7 +106,7 @@ class Soundness:
                 names.append(name)
         return cls(
             tuple(names),
-            rows.reshape(len(rules), -1) @ template.basis,
+            rows.reshape(len(rules), template.positions.size) @ template.basis,
             np.array([rule.constant for rule in rules]),
             template.basis,
             np.array(corners, np.intp).reshape(-1, 3),
