@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from statistics import median
 from typing import Any, Literal
 
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -38,8 +39,11 @@ GOOD_WHEN_TRUE = frozenset(
 ACRONYMS = {"iou": "IoU", "rms": "RMS", "id": "id"}
 """Words that are written in their own way."""
 
+UNREAD = frozenset({"id", "unit", "degree"})
+"""Keys that are there for other programs."""
+
 MOST_IN_A_ROW = 4
-"""Numbers of a list that are written out; longer lists are counted."""
+"""Numbers of a list that are written out; longer ones, and lists of lists, are no figures."""
 
 LARGEST_WRITTEN_OUT = 1e9
 """Beyond it, a number is written with a power of ten."""
@@ -52,7 +56,7 @@ Mark = Literal["", "good", "bad"]
 
 @dataclass(frozen=True)
 class Figure:
-    """One row: a heading where `value` is None."""
+    """One row: a heading where `value` is None, a remark where it is empty."""
 
     key: str
     value: str | None
@@ -87,16 +91,46 @@ def _said(value: Any, known: KnownFigure | None = None) -> str:
     if isinstance(value, bool):
         return tr("Figures", "yes") if value else tr("Figures", "no")
     if isinstance(value, int | float):
+        if known is not None and value >= known.most:
+            return known.beyond
         if known is not None and known.digits >= 0 and abs(value) < LARGEST_WRITTEN_OUT:
             # Adding nothing takes the sign from a zero.
             text = f"{round(known.factor * value, known.digits) + 0.0:,.{known.digits}f}"
             return text.replace(",", THIN_SPACE).replace("-", MINUS)
         return _number(value)
     if isinstance(value, Sequence) and not isinstance(value, str):
-        if len(value) <= MOST_IN_A_ROW:
-            return ", ".join(_said(entry, known) for entry in value) or "–"
-        return tr("Figures", "{count} values", count=len(value))
+        if known is not None and _is_spread(value, known):
+            return _spread(value, known)
+        return ", ".join(_said(entry, known) for entry in value) or "–"
     return str(value)
+
+
+def _is_figure(report: Mapping[str, Any], key: str) -> bool:
+    """Whether a value is for people: ids, long lists and what is only expected are not."""
+    if key in UNREAD or (key.startswith("expected_") and key.removeprefix("expected_") in report):
+        return False
+    value = report[key]
+    if not isinstance(value, list):
+        return True
+    if _is_spread(value, known_figures().get(key)):
+        return True
+    return 0 < len(value) <= MOST_IN_A_ROW and not any(isinstance(e, list) for e in value)
+
+
+def _is_spread(value: Any, known: KnownFigure | None) -> bool:
+    """Whether a value is a list of numbers that is summed up."""
+    numbers = isinstance(value, list) and bool(value) and all(map(_is_number, value))
+    return numbers and known is not None and known.spread
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _spread(values: Sequence[float], known: KnownFigure) -> str:
+    """What is in the middle of many numbers, and the largest of them."""
+    middle, largest = _said(median(values), known), _said(max(values), known)
+    return tr("Figures", "{middle}, at most {largest}", middle=middle, largest=largest)
 
 
 def _parts(value: Any) -> list[Mapping[str, Any]]:
@@ -106,28 +140,45 @@ def _parts(value: Any) -> list[Mapping[str, Any]]:
     return []
 
 
-def figures_of(report: Mapping[str, Any], depth: int = 0) -> Iterator[Figure]:
+def figures_of(report: Mapping[str, Any], depth: int = 0, part: str = "") -> Iterator[Figure]:
     """The rows of a report, in its own order.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
-    single part without a name needs no heading.
+    single part without a name needs no heading. Ids are for other programs, and so are long
+    lists, unless it is known how to sum them up.
+
+    Parameters
+    ----------
+    report : mapping
+    depth : int
+        How far the rows are set in.
+    part : str
+        Id of the part that is chosen: where a list tells of it, only this part is shown.
     """
     for key, value in report.items():
         parts = _parts(value)
+        parts = [entry for entry in parts if part and entry.get("id") == part] or parts
         if isinstance(value, Mapping):
             yield Figure(readable_key(key)[0], None, depth=depth)
-            yield from figures_of(value, depth + 1)
+            yield from figures_of(value, depth + 1, part)
         elif len(parts) == 1 and not parts[0].get("name"):
-            yield from figures_of(parts[0], depth)
+            yield from figures_of(parts[0], depth, part)
         elif parts:
-            for number, part in enumerate(parts, 1):
-                own = part.get("name")
+            for number, entry in enumerate(parts, 1):
+                own = entry.get("name")
                 name = readable_key(key)[0].removesuffix("s")
                 yield Figure(str(own) if own else f"{name} {number}", None, depth=depth)
-                rest = {k: v for k, v in part.items() if k != "name"}
-                yield from figures_of(rest, depth + 1)
-        elif not (key.startswith("expected_") and key.removeprefix("expected_") in report):
+                rest = {k: v for k, v in entry.items() if k != "name"}
+                yield from figures_of(rest, depth + 1, part)
+        elif key == "warnings" and isinstance(value, list):
+            yield from (Figure(str(words), "", "bad", depth) for words in value if words)
+        elif _is_figure(report, key):
             yield _row(report, key, depth)
+
+
+def _is_verdict(report: Mapping[str, Any], key: str) -> bool:
+    """Whether yes is good; a curve need not be closed."""
+    return key.lower().split("_")[-1] in GOOD_WHEN_TRUE and "knots" not in report
 
 
 def _row(report: Mapping[str, Any], key: str, depth: int) -> Figure:
@@ -138,9 +189,9 @@ def _row(report: Mapping[str, Any], key: str, depth: int) -> Figure:
     )
     if known is not None:
         name, unit = known.label, known.unit
-    if value is None:
-        unit = ""
     said = _said(value, known)
+    if value is None or (known is not None and said == known.beyond):
+        unit = ""
     mark: Mark = ""
     if isinstance(value, str) and value in known_values():
         said, verdict = known_values()[value]
@@ -155,7 +206,7 @@ def _row(report: Mapping[str, Any], key: str, depth: int) -> Figure:
                 value=said,
                 expected=_said(expected, known),
             )
-    elif isinstance(value, bool) and key.lower().split("_")[-1] in GOOD_WHEN_TRUE:
+    elif isinstance(value, bool) and _is_verdict(report, key):
         mark = "good" if value else "bad"
     joint = {"": "", "°": "", "%": THIN_SPACE}.get(unit, "\u00a0")
     return Figure(name, f"{said}{joint}{unit}", mark, depth, known.tip if known else "")
@@ -194,14 +245,14 @@ class Figures(QWidget):
         self._grid.setVerticalSpacing(4)
         self._grid.setColumnStretch(1, 1)
 
-    def show_report(self, report: Mapping[str, Any]) -> None:
-        """Replace all rows."""
+    def show_report(self, report: Mapping[str, Any], part: str = "") -> None:
+        """Replace all rows; of the part of that id alone where the report tells of it."""
         while (item := self._grid.takeAt(0)) is not None:
             widget = item.widget()
             if widget is not None:
                 widget.hide()
                 widget.deleteLater()
-        for row, figure in enumerate(figures_of(report)):
+        for row, figure in enumerate(figures_of(report, part=part)):
             words = QLabel(figure.key)
             words.setTextFormat(Qt.TextFormat.PlainText)
             words.setIndent(8 * figure.depth)
@@ -211,6 +262,12 @@ class Figures(QWidget):
                 words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
                 words.setProperty("type", "heading")
                 self._grid.addWidget(words, row, 0, 1, 3)
+                continue
+            if not figure.value:
+                words.setWordWrap(True)
+                words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+                self._grid.addWidget(words, row, 0, 1, 2)
+                self._grid.addWidget(_Mark(figure.mark), row, 2)
                 continue
             words.setProperty("tone", "quiet")
             words.setToolTip(figure.tip)

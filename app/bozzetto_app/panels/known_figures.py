@@ -6,6 +6,7 @@ spoken at a table. Whatever is not here is made readable from its key.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -32,6 +33,11 @@ class KnownFigure:
     unit : str
     digits : int
         Decimals; negative: as many as a bare number gets.
+    spread : bool
+        A list of it is summed up: the middle one, and the largest.
+    most : float
+        From there on `beyond` is said in its place.
+    beyond : str
     """
 
     label: str
@@ -39,6 +45,9 @@ class KnownFigure:
     factor: float = 1.0
     unit: str = ""
     digits: int = -1
+    spread: bool = False
+    most: float = math.inf
+    beyond: str = ""
 
 
 @lru_cache(maxsize=1)
@@ -131,6 +140,30 @@ def known_figures() -> dict[str, KnownFigure]:
             "%",
             1,
         ),
+        "reading": KnownFigure(
+            tr("Figures", "Read as"), tr("Figures", "What the strokes of the curve were taken for")
+        ),
+        "margin": KnownFigure(
+            tr("Figures", "Next reading"),
+            tr("Figures", "How many times worse the next best reading fits; near 1 it is a guess"),
+            unit="×",
+            digits=1,
+            most=1000.0,
+            beyond=tr("Figures", "none"),
+        ),
+        "sigma": KnownFigure(
+            tr("Figures", "Off per pixel"),
+            tr("Figures", "How far places in space are off if the hand is off by one pixel"),
+            unit="mm",
+            digits=2,
+            spread=True,
+        ),
+        "rms": KnownFigure(
+            tr("Figures", "Off the ink"),
+            tr("Figures", "Distance of the strokes from the picture of the curve (RMS)"),
+            unit="px",
+            digits=2,
+        ),
     }
 
 
@@ -142,4 +175,8 @@ def known_values() -> dict[str, tuple[str, bool | None]]:
         "NotManifold": (tr("Figures", "not closed"), False),
         "NonFiniteVertex": (tr("Figures", "broken"), False),
         "ok": (tr("Figures", "sound"), True),
+        "pair": (tr("Figures", "left and right"), None),
+        "self": (tr("Figures", "across the plane"), None),
+        "plane": (tr("Figures", "in the plane"), None),
+        "half": (tr("Figures", "one side, waiting"), None),
     }

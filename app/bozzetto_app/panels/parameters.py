@@ -157,7 +157,8 @@ class ParametersPanel(QScrollArea):
 
     def _show_report(self) -> None:
         report = self._session.report
-        self._figures.show_report(report)
+        part = self._session.chosen_part
+        self._figures.show_report(report, "" if part is None else part.id)
         self._figures_section.setVisible(bool(report))
         self._line.setVisible(bool(report))
 

@@ -79,6 +79,51 @@ def test_usual_figures_are_said_in_a_designers_words(qapp):
     ]
 
 
+CURVE = {
+    "id": "n7", "name": "Rail", "reading": "pair", "margin": 6.345, "degree": 3, "closed": False,
+    "knots": [0.0] * 8, "control_points": [[0.0, 1.0, 2.0]] * 4, "points": [[0.0, 0.0, 0.0]],
+    "sigma": [0.5, 0.75, 0.75, 3.1, 0.6], "rms": 0.2338, "warnings": ["Mind the end. Draw it."],
+}  # fmt: skip
+
+
+def test_a_curve_is_told_in_figures_and_its_data_are_not(qapp):
+    rows = [(f.key, f.value, f.mark) for f in figures_of({"curves": [CURVE], "unit": "mm"})]
+    assert rows == [
+        ("Rail", None, ""),
+        ("Read as", "left and right", ""),
+        ("Next reading", "6.3\u00a0×", ""),
+        ("Closed", "no", ""),
+        ("Off per pixel", "0.75, at most 3.10\u00a0mm", ""),
+        ("Off the ink", "0.23\u00a0px", ""),
+        ("Mind the end. Draw it.", "", "bad"),
+    ]
+
+
+def test_without_another_reading_there_is_no_figure_for_it(qapp):
+    (row,) = figures_of({"margin": 1000.0})
+    assert row.value == "none"
+
+
+def test_of_many_parts_only_the_chosen_one_is_told(qapp):
+    report = {"curves": [CURVE | {"id": f"n{k}", "name": f"Curve {k}"} for k in range(9)]}
+    told = [list(figures_of(report, part=part)) for part in ("n4", "x")]
+    names = [[f.key for f in rows if f.value is None] for rows in told]
+    assert names == [["Curve 4"], [f"Curve {k}" for k in range(9)]]
+
+
+@pytest.mark.parametrize("strange", [["a", None, "b", 3, 4], [[1.0]], [], [True, False]])
+def test_strange_spreads_are_survived(qapp, strange):
+    for figure in figures_of({"sigma": strange, "warnings": strange}):
+        assert isinstance(figure.value, str)
+
+
+def test_no_row_asks_for_more_room_than_the_panel_has(qtbot):
+    figures = Figures()
+    qtbot.addWidget(figures)
+    figures.show_report({"curves": [CURVE | {"warnings": ["No side has a partner there. " * 4]}]})
+    assert figures.minimumSizeHint().width() <= 220
+
+
 def test_what_is_no_number_needs_no_unit(qapp):
     assert [f.value for f in figures_of({"iou": None, "hausdorff": None})] == ["–", "–"]
 
