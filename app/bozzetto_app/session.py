@@ -287,10 +287,14 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.go_to(self.history.position + 1)
 
     def go_to(self, index: int) -> None:
-        """Jump to a step of the history."""
+        """Jump to a step of the history; what comes back is selected where nothing is."""
+        before = {model.id for model in self.document}
         self.history.go_to(index)
         self.inking.show_live(Scene())
         self._document_replaced()
+        back = [model.id for model in self.document if model.id not in before]
+        if back and self._selected is None:
+            self.select(back[-1])
         self.inking.go_on()
 
     def select(self, model_id: str | None) -> None:

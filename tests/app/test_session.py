@@ -503,3 +503,15 @@ def test_without_a_modeler_a_stroke_is_kept_out_with_a_word(make_session, settle
     assert session.hint == "Choose a modeler first."
     assert session.pending == ()
     assert session.modelers == ()
+
+
+def test_what_redo_brings_back_is_selected_again(make_session, boxes, settle):
+    session = make_session(MODELER, extra=[boxes.package])
+    session.pen_lifted(stroke_of(circle(), session.camera))
+    settle(session)
+    drawn = session.selected
+    session.undo()
+    assert session.selected is None
+    session.redo()
+    settle(session)
+    assert session.selected == drawn

@@ -271,6 +271,11 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
         assert failing(marks) == {"commands"}
         changed.setattr(marks, "commands", lambda: [Command("a", "T", "H", lambda s, c: 1 / 0)])
         assert failing(marks) == {"commands"}
+    for said in (" ", 42):
+        with monkeypatch.context() as changed:
+            hint = lambda tool, state, said=said: said  # noqa: E731
+            changed.setattr(adviser.DrawMark, "next_hint", hint, raising=False)
+            assert failing(marks) == {"next_hint"}
     with monkeypatch.context() as changed:
         changed.setattr(marks, "read_shapes", lambda shapes: 1 / 0)
         assert failing(marks) == {"read_shapes"}

@@ -1,0 +1,80 @@
+"""What comes next: asked of the tool in the hand, as the model is now."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests import adviser
+from tests.adviser import MODELER
+from tests.app.tablet import stroke_of
+
+
+@pytest.fixture
+def session(make_session, marks, settle, monkeypatch):
+    def next_hint(tool, state):
+        marks.expected += 1
+        return marks.words(state)
+
+    marks.expected = 0
+    marks.words = lambda state: f"{len(state.marks)} marks. Draw another."
+    monkeypatch.setattr(adviser.DrawMark, "next_hint", next_hint, raising=False)
+    made = make_session(MODELER, extra=[marks.package])
+    settle(made)
+    return made
+
+
+@pytest.fixture
+def draw(settle):
+    def one(session, x=300.0):
+        session.pen_lifted(stroke_of([(x, 300.0), (400.0, 400.0)], session.camera))
+        settle(session)
+
+    return one
+
+
+def test_before_anything_is_drawn_the_tools_own_hint_stands(session, marks):
+    assert session.hint == "Draw a mark."
+    assert marks.expected == 0
+
+
+def test_the_hint_follows_strokes_commands_and_the_history(session, draw, settle):
+    draw(session)
+    assert session.hint == "1 marks. Draw another."
+    draw(session, 320.0)
+    assert session.hint == "2 marks. Draw another."
+    session.undo()
+    settle(session)
+    assert session.hint == "1 marks. Draw another."
+    session.redo()
+    settle(session)
+    assert session.hint == "2 marks. Draw another."
+    session.commanding.run("flip")
+    settle(session)
+    assert session.hint == "2 marks. Draw another."
+
+
+def test_without_a_model_the_tools_own_hint_is_back(session, draw, settle):
+    draw(session)
+    session.select(None)
+    settle(session)
+    assert session.hint == "Draw a mark."
+
+
+def test_the_same_state_is_asked_about_once(session, draw, settle, marks):
+    draw(session)
+    asked = marks.expected
+    session.select(session.selected)
+    session.set_visible(session.selected, False)
+    settle(session)
+    session.set_visible(session.document.models[0].id, True)
+    settle(session)
+    assert marks.expected <= asked + 1
+
+
+@pytest.mark.parametrize("words", [lambda state: 42, lambda state: 1 / 0])
+def test_a_fault_is_told_once_and_drawing_goes_on(session, draw, marks, words):
+    marks.words = words
+    for x in (300.0, 320.0, 340.0):
+        draw(session, x)
+    assert [notice.kind for notice in session.heard].count("fault") == 1
+    assert len(session.document.models[0].state.marks) == 3
