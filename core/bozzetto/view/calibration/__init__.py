@@ -1,0 +1,21 @@
+"""Cameras from marks: known points in space, and where a picture shows them."""
+
+from __future__ import annotations
+
+from bozzetto.view.calibration.checking import spread_most
+from bozzetto.view.calibration.direct import DirectCamera, Parts, direct_linear_transform
+from bozzetto.view.calibration.prediction import Help, Places, most_helpful, predicted
+from bozzetto.view.calibration.resection import Resection, resect
+
+__all__ = [
+    "DirectCamera",
+    "Help",
+    "Parts",
+    "Places",
+    "Resection",
+    "direct_linear_transform",
+    "most_helpful",
+    "predicted",
+    "resect",
+    "spread_most",
+]
