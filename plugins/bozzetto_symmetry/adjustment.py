@@ -210,20 +210,6 @@ class Fit:
         inks = [replace(ink, noise=max(ink.noise, level)) for ink in self.inks]
         return Fit.at(self.problem, self.points, inks, steps=0).settled()
 
-    def covariance(self) -> Array:
-        """Of the free coordinates, mm²: what a hand's noise along the ink does to them."""
-        basis = self.problem.basis
-        inner = self.problem.matrix.T @ self.problem.matrix
-        for ink in self.inks:
-            rows, _, _ = _equations(ink, basis, self.points)
-            count = len(ink.share)
-            ends, rows = rows[count:], rows[:count] * np.sqrt(ink.share)[:, None]
-            gap = ink.along[:, None] - ink.along
-            alike = np.exp(-((gap / (2.0 * ink.tremor)) ** 2)) * (ink.piece[:, None] == ink.piece)
-            inner += rows.T @ alike @ rows + ends.T @ ends
-        inverse = np.linalg.inv(self.normal)
-        return np.asarray(inverse @ inner @ inverse)
-
 
 def _equations(ink: Ink, basis: SymmetricBasis, points: Array) -> tuple[Array, Array, Array]:
     """Rows and right side of one view: across the ink, and along it at the ends it shows.

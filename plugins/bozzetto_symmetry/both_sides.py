@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.ink.resample import arc_length
 from bozzetto_symmetry.grouping import bonds_between
 from bozzetto_symmetry.interpretation import TELL, Read, matched, price
-from bozzetto_symmetry.pairing import pairings
+from bozzetto_symmetry.pairing import Pairing, pairings
 from bozzetto_symmetry.sides import Side, gap_between
 from bozzetto_symmetry.solving import Solved, solved
 from bozzetto_symmetry.stereo import Stereo
@@ -19,6 +19,15 @@ from bozzetto_symmetry.stereo import Stereo
 __all__ = ["as_pair", "overdrawn"]
 
 Array = NDArray[np.float64]
+
+SENSE: Final = 2.0
+"""Weight of a matching's own score, which tells the right sense from the wrong one better than
+the distances that are left do."""
+
+ASKEW: Final = 2.0
+"""Price of a loop that faces no way of the box, px, over 1 − the cosine. Loops match nearly as
+well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
+side, the front or the top, and is evenly round, which the matching's own score counts."""
 
 CONTINUED: Final = 1.0
 """Price of a pair of which one side smoothly continues the other, px: these match as well as
@@ -69,7 +78,7 @@ def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterat
             )
         yield Read(
             "pair",
-            price(pairing, made, missing)
+            price(_misfit(pairing, made), made, missing)
             + twice
             + (0.0 if closed else _continued(stereo, first, second, made)),
             1.0 - missing,
@@ -82,6 +91,10 @@ def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterat
             closed=closed,
             warnings=told,
         )
+
+
+def _misfit(pairing: Pairing, made: Solved) -> float:
+    return SENSE * pairing.score + (ASKEW * made.askew if pairing.closed else 0.0)
 
 
 def overdrawn(one: Side, other: Side) -> float:

@@ -9,7 +9,7 @@ vanishing point, the curve goes on as smoothly as it can.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -64,7 +64,7 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Bundled:
-    """A curve, and how well the ink determines it.
+    """A curve, and how well it follows the ink.
 
     Attributes
     ----------
@@ -75,35 +75,6 @@ class Bundled:
 
     curve: SpaceCurve
     rms: float
-    _basis: SymmetricBasis = field(repr=False)
-    _covariance: Array = field(repr=False)
-
-    def sigma(self, parameters: ArrayLike) -> Array:
-        """Standard deviation of the curve across itself, (n,) mm.
-
-        From the covariance of the control points at the noise of the views. What moves a
-        place along the curve is left out, it does not change the curve; at a free end it
-        counts.
-
-        Parameters
-        ----------
-        parameters : (n,) array_like
-            Of `curve.spline`.
-        """
-        at = np.atleast_1d(np.asarray(parameters, float))
-        values = self._basis.values(at)
-        rows = [self._basis.rows(values, np.tile(axis, (len(at), 1))) for axis in np.eye(3)]
-        stacked = np.stack(rows, axis=1)
-        spread = np.einsum("naf,fg,nbg->nab", stacked, self._covariance, stacked)
-        tangent = self.curve.spline.derivative(at)
-        length = np.linalg.norm(tangent, axis=1, keepdims=True)
-        unit = np.divide(tangent, length, out=np.zeros_like(tangent), where=length > 0)
-        if not self._basis.periodic:
-            low, high = self._basis.whole.range
-            unit[(at <= low) | (at >= high)] = 0.0
-        along = np.einsum("na,nab,nb->n", unit, spread, unit)
-        across = np.trace(spread, axis1=1, axis2=2) - along
-        return np.asarray(np.sqrt(np.maximum(across, 0.0)))
 
 
 def bundled(
@@ -172,8 +143,7 @@ def bundled(
         better = made.betters(best)
         best, idle = (made, 0) if better else (best, idle + 1)
     best = best.calmed()
-    basis = best.problem.basis
-    return Bundled(basis.curve(best.points), best.rms, basis, best.covariance())
+    return Bundled(best.problem.basis.curve(best.points), best.rms)
 
 
 def _shows_mirror_image(sights: Sequence[Sight], half: Array) -> bool:

@@ -69,7 +69,7 @@ def _folded(
         told = (f"{100.0 * missing:.0f} % of the curve across the plane have no partner.",)
     return Read(
         "self",
-        price(pairing, made, missing),
+        price(pairing.cost, made, missing),
         1.0 - missing,
         points,
         covariances,

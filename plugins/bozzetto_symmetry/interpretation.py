@@ -26,11 +26,6 @@ OUTSIDE: Final = 10.0
 ASTRIDE: Final = 20.0
 """Price of a side that lies as much on one side of the plane as on the other, px."""
 
-ASKEW: Final = 2.0
-"""Price of a loop that faces no way of the box, px, over 1 − the cosine. Loops match nearly as
-well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
-side, the front or the top, and is evenly round, which the matching's own score counts."""
-
 TELL: Final = 0.03
 """Share of a side without a partner that a person is told of."""
 
@@ -83,18 +78,18 @@ class Read:
     warnings: tuple[str, ...] = ()
 
 
-def price(pairing: Pairing, made: Solved, missing: float) -> float:
+def price(misfit: float, made: Solved, missing: float) -> float:
     """What a matching costs, px: how far off it is, and how much and how strange what is left.
 
     Parameters
     ----------
-    pairing : Pairing
+    misfit : float
+        How far off the matching is, px.
     made : Solved
         What it gives.
     missing : float
         Share of the ink without a partner.
     """
-    misfit = pairing.score + ASKEW * made.askew if pairing.closed else pairing.cost
     return misfit + MISSING * missing + OUTSIDE * made.outside + ASTRIDE * made.astride
 
 

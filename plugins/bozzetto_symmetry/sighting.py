@@ -57,7 +57,7 @@ AT_END: Final = (6.0, 0.04)
 the ink's length, whichever is more) shows that end."""
 
 
-COLUMNS: Final = ("pixels", "factors", "tremor", "share", "along", "piece", "held", "feet")
+COLUMNS: Final = ("pixels", "factors", "share", "along", "piece", "held", "feet")
 """What there is for every sample of ink."""
 
 
@@ -73,8 +73,6 @@ class Ink:
         What the coordinates of the curve are multiplied by: the mirror, for the far side.
     noise : float
         Standard deviation of the hand across the ink, px, not below `LEAST_NOISE`.
-    tremor : (n,) float
-        How far along the ink the noise stays alike, px.
     share : (n,) float
         How many measurements each sample is.
     along : (n,) float
@@ -91,7 +89,6 @@ class Ink:
     pixels: Array
     factors: Array
     noise: float
-    tremor: Array
     share: Array
     along: Array
     piece: Index
@@ -124,7 +121,6 @@ class Ink:
             place,
             np.broadcast_to(factors, (count, 3)),
             max(noise, LEAST_NOISE),
-            np.full(count, tremor),
             np.full(count, min(1.0, length / count / (INDEPENDENT * tremor))),
             np.linspace(0.0, length, count, endpoint=not closed),
             np.full(count, piece),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -12,7 +10,7 @@ from bozzetto.errors import UserError
 from bozzetto_symmetry.bundle import Bundled, Sight, bundled, through
 from bozzetto_symmetry.space_curve import Reading
 from bozzetto_symmetry.stereo import MIRROR, Stereo
-from bozzetto_symmetry.uncertainty import pair_covariances, plane_covariances
+from bozzetto_symmetry.uncertainty import curve_sigmas, pair_covariances, plane_covariances
 from tests.plugins.symmetry.scenes import (
     ACROSS,
     DIAGONAL,
@@ -144,8 +142,8 @@ def test_exact_curves_across_the_plane(name: str, azimuth: float) -> None:
     assert np.median(there) < 0.1
     assert np.median(back) < 0.1
     # Where a curve crosses the plane it runs along its epipolar line: the ink says little.
-    at = np.linspace(*made.curve.spline.range, 400)
-    assert (there < np.maximum(0.3, 1.5 * percent(made.sigma(at)))).all()
+    points = made.curve.spline.sampled(400)
+    assert (there < np.maximum(0.3, 1.5 * percent(foretold(made, points, azimuth)))).all()
 
 
 @pytest.mark.parametrize("name", FLAT)
@@ -219,22 +217,29 @@ def test_dots_and_curves_that_no_ink_shows_are_refused() -> None:
 # -- with a hand's noise -----------------------------------------------------------------------
 
 
+def foretold(made: Bundled, points: Array, azimuth: float) -> Array:
+    """How far off places of a curve may be for 1 px of noise, mm."""
+    views = [Stereo(camera(azimuth, 20))]
+    at = np.linspace(*made.curve.spline.range, len(points))
+    return curve_sigmas(views, views, points, made.curve.spline.derivative(at))
+
+
 def monte_carlo(name: str, azimuth: float, trials: int) -> tuple[Array, Array]:
     """Errors (trials, places), % of the diagonal, and what was foretold."""
-    curve, errors, foretold = PAIRS[name], [], []
+    curve, errors, told = PAIRS[name], [], []
     for seed in range(trials):
         made = fitted(curve, [(azimuth, 20)], 1.0, seed)
-        at = np.linspace(*made.curve.spline.range, 60)[2:-2]
-        errors.append(percent(distances(made.curve.spline.value(at), curve)))
-        foretold.append(percent(made.sigma(at)))
-    return np.array(errors), np.array(foretold)
+        points = made.curve.spline.sampled(60)
+        errors.append(percent(distances(points[2:-2], curve)))
+        told.append(percent(foretold(made, points, azimuth))[2:-2])
+    return np.array(errors), np.array(told)
 
 
 @pytest.mark.parametrize("name", PAIRS)
 def test_a_pixel_of_noise_at_thirty_degrees(name: str) -> None:
-    errors, foretold = monte_carlo(name, 30, 24)
+    errors, told = monte_carlo(name, 30, 24)
     assert np.median(errors) < 0.6
-    ratio = np.sqrt((errors**2).mean(axis=0) / (foretold**2).mean(axis=0))
+    ratio = np.sqrt((errors**2).mean(axis=0) / (told**2).mean(axis=0))
     assert 0.8 < np.median(ratio) < 1.2
 
 
@@ -242,8 +247,8 @@ def test_a_pixel_of_noise_at_thirty_degrees(name: str) -> None:
 @pytest.mark.parametrize("name", PAIRS)
 @pytest.mark.parametrize("azimuth", [30, 60])
 def test_uncertainty_is_what_many_hands_show(name: str, azimuth: float) -> None:
-    errors, foretold = monte_carlo(name, azimuth, 120)
-    ratio = np.sqrt((errors**2).mean(axis=0) / (foretold**2).mean(axis=0))
+    errors, told = monte_carlo(name, azimuth, 120)
+    ratio = np.sqrt((errors**2).mean(axis=0) / (told**2).mean(axis=0))
     assert 0.85 < np.median(ratio) < 1.15
 
 
@@ -255,12 +260,6 @@ def test_two_views_are_better_than_each() -> None:
         errors.append([np.sqrt((off(made, curve)[0] ** 2).mean()) for made in fits])
     first, second, both = np.median(errors, axis=0)
     assert both < min(first, second)
-
-
-def test_more_noise_is_less_sure() -> None:
-    fits = [fitted(PAIRS["hook"], [(30, 20)], noise, controls="seven") for noise in (1.0, 2.0)]
-    one, two = (np.median(made.sigma(np.linspace(0.1, 0.9, 30))) for made in fits)
-    assert 1.5 < two / one < 2.5
 
 
 @pytest.mark.slow
@@ -275,15 +274,6 @@ def test_recorded_hands_lifted_to_space() -> None:
     ]
     assert np.median(errors) < 0.5
     assert np.percentile(errors, 90) < 1.2
-
-
-def test_a_plain_curve_is_quick() -> None:
-    best = np.inf
-    for _ in range(5):
-        start = time.process_time()
-        fitted(PAIRS["roof rail"], [(30, 20)], 1.0)
-        best = min(best, time.process_time() - start)
-    assert best < 0.06
 
 
 # -- through places in space -------------------------------------------------------------------

