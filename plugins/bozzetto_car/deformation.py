@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto_car.template import Template
 
-__all__ = ["TRACE", "Cost", "Prior", "robust_weights"]
+__all__ = ["TRACE", "Cost", "Prior", "extent", "robust_weights"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

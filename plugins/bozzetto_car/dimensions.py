@@ -45,13 +45,7 @@ TIED: Final = 1e-6
 
 @dataclass(frozen=True)
 class Dimensions:
-    """Dimensions of a car, mm; None where a dimension is not given.
-
-    Raises
-    ------
-    UserError
-        If one is not a length that a car can have.
-    """
+    """Dimensions of a car, mm; None where a dimension is not given."""
 
     length: float | None = None
     width: float | None = None
@@ -59,18 +53,27 @@ class Dimensions:
     front_overhang: float | None = None
     wheelbase: float | None = None
 
-    def __post_init__(self) -> None:
-        for name, value in self.given().items():
+    def given(self) -> dict[str, float]:
+        """Those that are given, by name."""
+        values = ((field.name, getattr(self, field.name)) for field in fields(self))
+        return {name: float(value) for name, value in values if value is not None}
+
+    def wanted(self) -> dict[str, float]:
+        """Those that are given, as wishes of a person.
+
+        Raises
+        ------
+        UserError
+            If one is not a length that a car can have.
+        """
+        given = self.given()
+        for name, value in given.items():
             if not SHORTEST <= value <= LONGEST:
                 raise UserError(
                     f"A {WORDS[name]} of {value:g} mm is none that a car can have. Give one from "
                     f"{SHORTEST:g} to {LONGEST:g} mm."
                 )
-
-    def given(self) -> dict[str, float]:
-        """Those that are given, by name."""
-        values = ((field.name, getattr(self, field.name)) for field in fields(self))
-        return {name: float(value) for name, value in values if value is not None}
+        return given
 
 
 def measured(box: Array, front: float, rear: float) -> Dimensions:
@@ -149,6 +152,11 @@ class Locks:
             By which the dimensions of the surface exceed those of the nodes.
         instead : (int, int, int, int), optional
             The outermost nodes, where they are known already.
+
+        Raises
+        ------
+        UserError
+            If a dimension is not a length that a car can have.
         """
         body = _body(template)
         outermost = instead or _outermost(template.whole(variables), body)
@@ -158,7 +166,7 @@ class Locks:
         def coordinate(node: int, axis: int) -> Array:
             return np.asarray(template.basis[3 * node + axis])
 
-        given = wanted.given()
+        given = wanted.wanted()
         across = [
             ("length", rearmost, foremost, 0, overlap.front + overlap.rear),
             ("front_overhang", front, foremost, 0, overlap.front),

@@ -23,8 +23,9 @@ __all__ = ["VIOLATED", "Feasible"]
 
 Array = NDArray[np.float64]
 
-VIOLATED: Final = 1e-9
-"""Negative slack, mm, that counts as a violation: what rounding leaves is far less."""
+VIOLATED: Final = 1e-10
+"""Negative slack, mm, that counts as a violation. What rounding leaves of a car of 5000 mm is a
+hundredth of it."""
 
 USABLE: Final = 0.9
 """Share of the slack of a fold that the linear part of a step may use up."""

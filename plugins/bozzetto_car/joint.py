@@ -27,7 +27,7 @@ from bozzetto_car.marked_view import MOST_VIEWS, MarkedView, Sight
 from bozzetto_car.soundness import Soundness
 from bozzetto_car.template import Template
 
-__all__ = ["Joint", "solve"]
+__all__ = ["Joint", "solve", "without_cameras"]
 
 Array = NDArray[np.float64]
 
@@ -238,12 +238,9 @@ class _Problem:
             missed = seen.missed / self.cost.hand
             weights, lost = robust_weights((missed**2).sum(axis=1), self.cost.stray)
             cost += lost
-            rows = np.empty((len(missed), 2, free + seen.by_camera.shape[2]))
-            rows[:, :, :free] = seen.by_nodes @ self.nodes[sight.nodes]
-            rows[:, :, free:] = seen.by_camera
-            flat = rows.reshape(-1, rows.shape[2]) / self.cost.hand
-            weighted = flat * np.repeat(weights, 2)[:, None]
-            square, pull = weighted.T @ flat, weighted.T @ missed.ravel()
+            rows = sight.rows(seen, self.nodes) / self.cost.hand
+            weighted = rows * np.repeat(weights, 2)[:, None]
+            square, pull = weighted.T @ rows, weighted.T @ missed.ravel()
             form[:free, :free] += square[:free, :free]
             form[:free, part] = square[:free, free:]
             form[part, :free] = square[free:, :free]
@@ -283,12 +280,12 @@ class _Problem:
             tuple(residuals),
             here.cost,
             self.feasible.span,
-            _without_cameras(here.form, self.free),
+            without_cameras(here.form, self.free),
             steps,
         )
 
 
-def _without_cameras(form: Array, free: int) -> Array:
+def without_cameras(form: Array, free: int) -> Array:
     """The form over the car alone, (f, f), when the cameras follow it: the Schur complement."""
     cross, cameras = form[:free, free:], form[free:, free:]
     if not cameras.size:

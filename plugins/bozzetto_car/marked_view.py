@@ -12,10 +12,11 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
 from bozzetto.view import Camera
 from bozzetto.view.calibration.adjustment import CROPPED, freedom
-from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, Framing, Poses
+from bozzetto.view.calibration.framing import Framing
+from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, Poses
 from bozzetto_car.template import Template
 
-__all__ = ["MOST_VIEWS", "MarkedView", "Sight", "framing_of"]
+__all__ = ["MOST_VIEWS", "MarkedView", "Residuals", "Sight", "framing_of"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -160,7 +161,7 @@ class Sight:
         return cls(framing, view.nodes, marks, max(size, LEAST_EXTENT), free), pose
 
     def residuals(self, pose: Poses, positions: Array) -> Residuals | None:
-        """What is missed with a pose and a car (n, 3), mm; None if marked nodes are not in front."""
+        """What a pose and a car (n, 3) miss; None if a marked node is not in front."""
         points = self.framing.points(positions[self.nodes])
         seen = pose.see(points)
         if seen.depth.min() <= NEAREST:
@@ -172,6 +173,23 @@ class Sight:
         scale = np.exp(pose.log_scale[0]) / self.framing.radius / seen.depth[0] * unit
         by_nodes = scale[:, None, None] * (turn[:2] - toward)
         return Residuals((seen.places[0] - self.marks) * unit, by_nodes, by_camera)
+
+    def rows(self, seen: Residuals, follow: Array) -> Array:
+        """Derivative of the residuals by the car and the free numbers of the camera.
+
+        Parameters
+        ----------
+        seen : Residuals
+        follow : (n, 3, f) float
+            How the nodes follow the free directions of the car.
+
+        Returns
+        -------
+        (2 k, f + c) float
+        """
+        by_car = seen.by_nodes @ follow[self.nodes]
+        rows = np.concatenate((by_car, seen.by_camera), axis=2)
+        return rows.reshape(-1, rows.shape[2])
 
     def stepped(self, pose: Poses, step: Array) -> Poses:
         """The pose after a step of its free numbers (c,), within the bounds of a pose."""

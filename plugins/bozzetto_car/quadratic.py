@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Contradiction", "Constrained", "constrained_minimum"]
+__all__ = ["Constrained", "Contradiction", "constrained_minimum"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
