@@ -87,7 +87,7 @@ def measured(box: Array, front: float, rear: float) -> Dimensions:
         x of the centres of the wheels, mm.
     """
     (x, y, _), (end, side, top) = box.tolist()
-    return Dimensions(end - x, side - y, top, front - x, rear - front)
+    return Dimensions(end - x, side - y, top, float(front) - x, float(rear - front))
 
 
 @dataclass(frozen=True)
