@@ -1,0 +1,112 @@
+"""What all makers of pictures share: writing them small, and a window that is drawn in."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+HERE = Path(__file__).parent
+PICTURES = HERE / "pictures"
+GALLERY = HERE / "gallery"
+PATIENCE = 60.0
+"""Seconds that a solve may take."""
+
+EXACT = 64
+"""Colours that a picture keeps as they are, the most frequent ones."""
+
+
+def save(pixels: object, name: str, folder: Path | None = None) -> None:
+    """Write a picture small enough for a repository."""
+    import numpy as np
+    from PIL import Image
+
+    image = Image.fromarray(np.asarray(pixels)).convert("RGB")
+    # The papers and panels keep their very colours; the rest, few pixels of the accent too,
+    # goes to what covers it best, where the usual median cut makes the accent brown.
+    common = sorted(image.getcolors(image.width * image.height), reverse=True)[:EXACT]
+    others = image.quantize(256 - len(common), Image.Quantize.MAXCOVERAGE).getpalette()
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*(value for _, color in common for value in color), *others])
+    small = image.quantize(palette=palette, dither=Image.Dither.NONE)
+    target = (folder or PICTURES) / name
+    small.save(target, optimize=True)
+    print(f"wrote {target.parent.name}/{name}")
+
+
+def pen_stroke(
+    canvas: object, path: object, pressure: object, at_four_fifths: Callable[[], None]
+) -> None:
+    """One stroke of a simulated pen."""
+    from PySide6.QtCore import QEvent, QPointF, Qt
+    from PySide6.QtGui import QInputDevice, QPointingDevice, QTabletEvent
+    from PySide6.QtWidgets import QApplication
+
+    kind, able = QEvent.Type, QInputDevice.Capability
+    pen = QPointingDevice(
+        "pen",
+        7,
+        QInputDevice.DeviceType.Stylus,
+        QPointingDevice.PointerType.Pen,
+        able.Position | able.Pressure | able.Hover,
+        1,
+        3,
+    )
+    none, left = Qt.MouseButton.NoButton, Qt.MouseButton.LeftButton
+    last = len(path) - 1
+    for number, (x, y) in enumerate(path):
+        place = QPointF(float(x), float(y))
+        event = QTabletEvent(
+            kind.TabletPress
+            if number == 0
+            else kind.TabletRelease
+            if number == last
+            else kind.TabletMove,
+            pen,
+            place,
+            QPointF(canvas.mapToGlobal(place)),
+            0.0 if number == last else float(pressure[number]),
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            Qt.KeyboardModifier.NoModifier,
+            left if number in (0, last) else none,
+            none if number == last else left,
+        )
+        event.setTimestamp(1000 + 8 * number)
+        QApplication.sendEvent(canvas, event)
+        wait(0.002)
+        if number == 4 * last // 5:
+            wait(1.0)
+            at_four_fifths()
+
+
+def grab(widget: object, name: str) -> None:
+    """Save what a widget shows."""
+    import numpy as np
+    from PySide6.QtGui import QImage
+
+    image = widget.grab().toImage().convertToFormat(QImage.Format.Format_RGBA8888)
+    pixels = np.frombuffer(image.constBits(), np.uint8)
+    save(pixels.reshape(image.height(), image.width(), 4), name)
+
+
+def wait(seconds: float) -> None:
+    """Let the window live for a while."""
+    from PySide6.QtWidgets import QApplication
+
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        QApplication.processEvents()
+        time.sleep(0.002)
+
+
+def until(true: Callable[[], bool]) -> None:
+    """Let the window live until something is so."""
+    end = time.monotonic() + PATIENCE
+    while not true():
+        if time.monotonic() > end:
+            raise TimeoutError("the window did not come to rest")
+        wait(0.02)
