@@ -25,10 +25,10 @@ TAKEN: Final = {
 
 ONE_SIDE: Final = "One side. Now draw its mirror image, in the same view."
 APART: Final = "X takes them for something else; rub out the one that is wrong."
-OR_MIRROR: Final = "If it is only one side, draw its mirror image."
+OR_MIRROR: Final = "If it is only one side, draw its mirror image; X takes it for something else."
 OTHERWISE: Final = "X takes it for something else. Draw over it to correct it, or the next curve."
-UNDECIDED: Final = "The faint curve fits nearly as well: C takes it."
-"""The ghost is there, and this is the key to it."""
+UNDECIDED: Final = "Another curve, faint when the view is turned, fits nearly as well: C takes it."
+"""Where it was drawn, the ghost lies under the curve itself."""
 
 
 def next_step(state: SymmetryState) -> str:
@@ -54,10 +54,7 @@ def _expected(curve: Curve, trace: Trace) -> Iterator[str]:
         yield ONE_SIDE if alone else APART
         return
     yield TAKEN[trace.reading]
-    waiting = waits(curve, trace)
-    if waiting:
+    if waits(curve, trace):
         yield OR_MIRROR
-    if trace.ghost is not None:
-        yield UNDECIDED
-    elif not waiting:
-        yield OTHERWISE
+    else:
+        yield OTHERWISE if trace.ghost is None else UNDECIDED

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
+from bozzetto_symmetry.box import segments
 from bozzetto_symmetry.landing import landed, waits
 from bozzetto_symmetry.live import Growing
 from bozzetto_symmetry.next_step import FIRST, next_step
@@ -18,10 +20,18 @@ from bozzetto_symmetry.tools.eraser import erased
 from bozzetto_symmetry.trace import traced
 from bozzetto_symmetry.visibility import shown_curves
 
-__all__ = ["DrawCurve"]
+__all__ = ["DrawCurve", "rungs"]
 
 LIVE_WIDTH: Final = 2.5
 """Of a curve that grows, px."""
+
+RUNGS: Final = 16
+"""Rungs over a curve that is as long as the box's diagonal."""
+
+RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
+"""px, and a share: they are seen over the grid of the centre plane."""
+
+Array = NDArray[np.float64]
 
 _growing: Memory[Growing] = Memory(limit=4)
 
@@ -40,7 +50,12 @@ class DrawCurve:
         return next_step(state)
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve in space that grows while its second side is drawn."""
+        """The curve in space that grows while its second side is drawn, and what belongs together.
+
+        On the sheet the curve lies on the ink; that it is in space is seen by the rungs from
+        each of its places to the mirrored one. They stand in for what was said of the first
+        side alone.
+        """
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
@@ -53,10 +68,15 @@ class DrawCurve:
         place = state.plane.placement
         sides = ((points, "accent"), (points * MIRROR, "second"))
         lines = (
-            Lines(place.points(side).astype(np.float32), color=color, width=LIVE_WIDTH)
+            Lines(
+                place.points(side).astype(np.float32), color=color, width=LIVE_WIDTH, hidden="show"
+            )
             for side, color in sides
         )
-        return Scene((Layer("growing", tuple(lines)),))
+        ends = rungs(points, state.diagonal / RUNGS)
+        pairs = place.points(ends.reshape(-1, 3)).reshape(-1, 2, 3)
+        ladder = segments(pairs, "accent", RUNG_WIDTH, RUNG_OPACITY)
+        return Scene((Layer("ghost", (ladder,)), Layer("heat", tuple(lines))))
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
         """Add the ink to the curve that it belongs to, or begin a new one.
@@ -71,6 +91,26 @@ class DrawCurve:
         if gesture.strokes[-1].tool == "eraser":
             return erased(state, gesture.strokes[-1])
         return landed(state, gesture.strokes)
+
+
+def rungs(points: Array, step: float) -> Array:
+    """Straight pieces from places of a curve to their images, the first and the last among them.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        In the frame of the plane, mm.
+    step : float
+        About the way between two of them along the curve, mm.
+
+    Returns
+    -------
+    (k, 2, 3) float
+    """
+    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    marks = np.linspace(0.0, along[-1], max(2, int(along[-1] / step) + 1))
+    ends = points[np.unique(np.searchsorted(along, marks).clip(max=len(points) - 1))]
+    return np.stack((ends, ends * MIRROR), axis=1)
 
 
 def _waiting(state: SymmetryState, gesture: Ink) -> Growing | None:

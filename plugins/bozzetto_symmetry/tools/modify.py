@@ -56,7 +56,8 @@ class Modify:
         except UserError:
             return Scene()
         camera = Stereo.of(stroke.camera, state.plane).camera
-        return Scene((Layer("preview", curve_lines(curve, state, camera, "accent", WIDTH)),))
+        # It stands in for how sure the curve was: that said something of the curve as it is.
+        return Scene((Layer("heat", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
         """Bend the curves that the strokes are drawn over.
