@@ -100,7 +100,7 @@ def _modified(curve: SpaceCurve, edit: Modification, state: SymmetryState) -> Sp
 
 
 def _joined(curve: SpaceCurve, edit: Joint, state: SymmetryState, solve: Solve) -> SpaceCurve:
-    if not len(edit.other.strokes):
+    if edit.other is None:
         return joined_across(curve, edit.end) if edit.mirrored else closed_up(curve)
     other = solve(edit.other, state)
     if other is None:

@@ -128,7 +128,7 @@ def with_joint(state: SymmetryState, first: End, second: End) -> SymmetryState:
         if not _can_meet(first, second):
             raise UserError("These are ends of one curve that cannot meet. Join other ends.")
         across = first.mirrored != second.mirrored
-        joint = Joint(first.number, Curve(), second.number, mirrored=across)
+        joint = Joint(first.number, None, second.number, mirrored=across)
         return with_edit(state, first.node, first.curve, joint)
     across = first.mirrored != second.mirrored
     joint = Joint(first.number, second.node, second.number, mirrored=across)

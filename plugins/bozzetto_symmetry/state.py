@@ -86,23 +86,22 @@ class Snap:
 
 @dataclass(frozen=True)
 class Joint:
-    """Another curve is joined to an end, with a common tangent there.
+    """An end is joined to another one, with a common tangent there.
 
     Parameters
     ----------
     end : {0, 1}
         Of this curve.
-    other : Curve
-        As it was; it is no node of its own any more. A curve without ink stands for this
-        curve itself: its two ends are joined, or, mirrored, its end and its image's.
+    other : Curve or None
+        The curve that the other end belongs to, as it was; it is no node of its own any more.
+        None is this curve itself: its two ends close it, or, mirrored, an end meets its image.
     other_end : {0, 1}
-        Its end that meets this curve.
     mirrored : bool
-        The other curve's mirror image is joined.
+        The other end is one of the mirror image.
     """
 
     end: int
-    other: Curve
+    other: Curve | None
     other_end: int
     mirrored: bool = False
 
@@ -215,15 +214,13 @@ class SymmetryState:
     selected: str = ""
     centre: Point = (0.0, 0.0, 0.0)
     free_plane: CentrePlane = CentrePlane()
-    length: Annotated[
-        float, Parameter("Length", 0.1, unit="mm", help="Of the box, along x.")
-    ] = 200.0
-    width: Annotated[
-        float, Parameter("Width", 0.1, unit="mm", help="Of the box, along y.")
-    ] = 100.0
-    height: Annotated[
-        float, Parameter("Height", 0.1, unit="mm", help="Of the box, along z.")
-    ] = 100.0
+    length: Annotated[float, Parameter("Length", 0.1, unit="mm", help="Of the box, along x.")] = (
+        200.0
+    )
+    width: Annotated[float, Parameter("Width", 0.1, unit="mm", help="Of the box, along y.")] = 100.0
+    height: Annotated[float, Parameter("Height", 0.1, unit="mm", help="Of the box, along z.")] = (
+        100.0
+    )
     symmetry: Annotated[
         Literal["width", "length", "height", "free"],
         Parameter(

@@ -64,7 +64,7 @@ def test_what_was_done_is_remembered():
         (PAIR, Trim(0.6, 0.6), "Nothing would be left"),
         (LOOP, Snap(0, (0.0, 0.0, 0.0)), "closed curve has no end"),
         (PAIR, Joint(1, OTHER, 0), "only one side"),
-        (FLAT, Joint(1, Curve(), 1, mirrored=True), "its own mirror image"),
+        (FLAT, Joint(1, None, 1, mirrored=True), "its own mirror image"),
     ],
 )
 def test_what_fits_no_more_is_left_out_and_told(curve, edit, why):
@@ -76,11 +76,11 @@ def test_what_fits_no_more_is_left_out_and_told(curve, edit, why):
 
 
 def test_a_joint_without_ink_joins_the_curve_to_itself():
-    across = applied(PAIR, (Joint(0, Curve(), 0, mirrored=True),), STATE, nobody)
+    across = applied(PAIR, (Joint(0, None, 0, mirrored=True),), STATE, nobody)
     assert across.curve.reading == "self"
-    closed = applied(PAIR, (Joint(0, Curve(), 1),), STATE, nobody)
+    closed = applied(PAIR, (Joint(0, None, 1),), STATE, nobody)
     assert closed.curve.closed
-    ring = applied(across.curve, (Joint(1, Curve(), 1, mirrored=True),), STATE, nobody)
+    ring = applied(across.curve, (Joint(1, None, 1, mirrored=True),), STATE, nobody)
     assert ring.curve.closed
     check(ring.curve)
 
@@ -103,7 +103,7 @@ edits = st.one_of(
     st.builds(Trim, share, share),
     st.builds(Snap, st.integers(0, 1), st.tuples(*[st.floats(-120, 120)] * 3)),
     st.builds(
-        Joint, st.integers(0, 1), st.sampled_from([Curve(), OTHER]), st.integers(0, 1),
+        Joint, st.integers(0, 1), st.sampled_from([None, OTHER]), st.integers(0, 1),
         st.booleans(),
     ),
     st.builds(
@@ -124,9 +124,9 @@ def test_any_edits_leave_a_curve_of_a_symmetric_thing(name, row):
 @pytest.mark.parametrize(
     "row",
     [
-        (Joint(0, Curve(), 0, mirrored=True),),
-        (Joint(0, Curve(), 0, mirrored=True), Joint(1, Curve(), 1, mirrored=True)),
-        (Joint(0, Curve(), 0, mirrored=True), Trim(0.0, 0.7), over(PAIR.spline, 0.2, 0.4, 9.0)),
+        (Joint(0, None, 0, mirrored=True),),
+        (Joint(0, None, 0, mirrored=True), Joint(1, None, 1, mirrored=True)),
+        (Joint(0, None, 0, mirrored=True), Trim(0.0, 0.7), over(PAIR.spline, 0.2, 0.4, 9.0)),
     ],
 )
 def test_edited_curves_are_handed_over_with_two_exactly_equal_halves(row):
