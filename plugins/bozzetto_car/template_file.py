@@ -283,7 +283,8 @@ def _reflected(vector: Vector) -> Vector:
 
 
 def _picture(record: PictureRecord, name: str) -> Picture:
-    """The picture of a node; the side of the car in it is that of the node."""
-    side = name[-2:] if name.endswith((".R", ".L")) else ".R"
-    turn = -record.azimuth if side == ".L" else record.azimuth
-    return Picture(turn, record.elevation, tuple(f"{patch}{side}" for patch in record.patches))
+    """The picture of a node: its own side of the car, or both halves of what is in the middle."""
+    sides = (name[-2:],) if name.endswith((".R", ".L")) else (".R", ".L")
+    turn = -record.azimuth if sides == (".L",) else record.azimuth
+    tinted = tuple(f"{patch}{side}" for patch in record.patches for side in sides)
+    return Picture(turn, record.elevation, tinted)

@@ -41,8 +41,17 @@ FARTHEST: Final = 100_000.0
 Length = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
 Vector = tuple[Length, Length, Length]
 Text = Annotated[str, Meta(min_length=1, max_length=200)]
-Name = Annotated[str, Meta(pattern=r"\A[A-Z][A-Z0-9]{0,7}\Z")]
-Label = Annotated[str, Meta(pattern=r"\A[a-z][a-z0-9_]{0,39}\Z")]
+
+_NAME: Final = r"\A[A-Z][A-Z0-9]{0,7}\Z"
+_LABEL: Final = r"\A[a-z][a-z0-9_]{0,39}\Z"
+_IN_WORDS: Final = {
+    _NAME: "a name such as S1 (a capital letter, then capital letters and digits, up to eight)",
+    _LABEL: "a word such as roof_rail (lower-case letters, digits and “_”, up to forty)",
+}
+"""What the patterns ask for, for people."""
+
+Name = Annotated[str, Meta(pattern=_NAME)]
+Label = Annotated[str, Meta(pattern=_LABEL)]
 Names = Annotated[list[Name], Meta(min_length=2, max_length=MOST_ITEMS)]
 
 
@@ -170,4 +179,7 @@ def _as(value: Any, kind: Any, place: str) -> Any:
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError as problem:
-        raise FormatError(f"{place}: {problem}.") from None
+        words = str(problem)
+        for pattern, meaning in _IN_WORDS.items():
+            words = words.replace(f"`str` matching regex {pattern!r}", meaning)
+        raise FormatError(f"{place}: {words}.") from None
