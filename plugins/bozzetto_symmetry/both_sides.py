@@ -68,11 +68,13 @@ def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterat
         if len(made.points) < 2:
             continue
         missing = 1.0 - made.kept * float(np.mean(pairing.coverage))
+        told = made.reasons if 1.0 - made.kept > TELL else ()
         if closed:
-            near, far, told = first, second, ()
+            near, far = first, second
         else:
             near, far = matched(first, pairing.stations), matched(second, pairing.far_stations)
             told = (
+                *told,
                 *_untold(pairing.stations, "first"),
                 *_untold(pairing.far_stations, "second"),
             )

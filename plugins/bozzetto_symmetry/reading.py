@@ -25,6 +25,7 @@ from bozzetto_symmetry.crossing import as_crossing
 from bozzetto_symmetry.interpretation import Read
 from bozzetto_symmetry.sides import Side, drawn_twice, gap_between, joined
 from bozzetto_symmetry.solving import strays
+from bozzetto_symmetry.special_cases import Case, reasons, special_case
 from bozzetto_symmetry.stereo import Stereo
 from bozzetto_symmetry.uncertainty import plane_covariances
 
@@ -113,7 +114,7 @@ def read(
     if asked in ("auto", "plane") and whole is not None:
         found += _in_plane(stereo, whole, corners)
     if asked in ("auto", "half"):
-        found.append(_half(sides, single))
+        found.append(_half(stereo, sides, single))
     if not found:
         raise UserError(_impossible(asked, sides))
     return tuple(sorted(found, key=lambda one: one.cost))
@@ -178,13 +179,21 @@ def _inside(points: Array, box: Array | None) -> bool:
     return bool(((points >= box[0] - room) & (points <= box[1] + room)).all())
 
 
-def _half(sides: Sequence[Side], single: Side | None) -> Read:
+def _half(stereo: Stereo, sides: Sequence[Side], single: Side | None) -> Read:
     nothing = np.zeros((0, 3)), np.zeros((0, 3, 3)), None, np.zeros((0, 2))
     if single is None:
         near, far = ((side.pixels,) for side in sides)
-        told = ("The two sides do not match: each waits for its partner.",)
+        told = _blind(stereo) or ("The two sides do not match: each waits for its partner.",)
         return Read("half", TWO_SIDES, 0.0, *nothing, near, far, warnings=told)
     return Read("half", _waiting(single), 0.0, *nothing, (single.pixels,), (), single.closed)
+
+
+def _blind(stereo: Stereo) -> tuple[str, ...]:
+    """Why a view as a whole shows no depth, and what to do; nothing if it does."""
+    middle = np.multiply(stereo.camera.viewport, 0.5)[None]
+    codes = special_case(stereo, middle, middle)
+    whole = codes[0] == Case.EYE_ON_PLANE or stereo.parallel
+    return reasons(codes) if whole else ()
 
 
 def _waiting(side: Side) -> float:

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_symmetry import special_cases
 from bozzetto_symmetry.pairing import Pairing
 from bozzetto_symmetry.stereo import Stereo
 from bozzetto_symmetry.uncertainty import pair_covariances, sigmas
@@ -47,6 +48,8 @@ class Solved:
     askew : float
         How far the plane that fits the points best is from facing one of the box's ways:
         0 if it does, and 0.42 at most.
+    reasons : tuple of str
+        Why matched places gave no point, and what to do.
     """
 
     points: Array
@@ -55,6 +58,7 @@ class Solved:
     outside: float
     astride: float
     askew: float
+    reasons: tuple[str, ...] = ()
 
 
 def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
@@ -67,10 +71,11 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     box : (2, 3) float or None
         Least and greatest corner, in the frame of the plane, mm.
     """
-    points = stereo.intersected(pairing.near, pairing.far)
+    points, codes = special_cases.solved(stereo, pairing.near, pairing.far)
     seen = np.isfinite(points).all(axis=1)
+    reasons = special_cases.reasons(codes)
     if not seen.any():
-        return Solved(np.zeros((0, 3)), np.zeros((0, 3, 3)), 0.0, 0.0, 0.0, 0.0)
+        return Solved(np.zeros((0, 3)), np.zeros((0, 3, 3)), 0.0, 0.0, 0.0, 0.0, reasons)
     points, near, far = points[seen], pairing.near[seen], pairing.far[seen]
     covariances = pair_covariances(stereo, near, far, _directions(stereo, far))
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -84,7 +89,9 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
     outside, astride = float(trust[out].sum()), _astride(points[:, 1], trust)
     keep = ~strays(points, box)
-    return Solved(points[keep], covariances[keep], float(seen.mean()), outside, astride, askew)
+    return Solved(
+        points[keep], covariances[keep], float(seen.mean()), outside, astride, askew, reasons
+    )
 
 
 def strays(points: Array, box: Array | None) -> Flags:

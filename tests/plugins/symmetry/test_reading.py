@@ -256,3 +256,19 @@ def test_any_ink_in_any_view_is_read_or_refused(
         assert np.isfinite(one.covariances).all()
         assert len(one.points) == len(one.covariances)
         assert asked in ("auto", one.reading)
+
+
+@pytest.mark.parametrize(
+    ("view", "words"),
+    [
+        (camera(0, 20), "The eye is on the centre plane"),
+        (camera(0, 20, "orthographic"), "The eye is on the centre plane"),
+        (camera(90, 0, "orthographic"), "left and right are in one place"),
+    ],
+)
+def test_a_view_without_depth_is_named(view: Camera, words: str) -> None:
+    curve = PAIRS["S-wave"]
+    inks = [drawn(curve, view), drawn(curve * MIRROR, view) + np.array((0.0, 40.0))]
+    found = readings(inks, view)
+    assert found[0].reading == "half"
+    assert any(words in warning for warning in found[0].warnings)
