@@ -40,7 +40,7 @@ def build(options: argparse.Namespace) -> int:
     targets = _targets(inputs, options.output, options.format)
     for target in targets:
         if target.suffix.lower() != ".bozz":
-            find(target, writers("mesh", "curves"))
+            find(target, writers("mesh", "surfaces", "curves"))
     keep_apart(inputs, targets, options.report)
     reports: list[dict[str, Any]] = []
     code = 0

@@ -19,7 +19,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.shapes import Curve, Shapes
 
-__all__ = ["RESOLUTION", "bezier_pieces", "checked_curves"]
+__all__ = ["RESOLUTION", "bezier_pieces", "checked_curves", "readable"]
 
 Array = NDArray[np.float64]
 
@@ -75,6 +75,11 @@ def checked_curves(shapes: Shapes) -> tuple[Curve, ...]:
     return tuple(piece for curve in shapes.curves for piece in _pieces(curve))
 
 
+def readable(name: str) -> str:
+    """A name as readers take it: without control characters and halves of surrogate pairs."""
+    return UNSPEAKABLE.sub(" ", name).strip()
+
+
 def bezier_pieces(curve: Curve) -> Array:
     """Bézier control points of every span of a clamped curve.
 
@@ -117,7 +122,7 @@ def _pieces(curve: Curve) -> list[Curve]:
     _refuse_unwritable(curve)
     curve = replace(
         curve,
-        name=UNSPEAKABLE.sub(" ", curve.name).strip(),
+        name=readable(curve.name),
         knots=_common_knots(curve),
         weights=_common_weights(curve.weights),
     )

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import os
+from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.solid_check import check_solid
+from bozzetto.exchange.surface_pieces import with_meshes
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.storage import write_bytes
 from bozzetto.view.camera import Camera
 
 __all__ = ["encoded", "export", "write_drawing"]
+
+WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
+"""What people call a kind of content, where it is not the kind's own name."""
 
 
 def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> None:
@@ -22,7 +27,7 @@ def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | Non
     ----------
     shapes : Shapes
         Parts that the format has no place for (curves in STL, say) are left out, as long
-        as something remains.
+        as something remains. Formats that hold meshes get triangles of exact surfaces.
     path : path
         Replaced only once the new file is complete.
     camera : Camera, optional
@@ -45,11 +50,13 @@ def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | No
     UserError
         As `export`.
     """
-    chosen = find(path, writers("mesh", "curves"))
+    chosen = find(path, writers("mesh", "surfaces", "curves"))
     _check(shapes, chosen)
     if chosen.flat:
         view: bytes = function(chosen, "write_view")(shapes, camera)
         return view
+    if "mesh" in chosen.holds:
+        shapes = with_meshes(shapes)
     data: bytes = function(chosen, "write_shapes")(shapes)
     return data
 
@@ -58,12 +65,14 @@ def _check(shapes: Shapes, chosen: Format) -> None:
     if not shapes:
         raise UserError("There is nothing to export yet. Draw something first.")
     has: dict[Kind, bool] = {
-        "mesh": any(len(part.mesh.faces) for part in shapes.meshes()),
+        "mesh": bool(shapes.patchworks) or any(len(part.mesh.faces) for part in shapes.meshes()),
+        "surfaces": bool(shapes.patchworks),
         "curves": bool(shapes.curves),
     }
     if not any(has.get(kind) for kind in chosen.holds):
-        wanted = " or ".join("surfaces" if kind == "mesh" else kind for kind in chosen.holds)
-        useful = [f.endings[0] for kind in has if has[kind] for f in writers(kind)]
+        wanted = " or ".join(WORDS.get(kind, kind) for kind in chosen.holds)
+        endings = [f.endings[0] for kind in has if has[kind] for f in writers(kind)]
+        useful = list(dict.fromkeys(endings))
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
     if "mesh" in chosen.holds:

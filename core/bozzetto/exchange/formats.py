@@ -7,6 +7,7 @@ must define follows from what the format holds:
 holds     to write                                      to read
 ========  ============================================  ====================================
 mesh      ``write_shapes(shapes) -> bytes``             ``read_shapes(data) -> Shapes``
+surfaces  ``write_shapes(shapes) -> bytes``             –
 curves    ``write_shapes(shapes) -> bytes``, or         –
           ``write_view(shapes, camera) -> bytes``
           where the format is flat
@@ -28,7 +29,7 @@ from bozzetto.errors import UserError
 
 __all__ = ["FORMATS", "Format", "Kind", "find", "function", "readers", "writers"]
 
-Kind = Literal["mesh", "curves", "ink", "image"]
+Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,8 @@ class Format:
         For menus.
     endings : tuple of str
         In lower case, with the dot; the first is the usual one.
-    holds : tuple of {"mesh", "curves", "ink", "image"}
-        What such a file is good for.
+    holds : tuple of {"mesh", "surfaces", "curves", "ink", "image"}
+        What such a file is good for. Surfaces are exact ones: patchworks.
     writes, reads : bool
         Which ways we go.
     module : str
@@ -67,6 +68,9 @@ def _here(module: str) -> str:
     return f"bozzetto.exchange.{module}"
 
 
+EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
+"""What CAD programs take as it is."""
+
 FORMATS: Final[tuple[Format, ...]] = (
     Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("stl")),
     Format("3mf", "3MF for printing", (".3mf",), ("mesh",), True, False, _here("threemf")),
@@ -74,10 +78,10 @@ FORMATS: Final[tuple[Format, ...]] = (
     Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, _here("obj")),
     Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("ply")),
     Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg"), True),
-    Format("step", "STEP curves", (".step", ".stp"), ("curves",), True, False, _here("step")),
-    Format("iges", "IGES curves", (".iges", ".igs"), ("curves",), True, False, _here("iges")),
+    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, _here("step")),
+    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, _here("iges")),
     Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, _here("dxf")),
-    Format("rhino", "Rhino curves", (".3dm",), ("curves",), True, False, _here("rhino")),
+    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, _here("rhino")),
     Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, _here("ink_json")),
     Format("inkml", "InkML", (".inkml",), ("ink",), True, True, _here("inkml")),
     Format(

@@ -1,7 +1,9 @@
-"""IGES 5.3: exact curves for older CAD programs, in millimetres.
+"""IGES 5.3: exact surfaces and curves for older CAD programs, in millimetres.
 
-Curves are rational B-splines (entity 126), their names are name properties (406, form 15) and
-their colours colour definitions (314). Lines have 80 columns: 72 of content (64 for parameters,
+Patches are rational B-spline surfaces (entity 128), each whole within its natural border, and
+those of one patchwork a group (402, form 7); IGES programs sew them by their places. Curves are
+rational B-splines (126), names are name properties (406, form 15) and colours colour definitions
+(314). Lines have 80 columns: 72 of content (64 for parameters,
 which name their entry behind), a letter for the section, and the number in it.
 """
 
@@ -17,11 +19,15 @@ from numpy.typing import NDArray
 
 from bozzetto.exchange.curve_pieces import RESOLUTION, checked_curves
 from bozzetto.exchange.part21 import real
+from bozzetto.exchange.surface_pieces import CUBIC_KNOTS, checked_patchworks, names_of_patches
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
 __all__ = ["write_shapes"]
 
 CURVE: Final = 126
+SURFACE: Final = 128
+GROUP: Final = 402
+GROUP_FORM: Final = 7
 COLOR: Final = 314
 PROPERTY: Final = 406
 NAME_FORM: Final = 15
@@ -43,34 +49,38 @@ COLUMNS: Final = 72
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """An IGES file of the curves, with names and colours.
+    """An IGES file of the patchworks and curves, with names and colours.
 
     Names are in ASCII there: accents are taken off, other characters become ``?``.
 
     Raises
     ------
     UserError
-        As `checked_curves`.
+        As `checked_patchworks` and `checked_curves`.
     """
-    curves = checked_curves(shapes)
-    file = _File()
-    colors: dict[Color, int] = {}
+    patchworks = checked_patchworks(shapes)
+    curves = checked_curves(shapes) if shapes.curves or not patchworks else ()
+    file = _File("Surfaces" if patchworks else "Curves")
+    for patchwork in patchworks:
+        names = names_of_patches(patchwork)
+        members = [
+            file.add_named(SURFACE, _net_parameters(net), name, patchwork.color)
+            for net, name in zip(patchwork.nets, names, strict=True)
+        ]
+        listed = (str(len(members)), *map(str, members))
+        file.add_named(GROUP, listed, patchwork.name, None, form=GROUP_FORM)
     for curve in curves:
-        color = 0
-        if curve.color is not None:
-            if curve.color not in colors:
-                shades = (_real(value / 255 * 100) for value in curve.color)
-                colors[curve.color] = file.add(COLOR, [*shades], status=DEFINITION)
-            color = -colors[curve.color]
-        name = file.add(PROPERTY, ["1", _text(curve.name)], form=NAME_FORM, status=DEPENDENT)
-        file.add(CURVE, [*_parameters(curve), "0", "1", str(name)], color=color)
-    return file.encoded(max(float(np.abs(c.control_points).max()) for c in curves))
+        file.add_named(CURVE, _parameters(curve), curve.name, curve.color)
+    places = [p.nets for p in patchworks] + [c.control_points for c in curves]
+    return file.encoded(max(float(np.abs(points).max()) for points in places))
 
 
 class _File:
     """An IGES file in the making: its directory and its parameters."""
 
-    def __init__(self) -> None:
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._colors: dict[Color, int] = {}
         self._directory: list[str] = []
         self._parameters: list[str] = []
 
@@ -92,6 +102,19 @@ class _File:
         self._directory.append(_fields(kind, 0, color, len(rows), form, "", "", "", 0))
         return entry
 
+    def add_named(
+        self, kind: int, values: Iterable[str], name: str, color: Color | None, *, form: int = 0
+    ) -> int:
+        """Add an entity with a name and a colour; a colour is written once."""
+        tint = 0
+        if color is not None:
+            if color not in self._colors:
+                shades = [_real(value / 255 * 100) for value in color]
+                self._colors[color] = self.add(COLOR, shades, status=DEFINITION)
+            tint = -self._colors[color]
+        label = self.add(PROPERTY, ["1", _text(name)], form=NAME_FORM, status=DEPENDENT)
+        return self.add(kind, [*values, "0", "1", str(label)], form=form, color=tint)
+
     def encoded(self, reach: float) -> bytes:
         """The whole file.
 
@@ -101,8 +124,8 @@ class _File:
             Largest coordinate, mm.
         """
         sections = {
-            "S": ["Curves from Bozzetto"],
-            "G": list(_rows(_settings(reach), COLUMNS)),
+            "S": [f"{self._title} from Bozzetto"],
+            "G": list(_rows(_settings(self._title, reach), COLUMNS)),
             "D": self._directory,
             "P": self._parameters,
         }
@@ -121,11 +144,11 @@ def _fields(*values: object) -> str:
     return "".join(f"{value:>8}" for value in values)
 
 
-def _settings(reach: float) -> list[str]:
+def _settings(title: str, reach: float) -> list[str]:
     """The global section (2.2.4.3)."""
     program = _text("Bozzetto")
     return [
-        _text(","), _text(";"), program, _text("curves.igs"), program, program,
+        _text(","), _text(";"), program, _text(f"{title.lower()}.igs"), program, program,
         "32", "38", "7", "308", "17",  # bits of an integer; powers and digits of reals
         program, "1.", "2", _text("MM"), "1", "0.25", _text(EPOCH),
         _real(RESOLUTION), _real(reach), _text(""), _text(""),
@@ -143,6 +166,14 @@ def _parameters(curve: Curve) -> Iterator[str]:
     for values in (curve.knots, weights, curve.control_points, curve.knots[[0, -1]]):
         yield from map(_real, values.ravel().tolist())
     yield from map(_real, (0.0, 0.0, 0.0) if normal is None else normal.tolist())
+
+
+def _net_parameters(net: NDArray[np.float64]) -> Iterator[str]:
+    """The parameters of a rational B-spline surface (4.24) that is one bicubic patch."""
+    yield from ("3", "3", "3", "3", "0", "0", "1", "0", "0")  # open, polynomial, not periodic
+    along_u = net.transpose(1, 0, 2)  # the first index runs first
+    for values in (CUBIC_KNOTS, CUBIC_KNOTS, np.ones(16), along_u, (0.0, 1.0, 0.0, 1.0)):
+        yield from map(_real, np.ravel(values).tolist())
 
 
 def _normal(points: NDArray[np.float64]) -> NDArray[np.float64] | None:

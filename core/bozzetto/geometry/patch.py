@@ -120,9 +120,13 @@ def _columns(nets: ArrayLike, u: ArrayLike, v: ArrayLike, du: int, dv: int) -> A
     """As `grid`, each coordinate by itself, (3, k, a, b): quicker to go on with."""
     nets = np.asarray(nets, float)
     rows, columns = bernstein(u, du), bernstein(v, dv)
-    both = (rows.T[:, None, :, None] * columns.T[None, :, None, :]).reshape(16, -1)
+    both = (rows.T[:, None, :, None] * columns.T[None, :, None, :]).reshape(
+        16, len(rows) * len(columns)
+    )
     flat = np.ascontiguousarray(nets.reshape(-1, 16, 3).transpose(2, 0, 1))
-    return np.asarray((flat.reshape(-1, 16) @ both).reshape(3, -1, len(rows), len(columns)))
+    return np.asarray(
+        (flat.reshape(-1, 16) @ both).reshape(*flat.shape[:2], len(rows), len(columns))
+    )
 
 
 def grid_normals(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:

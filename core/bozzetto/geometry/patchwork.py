@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.arrays import frozen
-from bozzetto.geometry.coons import coons_nets, edge_numbers, sides_of, with_boundaries
+from bozzetto.geometry.coons import (
+    boundaries,
+    coons_nets,
+    edge_numbers,
+    sides_of,
+    with_boundaries,
+)
 from bozzetto.geometry.patch import turned_over
 from bozzetto.geometry.placement import Placement
 
@@ -66,12 +72,8 @@ class Patchwork:
             raise ValueError("a side names an edge that does not exist")
         if len(np.unique(self.sides)) < self.sides.size:
             raise ValueError("an edge is run twice in the same sense")
-        if not np.array_equal(with_boundaries(self.nets, self.edges, self.sides), self.nets):
+        if not np.array_equal(sides_of(self.nets), boundaries(self.edges, self.sides)):
             raise ValueError("a patch does not end in its edges")
-        if not np.array_equal(
-            sides_of(self.nets)[:, :, 3], sides_of(self.nets)[:, [1, 2, 3, 0], 0]
-        ):
-            raise ValueError("the sides of a patch do not follow each other")
         if self.patch_names and len(self.patch_names) != len(self.sides):
             raise ValueError("a patchwork needs a name for every patch, or none")
 
@@ -93,6 +95,19 @@ class Patchwork:
         """The edges of one patch, in order of their numbers, (r,)."""
         numbers, counts = np.unique(edge_numbers(self.sides), return_counts=True)
         return np.asarray(numbers[counts == 1], np.intp)
+
+    @property
+    def pieces(self) -> tuple[NDArray[np.intp], ...]:
+        """The patches of each part that hangs together by edges."""
+        numbers = edge_numbers(self.sides)
+        least = np.arange(len(numbers))
+        while True:
+            of_edge = np.full(len(self.edges), len(numbers))
+            np.minimum.at(of_edge, numbers, np.broadcast_to(least[:, None], numbers.shape))
+            low = of_edge[numbers].min(axis=1)
+            if np.array_equal(low, least):
+                return tuple(np.flatnonzero(least == first) for first in np.unique(least))
+            least = low
 
     @property
     def nodes(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:

@@ -63,9 +63,8 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
     for net, row in zip(patchwork.nets, patchwork.sides.tolist(), strict=True):
         sides = [on_edge[side] if side >= 0 else on_edge[~side][::-1] for side in row]
         across, along = len(sides[0]) - 1, len(sides[1]) - 1
-        inside = grid(net, np.arange(1, across) / across, np.arange(1, along) / along).reshape(
-            -1, 3
-        )
+        u, v = np.arange(1, across) / across, np.arange(1, along) / along
+        inside = grid(net, u, v).reshape(-1, 3)
         at = np.empty((across + 1, along + 1), np.intp)
         at[:, 0], at[-1], at[::-1, -1], at[0, ::-1] = sides
         at[1:-1, 1:-1] = count + np.arange(len(inside)).reshape(across - 1, along - 1)

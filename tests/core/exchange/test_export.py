@@ -102,7 +102,7 @@ def test_a_refused_export_leaves_the_old_file_and_no_rubbish(tmp_path):
 def test_every_format_has_the_functions_that_it_promises():
     for one in formats.FORMATS:
         names = []
-        if one.writes and {"mesh", "curves"} & set(one.holds):
+        if one.writes and {"mesh", "surfaces", "curves"} & set(one.holds):
             names.append("write_view" if one.flat else "write_shapes")
         if "ink" in one.holds:
             names += ["write_drawing"] * one.writes + ["read_drawing"] * one.reads

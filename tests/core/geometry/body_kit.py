@@ -65,40 +65,45 @@ def chain_edges(edges, names):
             for a, b in pairwise(names)]  # fmt: skip
 
 
-def body(seed=None, spread=0.0, smooth=True):
+def mirror_images():
+    """The image of every edge in y = 0; ``~edge`` where it runs the other way."""
+    ends, _, _ = network()
+    letters = {"R": "L", "L": "R"}
+    found = {}
+    for (a, b), number in ends.items():
+        a, b = (n if n in CENTRE else n[:-1] + letters[n[-1]] for n in (a, b))
+        found[number] = ends[a, b] if (a, b) in ends else ~ends[b, a]
+    return found
+
+
+def body(seed=None, spread=0.0, symmetric=False):
     """Edges, sides, names of patches and the joints of smooth lines.
 
     With a spread the lengths of tangents in joints are multiplied by random factors up to
-    1 + spread or down to its inverse, both sides of the car alike.
+    1 + spread or down to its inverse.
     """
     ends, sides, names = network()
     curves = np.zeros((len(ends), 4, 3))
     for (a, b), number in ends.items():
         p, q = np.array(NODES[a], float), np.array(NODES[b], float)
         curves[number] = p, p + (q - p) / 3, q + (p - q) / 3, q
-    joints = []
-    rows = [[side(n, letter) for n in chain.split()] for chain in CHAINS for letter in "RL"]
-    rows = rows[1:]  # the roof line is its own image
-    arches = [[side(a, "R"), c, side(a, "L")] for a, c in map(str.split, ARCHES)]
-    for row in rows + arches:
+    rng, factors, joints = np.random.default_rng(seed), {}, []
+    for row in smooth_rows():
         joints += joints_of_chain(chain_edges(ends, row))
         for a, b, c in zip(row, row[1:], row[2:], strict=False):
             before, middle, after = (np.array(NODES[n], float) for n in (a, b, c))
-            along = (after - before) if smooth else 0.0 * after
-            along = along / max(np.linalg.norm(along), 1e-12)
+            along = (after - before) / np.linalg.norm(after - before)
             for other, sense in ((a, -1), (c, 1)):
-                length = np.linalg.norm(np.array(NODES[other], float) - middle) / 3
+                key = (b[:2], other[:2]) if symmetric else (b, other)
+                factor = factors.setdefault(key, (1 + spread) ** rng.uniform(-1, 1))
+                length = factor * np.linalg.norm(np.array(NODES[other], float) - middle) / 3
                 (edge,) = chain_edges(ends, [b, other])
-                place = (edge, 1) if edge >= 0 else (~edge, 2)
-                if smooth:
-                    curves[place] = middle + sense * length * along
-    if spread:
-        rng = np.random.default_rng(seed)
-        for one, other in joints:
-            for end in (one, other):
-                edge, node, inner = (end, 0, 1) if end >= 0 else (~end, 3, 2)
-                factor = (1 + spread) ** rng.uniform(-1, 1)
-                curves[edge, inner] = curves[edge, node] + factor * (
-                    curves[edge, inner] - curves[edge, node]
-                )
+                curves[(edge, 1) if edge >= 0 else (~edge, 2)] = middle + sense * length * along
     return curves, sides, names, tuple(joints)
+
+
+def smooth_rows():
+    """Nodes along every smooth line; the roof's lies in the plane of symmetry."""
+    rows = [[side(n, letter) for n in chain.split()] for chain in CHAINS for letter in "RL"]
+    arches = [[side(a, "R"), c, side(a, "L")] for a, c in map(str.split, ARCHES)]
+    return rows[1:] + arches
