@@ -26,12 +26,13 @@ __all__ = ["TRACE", "Cost", "Prior", "extent", "robust_weights"]
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-TRACE: Final = 0.5
+TRACE: Final = 0.6
 """Balance of marks and template by default: a hand of 0.2 per cent, 2 px for a car of 1000."""
 
-HAND: Final = (0.02, 0.0002)
+HAND: Final = (0.02, 0.0005)
 """Standard deviation of a mark, in diagonals of all marks, where the balance is 0 and where it
-is 1: from a rough idea of a car to the last tenth of a pixel."""
+is 1: from a rough idea of a car to half a pixel. Below that the marks are met no better, and
+where they leave the shape open the template would have no say."""
 
 STRAY: Final = (4.0, 0.008)
 """Distance from which a mark pulls with a constant force only, for it went astray: the larger

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 MOST_STEPS: Final = 40
 """Most steps, taken or not. A cold solve takes six to ten."""
 
-SETTLED: Final = 1e-5
+SETTLED: Final = 1e-6
 """Decrease of the cost, as a share of it, at which a solve has arrived."""
 
 FIRST_DAMPING: Final = 1e-3
@@ -49,6 +49,9 @@ SOFTER, STIFFER = 0.1, 8.0
 ANCHORED: Final = 1e-12
 """What is added to the diagonal of the normal matrix, as a share of its largest entry: without
 marks enough, some numbers of a camera are told by nothing."""
+
+LONGEST_SERIES: Final = 0.9
+"""Largest ratio of one step to the one before that is followed to its end: nine steps more."""
 
 MOST_TIES: Final = 3
 """Most solves with another outermost node, where dimensions are locked."""
@@ -209,16 +212,23 @@ class _Problem:
                 "from the template."
             )
         damping, steps = FIRST_DAMPING, 0
+        last: Array | None = None
         while steps < MOST_STEPS and damping < DAMPINGS[1]:
             steps += 1
-            there = self.tried(here, damping)
-            if there is None or there.cost >= here.cost:
+            step = self.step(here, damping)
+            there = None if step is None else self.moved(here, step)
+            if step is None or there is None or there.cost >= here.cost:
                 damping *= STIFFER
+                last = None
                 continue
             gain, here = here.cost - there.cost, there
             damping = max(damping * SOFTER, DAMPINGS[0])
             if gain <= SETTLED * here.cost:
                 break
+            further = None if last is None else self.moved(here, _rest(last, step))
+            last = step
+            if further is not None and further.cost < here.cost:
+                here, last = further, None
         return self.joint(here, steps)
 
     def at(self, variables: Array, poses: tuple[Poses, ...]) -> _Iterate | None:
@@ -253,15 +263,16 @@ class _Problem:
             cost += more
         return _Iterate(variables, poses, cost, form, slope)
 
-    def tried(self, here: _Iterate, damping: float) -> _Iterate | None:
-        """The iterate after one step; None if it leads where no car may be."""
+    def step(self, here: _Iterate, damping: float) -> Array | None:
+        """The step (f + c,) that the normal equations ask for; None if there is none."""
         form = here.form.copy()
         diagonal = np.arange(self.size)
         size = form[diagonal, diagonal]
         form[diagonal, diagonal] += damping * size + ANCHORED * size.max()
-        step = self.feasible.step(here.variables, form, here.slope)
-        if step is None:
-            return None
+        return self.feasible.step(here.variables, form, here.slope)
+
+    def moved(self, here: _Iterate, step: Array) -> _Iterate | None:
+        """The iterate after a step; None if it leads where no car may be."""
         variables = self.feasible.moved(here.variables, step[: self.free])
         if variables is None:
             return None
@@ -283,6 +294,17 @@ class _Problem:
             without_cameras(here.form, self.free),
             steps,
         )
+
+
+def _rest(last: Array, step: Array) -> Array:
+    """What is left to go when steps shrink like a geometric series (Aitken 1926).
+
+    The form knows nothing of how the sketch bends while the shape slides along what the marks
+    allow, so that close tracing is approached by ever shorter steps in one direction.
+    """
+    size = float(last @ last)
+    ratio = min(max(float(step @ last) / size, 0.0), LONGEST_SERIES) if size > 0.0 else 0.0
+    return step * (ratio / (1.0 - ratio))
 
 
 def without_cameras(form: Array, free: int) -> Array:

@@ -173,7 +173,7 @@ def _mapping(
             "them there first."
         )
     weights = 3.0 * np.stack((share * (1.0 - share) ** 2, share**2 * (1.0 - share)), axis=1)
-    solving: Array = np.linalg.inv(weights)
+    solving = np.asarray(np.linalg.inv(weights), float)
     inner = solving @ (to / length - share**3)
     steps = np.array([inner[0], inner[1] - inner[0], 1.0 - inner[1]])
     if steps.min() < LEAST_SLOPE / 3.0:
