@@ -64,7 +64,7 @@ def framed(
     different = len(np.unique(world, axis=0))
     if different < FEWEST:
         raise UserError(
-            f"A camera needs {FEWEST} marks and there are {different}. "
+            f"A camera needs marks of {FEWEST} different points, and there are {different}. "
             f"Mark further points{_for_example(world, further)}."
         )
     centroid = world.mean(axis=0)

@@ -226,12 +226,13 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
     Marks that were set aside stay so while they are still off: then nothing has to be found
     out again.
     """
-    begun = resumed(points, marks, before.pose)
     for aside in (before.disagreeing, ()):
         if max(aside, default=0) >= len(points):
             continue
         counted = np.ones((1, len(points)))
         counted[0, list(aside)] = 0.0
+        good = counted[0] > 0.0
+        begun = resumed(points[good], marks[good], before.pose)
         fit = adjusted(points, marks, begun, counted, cropped=cropped, steps=STEPS)
         off = np.linalg.norm(fit.residuals[0], axis=1)
         if np.isfinite(fit.costs[0]) and np.median(off) < LOST and (off[list(aside)] > BACK).all():

@@ -84,7 +84,8 @@ def _fitted(points: Array, marks: Array, turns: Array, strengths: Array) -> Pose
     """
     across = points @ np.swapaxes(turns, 1, 2)
     flat = across[:, :, 0] + 1j * across[:, :, 1]
-    flat = flat - flat.mean(axis=1, keepdims=True)
+    middle = flat.mean(axis=1)
+    flat = flat - middle[:, None]
     spread = np.maximum(np.sum(np.abs(flat) ** 2, axis=1), 1e-12)
     seen = marks[:, 0] + 1j * marks[:, 1]
     depth = np.ones(flat.shape)
@@ -96,6 +97,7 @@ def _fitted(points: Array, marks: Array, turns: Array, strengths: Array) -> Pose
         nearest = scale * np.maximum(-across[:, :, 2].min(axis=1), 1e-12)
         allowed = np.minimum(strengths, (1.0 - NEAR_START) / nearest)
         depth = 1.0 + (allowed * scale)[:, None] * across[:, :, 2]
+    offset = offset - factor * middle
     # A roll by an angle turns right and down of the picture by it.
     rolls = rotations(np.angle(factor)[:, None] * np.array([0.0, 0.0, 1.0]))
     allowed = np.where(strengths > 0.0, np.clip(allowed, *PERSPECTIVITIES), 0.0)
