@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.flatten import flattened
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink.resample import resample
 from bozzetto.scene import Layer, Lines, Paint, Scene
@@ -32,9 +31,12 @@ WIDTH: Final = 2.0
 CHOSEN_WIDTH: Final = 3.0
 """Of the chosen one."""
 
-FLATNESS: Final = 0.1
-"""Distance, px, between a curve and what is shown of it, where it was drawn: half of what
-anybody sees, as one comes nearer."""
+STEP: Final = 2.5
+"""Between two places of a curve that is shown, px on the sheet on which it was drawn. They lie
+evenly in space: what is nearly straight there may be bent from elsewhere."""
+
+FEWEST, MOST = 32, 800
+"""Places of a curve."""
 
 FAN: Final = 24
 """Rays that are shown of a side that waits for the other."""
@@ -93,7 +95,7 @@ def curve_lines(
     curve : SpaceCurve
     state : SymmetryState
     camera : Camera
-        Of the plane's frame; how fine the lines have to be.
+        Of the plane's frame; from how near one looks.
     color : str or (r, g, b)
     width : float
         px.
@@ -108,7 +110,8 @@ def curve_lines(
 
 
 def _flat(spline: Spline, camera: Camera) -> Array:
-    return flattened(spline.beziers(), camera, tolerance=FLATNESS)[0]
+    count = spline.length * camera.pixels_per_mm / STEP
+    return spline.sampled(int(np.clip(count, FEWEST, MOST)))
 
 
 def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
