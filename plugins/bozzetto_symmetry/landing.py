@@ -39,9 +39,9 @@ WORTH: Final = 0.25
 LOOKS: Final = 60
 """Places of a stroke that are looked at."""
 
-SURE_PAIR: Final = 3.0
+SURE_PAIR: Final = 8.0
 """Cost of a pair, px, above which two strokes are rather two curves. Sides of one curve cost
-less than half of it, two curves several times as much."""
+up to 5, if an end is missing; two curves cost 16 and more."""
 
 
 def drawn_curves(
