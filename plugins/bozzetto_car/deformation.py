@@ -187,14 +187,16 @@ class Prior:
 
 
 def _links(template: Template) -> Index:
-    """The edges, and two for each wheel, (m, 2): a wheel goes along with the body around it.
+    """The edges, and two for each wheel, (m, 2): a wheel goes along with the sill around it.
 
-    No edge ends in a wheel, so it is tied to the two lowest nodes of its side that stand
-    before and behind it.
+    No edge ends in a wheel, so it is tied to the nearest nodes before and behind it on the rim
+    of the body, of which the edges belong to one patch only.
     """
     links = template.edges.tolist()
     places = template.positions
-    body = np.setdiff1d(np.unique(template.edges), template.centre)
+    numbers = [~edge if edge < 0 else edge for patch in template.patches for edge in patch.edges]
+    rim = np.flatnonzero(np.bincount(numbers, minlength=len(links)) == 1)
+    body = np.setdiff1d(np.unique(template.edges[rim]), template.centre)
     for wheel in template.wheels.ravel():
         side = body[places[body, 1] * places[wheel, 1] > 0.0]
         for sign in (-1.0, 1.0):

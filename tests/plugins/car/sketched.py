@@ -77,9 +77,7 @@ def looking(car: Array, view: View, rng: np.random.Generator, kind: str = "persp
     share = float(np.ptp(wide.project(car)[0][:, 0])) / (0.75 * PICTURE[0])
     if kind == "orthographic":
         height = wide.visible_height * share
-        return Camera(
-            "orthographic", tuple(eye), tuple(middle), height=height, viewport=PICTURE
-        )
+        return Camera("orthographic", tuple(eye), tuple(middle), height=height, viewport=PICTURE)
     opening = 2.0 * np.degrees(np.arctan(np.tan(np.radians(15.0)) * share))
     return Camera("perspective", tuple(eye), tuple(middle), fov_y=opening, viewport=PICTURE)
 
