@@ -44,6 +44,10 @@ SAMPLES: Final = 200
 LOOKS: Final = 12
 """Places of a curve whose directions a view is judged by."""
 
+NEWEST: Final = 8
+"""Curves that a view is judged by, the last ones: what is drawn next goes with these, and a
+drawing of many curves that was just opened is not solved for the sake of advice."""
+
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is told; where there is no other reading it is this."""
 
@@ -326,9 +330,9 @@ def sampled(spline: Spline) -> Array:
 
 
 def directions(state: SymmetryState) -> Array | None:
-    """Tangents of the curves that are shown, (n, 3) in the frame of the model; None of none."""
+    """Tangents of the newest curves shown, (n, 3) in the frame of the model; None of none."""
     found = []
-    for curve in shown_curves(state):
+    for curve in shown_curves(state)[-NEWEST:]:
         try:
             made = traced(curve, state).curve
         except UserError:

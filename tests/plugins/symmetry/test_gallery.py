@@ -14,6 +14,8 @@ from bozzetto.plugin.job import Job
 from bozzetto.plugin.registry import Registry
 from bozzetto.plugin.testing import same
 from bozzetto.workbench import Workbench
+from bozzetto_symmetry import trace
+from bozzetto_symmetry.trace import Trace
 
 FOLDER = Path(__file__).parents[3] / "docs" / "gallery" / "symmetry"
 INKS = sorted(FOLDER.glob("*.json"))
@@ -59,6 +61,22 @@ def test_there_are_three() -> None:
     assert {path.stem for path in INKS} == {"mouse", "vacuum-cleaner", "car-lines"}
 
 
+def test_advice_on_a_drawing_that_was_just_opened_solves_only_its_newest_curves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bench, drawing = Workbench(Registry()), read_drawing(FOLDER / "car-lines.json")
+    model = bench.from_drawing("bozzetto.symmetry", drawing, {})
+    asked = []
+
+    def counted(curve, state):
+        asked.append(curve.name)
+        return Trace("half")
+
+    monkeypatch.setattr(trace, "traced", counted)
+    assert bench.view_advice(model, drawing.camera) is not None
+    assert asked == [curve.name for curve in model.state.curves][-trace.NEWEST :]
+
+
 @pytest.fixture(scope="module", params=INKS, ids=lambda path: path.stem)
 def built(request: pytest.FixtureRequest) -> tuple[Path, Workbench, dict]:
     """An ink file of the gallery, and what the report tells of every curve in it."""
@@ -95,6 +113,18 @@ def test_what_is_round_is_round_and_stands_upright(built) -> None:
         off = np.hypot(np.hypot(points[:, 0], points[:, 2]) - radius, points[:, 1])
         assert np.median(off) < 0.003 * diagonal
         assert off.max() < 0.01 * diagonal
+
+
+@pytest.mark.slow
+def test_the_command_of_the_readme_does_what_it_says(tmp_path: Path, monkeypatch) -> None:
+    root = FOLDER.parents[2]
+    line = next(
+        line for line in (root / "README.md").read_text().splitlines() if "build symmetry" in line
+    )
+    words = line.split(" run ")[1].split()
+    monkeypatch.chdir(tmp_path)
+    assert main([str(root / word) if word.endswith(".json") else word for word in words]) == 0
+    assert (tmp_path / words[-1]).stat().st_size > 10_000
 
 
 @pytest.mark.slow
