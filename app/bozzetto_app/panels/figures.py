@@ -244,38 +244,55 @@ class Figures(QWidget):
         self._grid.setHorizontalSpacing(8)
         self._grid.setVerticalSpacing(4)
         self._grid.setColumnStretch(1, 1)
+        self._rows: tuple[Figure, ...] = ()
+        self._labels: list[tuple[QLabel, QLabel]] = []
 
     def show_report(self, report: Mapping[str, Any], part: str = "") -> None:
-        """Replace all rows; of the part of that id alone where the report tells of it."""
+        """Show other rows; of the part of that id alone where the report tells of it.
+
+        Rows of the same kinds only get other words: reports come with every stroke, and
+        making a row takes a millisecond or two of the window's time.
+        """
+        rows = tuple(figures_of(report, part=part))
+        if list(map(_kind, rows)) != list(map(_kind, self._rows)):
+            self._make_rows(rows)
+        for figure, (words, value) in zip(rows, self._labels, strict=True):
+            words.setText(figure.key)
+            words.setToolTip(figure.tip)
+            value.setText(figure.value or "")
+        self._rows = rows
+
+    def _make_rows(self, rows: Sequence[Figure]) -> None:
         while (item := self._grid.takeAt(0)) is not None:
             widget = item.widget()
             if widget is not None:
                 widget.hide()
                 widget.deleteLater()
-        for row, figure in enumerate(figures_of(report, part=part)):
-            words = QLabel(figure.key)
-            words.setTextFormat(Qt.TextFormat.PlainText)
-            words.setIndent(8 * figure.depth)
-            if figure.value is None:
-                # Names of parts may be long: they take more lines, never more room.
-                words.setWordWrap(True)
-                words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-                words.setProperty("type", "heading")
-                self._grid.addWidget(words, row, 0, 1, 3)
-                continue
-            if not figure.value:
-                words.setWordWrap(True)
-                words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-                self._grid.addWidget(words, row, 0, 1, 2)
-                self._grid.addWidget(_Mark(figure.mark), row, 2)
-                continue
+        self._labels = [self._make_row(place, figure) for place, figure in enumerate(rows)]
+
+    def _make_row(self, place: int, figure: Figure) -> tuple[QLabel, QLabel]:
+        words, value = QLabel(), QLabel()
+        for label in (words, value):
+            label.setTextFormat(Qt.TextFormat.PlainText)
+        words.setIndent(8 * figure.depth)
+        if figure.value:
             words.setProperty("tone", "quiet")
-            words.setToolTip(figure.tip)
-            value = QLabel(figure.value)
-            value.setTextFormat(Qt.TextFormat.PlainText)
             value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
             value.setWordWrap(True)
-            self._grid.addWidget(words, row, 0)
-            self._grid.addWidget(value, row, 1)
-            self._grid.addWidget(_Mark(figure.mark), row, 2)
+            self._grid.addWidget(words, place, 0)
+            self._grid.addWidget(value, place, 1)
+        else:
+            # Names of parts and remarks may be long: they take more lines, never more room.
+            words.setWordWrap(True)
+            words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+            words.setProperty("type", "heading" if figure.value is None else "")
+            self._grid.addWidget(words, place, 0, 1, 3 if figure.value is None else 2)
+        if figure.value is not None:
+            self._grid.addWidget(_Mark(figure.mark), place, 2)
+        return words, value
+
+
+def _kind(figure: Figure) -> tuple[int, Mark, bool, bool]:
+    """What of a row is not only words."""
+    return figure.depth, figure.mark, figure.value is None, figure.value == ""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from bozzetto.plugin.parameters import Field
 from bozzetto_app.panels.figures import Figures
@@ -44,7 +44,8 @@ class ParametersPanel(QScrollArea):
         self._form = QWidget()
         self._rows: dict[tuple[str, str], ParameterRow] = {}
         self._part_section: Section | None = None
-        self._shape: tuple[object, ...] = ()
+        self._fields: tuple[object, ...] = ()
+        self._owner: tuple[str | None, str] = (None, "")
         self._figures = Figures()
         self._figures_section = Section(tr("Parameters", "Figures"), self._figures)
         self._line = hairline()
@@ -79,15 +80,19 @@ class ParametersPanel(QScrollArea):
         row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def refresh(self) -> None:
-        """Show the values that there are now; the form is only rebuilt for other fields."""
+        """Show the values that there are now.
+
+        The form is only rebuilt for other fields, or if a person has the cursor in it while
+        another model or part is chosen: every new stroke may choose another part.
+        """
         session = self._session
         own, inner, part = session.parameters, session.part_parameters, session.chosen_part
-        part_id = "" if part is None else part.id
+        chosen = (session.selected, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
-        shape = (session.selected, part_id, *fields)
-        if shape != self._shape:
-            self._shape = shape
+        if fields != self._fields or (chosen != self._owner and self._is_in_use()):
+            self._fields = fields
             self._rebuild()
+        self._owner = chosen
         if self._part_section is not None and part is not None:
             self._part_section.rename(part.name)
         for owner, found in (("", own), ("part", inner)):
@@ -103,6 +108,11 @@ class ParametersPanel(QScrollArea):
         )
         self._empty.setVisible(not own and not inner)
         self._form.setVisible(bool(own or inner))
+
+    def _is_in_use(self) -> bool:
+        """Whether something is being typed: it is meant for what was chosen by then."""
+        focus = QApplication.focusWidget()
+        return focus is not None and self._form.isAncestorOf(focus)
 
     def _rebuild(self) -> None:
         session = self._session

@@ -157,3 +157,16 @@ def test_a_new_report_replaces_the_old(qtbot):
     figures.show_report({"c": 3})
     shown = [w.text() for w in figures.findChildren(QLabel) if not w.isHidden()]
     assert shown == ["C", "3"]
+
+
+def test_a_report_of_the_same_kind_keeps_its_rows(qtbot):
+    """Reports come with every stroke: making rows anew would stop the window."""
+    figures = Figures()
+    qtbot.addWidget(figures)
+    figures.show_report({"curves": [CURVE]})
+    before = [w for w in figures.findChildren(QLabel) if not w.isHidden()]
+    figures.show_report({"curves": [CURVE | {"name": "Sill", "rms": 1.5}]})
+    after = [w for w in figures.findChildren(QLabel) if not w.isHidden()]
+    assert [id(w) for w in after] == [id(w) for w in before]
+    assert after[0].text() == "Sill"
+    assert "1.50\u00a0px" in [w.text() for w in after]

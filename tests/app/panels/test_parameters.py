@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QLineEdit
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
 
 from bozzetto_app.panels.choice import ChoiceBox, Segments
 from bozzetto_app.panels.number_field import NumberField
@@ -228,6 +228,35 @@ def test_another_part_has_another_form_and_none_has_none(with_parts, fake_sessio
     fake_session.parameters_changed.emit()
     assert with_parts._part_section is None
     assert row(with_parts, "inflation").isVisible()
+
+
+def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
+    qtbot, with_parts, fake_session
+):
+    """Every stroke may choose another part: making its form anew would stop the window."""
+
+    def choose(part):
+        fake_session.trees["m1"] = fake_session.trees["m1"].chosen(part)
+        fake_session.parameters_changed.emit()
+
+    first = fake_session.chosen_part
+    fields = [field for field, _ in fake_session.part_parameters]
+    other = next(
+        part
+        for part in fake_session.trees["m1"].parts
+        if part.id != first.id and type(part) is type(first)
+    )
+    form = with_parts._form
+    with_parts.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    with_parts.setFocus()
+    choose(other.id)
+    assert [field for field, _ in fake_session.part_parameters] == fields
+    assert with_parts._form is form
+    assert heading(with_parts) == other.name
+    with_parts.activateWindow()
+    next(iter(with_parts._rows.values())).words.buddy().setFocus()
+    choose(first.id)
+    assert (with_parts._form is form) == (QApplication.focusWidget() is None)
 
 
 def test_a_colour_is_chosen_from_the_chart_or_taken_back(with_parts, fake_session):
