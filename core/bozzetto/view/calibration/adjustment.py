@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, PERSPECTIVITIES, Poses
+from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, PERSPECTIVITIES, Poses, Seen
 
 __all__ = [
     "CROPPED",
@@ -41,9 +41,9 @@ CROPPED: Final = 0.2
 """Standard deviation of the principal point of a cropped picture from its middle, in
 diagonals: a third of the width of a sketch of 3 : 2 or so lies well within."""
 
-SETTLED: Final = 1e-8
+SETTLED: Final = 1e-6
 """Longest step, radians and diagonals, at which a pose has arrived, by default. Steps shrink
-much faster than linearly here, so what is left is far less."""
+to a hundredth or less each time here, so what is left is less than a thousandth of a pixel."""
 
 LEAST_DAMPING: Final = 1e-9
 """Damping below which the equations are those of Gauss and Newton for all we can tell."""
@@ -89,16 +89,16 @@ def freedom(poses: Poses, cropped: bool) -> Flags:
 
 def robust_weights(residuals: Array) -> Array:
     """What each mark weighs, 0 … 1, shape of `residuals` without its last axis."""
-    return np.asarray(1.0 / np.sqrt(1.0 + np.sum(residuals**2, axis=-1) / STRAY**2))
+    squares = residuals[..., 0] ** 2 + residuals[..., 1] ** 2
+    return np.asarray(1.0 / np.sqrt(1.0 + squares / STRAY**2))
 
 
 def information(poses: Poses, points: Array, residuals: Array, counted: Array) -> Array:
     """Normal matrices (b, 9, 9) of the marks as they weigh, without their noise."""
     slopes = poses.slopes(poses.see(points))
-    weights = counted * robust_weights(residuals)
-    rows = slopes.reshape(len(poses), -1, PARAMETERS)
-    weighted = rows * np.repeat(weights, 2, axis=1)[:, :, None]
-    return np.asarray(np.swapaxes(rows, 1, 2) @ weighted)
+    weights = (counted * robust_weights(residuals))[:, None]
+    rows = slopes.reshape(len(poses), PARAMETERS, -1)
+    return np.asarray(rows @ np.swapaxes(rows * np.tile(weights, 2), 1, 2))
 
 
 def adjusted(
@@ -136,22 +136,24 @@ def adjusted(
     poses, free = starts, freedom(starts, cropped)
     hold = np.zeros(PARAMETERS)
     hold[7:] = (HAND / CROPPED) ** 2
-    residuals, costs = _judged(points, marks, poses, counted, hold)
+    seen = poses.see(points)
+    residuals, costs = _judged(seen, marks, poses, counted, hold)
     damping = np.full(len(poses), 1e-3)
     going = np.isfinite(costs)
     diagonal = np.arange(PARAMETERS)
     for _ in range(steps):
         if not going.any():
             break
-        slopes = poses.slopes(poses.see(points))
+        slopes = poses.slopes(seen)
         first = robust_weights(residuals)
         bend = first**3 / STRAY**2  # how much less steep the loss is along the residual
-        along = np.einsum("bni,bnip->bnp", residuals, slopes)
-        rows = slopes.reshape(len(poses), -1, PARAMETERS)
-        weights = np.repeat(counted * first, 2, axis=1)[:, :, None] * rows
-        normal = np.swapaxes(rows, 1, 2) @ weights
-        normal -= np.swapaxes(along, 1, 2) @ ((counted * bend)[:, :, None] * along)
-        pull = np.einsum("bmp,bm->bp", weights, residuals.reshape(len(poses), -1))
+        x, y = residuals[:, None, :, 0], residuals[:, None, :, 1]
+        along = slopes[:, :, 0] * x + slopes[:, :, 1] * y
+        weights = (counted * first)[:, None]
+        rows = slopes.reshape(len(poses), PARAMETERS, -1)
+        normal = rows @ np.swapaxes(rows * np.tile(weights, 2), 1, 2)
+        normal -= along @ np.swapaxes(along * (counted * bend)[:, None], 1, 2)
+        pull = np.sum(along * weights, axis=2)
         pull[:, 7:] -= hold[7:] * poses.principal
         normal[:, diagonal, diagonal] += hold
         moving = free & ~_against_bounds(poses, pull)
@@ -162,25 +164,29 @@ def adjusted(
         step = np.linalg.solve(normal, (pull * moving)[:, :, None])[:, :, 0]
         step *= np.minimum(1.0, 1.0 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
         tried = poses.moved(step)
-        new_residuals, new_costs = _judged(points, marks, tried, counted, hold)
+        tried_seen = tried.see(points)
+        new_residuals, new_costs = _judged(tried_seen, marks, tried, counted, hold)
         better = going & (new_costs <= costs)
-        poses = tried.where(better, poses)
-        residuals = np.where(better[:, None, None], new_residuals, residuals)
-        costs = np.where(better, new_costs, costs)
+        if better.all():
+            poses, seen, residuals, costs = tried, tried_seen, new_residuals, new_costs
+        elif better.any():
+            poses = tried.where(better, poses)
+            seen = poses.see(points)
+            residuals = np.where(better[:, None, None], new_residuals, residuals)
+            costs = np.where(better, new_costs, costs)
         damping = np.where(better, np.maximum(0.05 * damping, LEAST_DAMPING), 8.0 * damping)
         going &= (np.abs(step).max(axis=1) > settled) & (damping < MOST_DAMPING)
     return Adjusted(poses, costs, residuals)
 
 
 def _judged(
-    points: Array, marks: Array, poses: Poses, counted: Array, hold: Array
+    seen: Seen, marks: Array, poses: Poses, counted: Array, hold: Array
 ) -> tuple[Array, Array]:
     """Residuals, and what they cost; infinite where a point that counts is not in front."""
-    seen = poses.see(points)
     residuals = marks - seen.places
-    grown = np.sqrt(1.0 + np.sum(residuals**2, axis=2) / STRAY**2)
+    squares = residuals[:, :, 0] ** 2 + residuals[:, :, 1] ** 2
     # 2 c² (√(1 + q) − 1), written so that small residuals keep their digits
-    losses = 2.0 * np.sum(residuals**2, axis=2) / (1.0 + grown)
+    losses = 2.0 * squares / (1.0 + np.sqrt(1.0 + squares / STRAY**2))
     costs = np.sum(counted * losses, axis=1) + poses.principal**2 @ hold[7:]
     behind = ((seen.depth <= NEAREST) & (counted > 0.0)).any(axis=1)
     return residuals, np.where(behind, np.inf, costs)

@@ -120,28 +120,30 @@ class Poses:
         return Seen(places, depth, scaled)
 
     def slopes(self, seen: Seen) -> Array:
-        """Derivatives of the places by the nine parameters, (b, n, 2, 9).
+        """Derivatives of the places by the nine parameters, (b, 9, 2, n).
 
         Nought for points at or behind the eye.
         """
-        x, y, z = np.moveaxis(seen.scaled, 2, 0)
+        x, y, z = (seen.scaled[:, :, axis] for axis in range(3))
         near = np.where(seen.depth > NEAREST, 1.0 / np.maximum(seen.depth, NEAREST), 0.0)
-        u, v = np.moveaxis(seen.places - self.principal[:, None], 2, 0)
-        lean = self.perspectivity[:, None] * near
-        made = np.zeros((*x.shape, 2, PARAMETERS))
+        u, v = (seen.places[:, :, axis] - self.principal[:, None, axis] for axis in range(2))
+        u, v = u * near, v * near
+        lean_u, lean_v = self.perspectivity[:, None] * u, self.perspectivity[:, None] * v
+        x_near, y_near, z_near = x * near, y * near, z * near
+        made = np.zeros((len(self), PARAMETERS, 2, x.shape[1]))
         # A turn by w moves Z by w × Z; what it moves in depth draws the place to the middle.
-        made[:, :, 0, 0] = -u * lean * y
-        made[:, :, 1, 0] = -z * near - v * lean * y
-        made[:, :, 0, 1] = z * near + u * lean * x
-        made[:, :, 1, 1] = v * lean * x
-        made[:, :, 0, 2] = -y * near
-        made[:, :, 1, 2] = x * near
-        made[:, :, 0, 3] = x * near - u * lean * z
-        made[:, :, 1, 3] = y * near - v * lean * z
-        made[:, :, 0, 4] = made[:, :, 1, 5] = near
-        made[:, :, 0, 6] = -u * z * near
-        made[:, :, 1, 6] = -v * z * near
-        made[:, :, 0, 7] = made[:, :, 1, 8] = near > 0.0
+        made[:, 0, 0] = -lean_u * y
+        made[:, 0, 1] = -z_near - lean_v * y
+        made[:, 1, 0] = z_near + lean_u * x
+        made[:, 1, 1] = lean_v * x
+        made[:, 2, 0] = -y_near
+        made[:, 2, 1] = x_near
+        made[:, 3, 0] = x_near - lean_u * z
+        made[:, 3, 1] = y_near - lean_v * z
+        made[:, 4, 0] = made[:, 5, 1] = near
+        made[:, 6, 0] = -u * z
+        made[:, 6, 1] = -v * z
+        made[:, 7, 0] = made[:, 8, 1] = near > 0.0
         return made
 
     def before_eye(self, points: Array) -> Flags:

@@ -122,4 +122,5 @@ def _slopes(found: Resection, points: ArrayLike) -> tuple[Array, NDArray[np.bool
     """Derivatives (m, 2, 9) of places by the camera, and which points are before the eye."""
     world = np.reshape(np.asarray(points, float), (-1, 3))
     known = found.framing.points(world)
-    return found.pose.slopes(found.pose.see(known))[0], found.pose.before_eye(known)[0]
+    slopes = np.moveaxis(found.pose.slopes(found.pose.see(known))[0], 2, 0)
+    return np.swapaxes(slopes, 1, 2), found.pose.before_eye(known)[0]
