@@ -69,7 +69,7 @@ def test_coupling_costs_what_edges_are_stretched_and_bent(template: Template) ->
 
 
 def test_a_car_that_moves_as_a_whole_is_not_torn(template: Template) -> None:
-    along = template.reduced(template.positions + [70.0, 0.0, 30.0])
+    along = template.reduced(template.positions + np.array([70.0, 0.0, 30.0]))
     coupled, alone = (Prior(template, cost).value(along) for cost in (plain(coupling=1.0), plain()))
     assert coupled == pytest.approx(alone)
 

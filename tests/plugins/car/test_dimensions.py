@@ -61,7 +61,8 @@ def test_nothing_wanted_is_nothing_locked(template: Template) -> None:
 
 def test_the_surface_may_bulge_beyond_the_nodes(template: Template) -> None:
     body = np.delete(template.positions, template.wheels.ravel(), axis=0)
-    box = np.array([body.min(axis=0) - [40.0, 12.0, 0.0], body.max(axis=0) + [30.0, 12.0, 5.0]])
+    more = np.array([[-40.0, -12.0, 0.0], [30.0, 12.0, 5.0]])
+    box = more + np.array([body.min(axis=0), body.max(axis=0)])
     overlap = Overlap.of(template, template.positions, box)
     assert overlap == Overlap(40.0, 30.0, 12.0, 5.0)
     front, rear = template.positions[template.wheels[:, 0], 0]

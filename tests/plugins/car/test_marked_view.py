@@ -119,7 +119,7 @@ def test_what_is_no_sketch_is_refused(template: Template) -> None:
         MarkedView(camera, nodes[:5], marks[:6])
     broken = marks.copy()
     broken[0, 0] = np.nan
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="finite"):
         MarkedView(camera, nodes, broken)
     middle = template.positions.mean(axis=0)
     eye = np.asarray(camera.eye)
