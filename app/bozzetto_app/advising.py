@@ -60,13 +60,9 @@ class Advising(QObject):
         self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
-        for signal in (
-            session.camera_changed,
-            session.document_changed,
-            session.selection_changed,
-            session.modeler_changed,
-        ):
+        for signal in (session.camera_changed, session.selection_changed, session.modeler_changed):
             signal.connect(self.look)
+        session.document_changed.connect(self.look_later)
 
     @property
     def busy(self) -> bool:
@@ -83,6 +79,11 @@ class Advising(QObject):
         """See whether there is a new view, model or modeler; ask when it is time."""
         if not self._pace.isActive():
             self._ask()
+
+    def look_later(self) -> None:
+        """The same in a moment: the shape that a stroke has just made comes first."""
+        if not self._pace.isActive():
+            self._pace.start()
 
     def _question(self) -> Question:
         session = self._session

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any, Final
 
 from bozzetto.errors import UserError
@@ -26,6 +27,11 @@ from bozzetto_symmetry.trace import Trace, directions, traced
 from bozzetto_symmetry.vanishing import seen_from
 
 __all__ = ["Symmetry", "SymmetryResult"]
+
+FIRST_NEEDED: Final = (
+    "scipy.interpolate", "scipy.linalg", "scipy.ndimage", "scipy.sparse.linalg", "scipy.spatial",
+)  # fmt: skip
+"""What reading and fitting a curve imports: up to a second's work."""
 
 ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState().height)}
 """Where the box stands of which a file says nothing: things stand on the ground, at z = 0."""
@@ -115,7 +121,14 @@ class Symmetry:
         return all_commands()
 
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
-        """How exact a curve becomes that is drawn in a view, and what of the box hangs on it."""
+        """How exact a curve becomes that is drawn in a view, and what of the box hangs on it.
+
+        Of an empty box it is asked before anything is drawn: time to import what the first
+        curve needs, so that no pen is held up by it.
+        """
+        if not state.nodes:
+            for name in FIRST_NEEDED:
+                import_module(name)
         lines = directions(state)
         judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
         return ViewAdvice(judged.level, judged.message, judged.better, seen_from(state, camera))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Final, Literal
 
 import numpy as np
@@ -90,7 +91,11 @@ class DrawCurve:
             raise UserError("Draw a curve with the pen.")
         if gesture.strokes[-1].tool == "eraser":
             return erased(state, gesture.strokes[-1])
-        return landed(state, gesture.strokes)
+        drawn = landed(state, gesture.strokes)
+        # Solved here, the curve is remembered when several ask for it at once.
+        with suppress(UserError):
+            traced(next(curve for curve in drawn.curves if curve.id == drawn.selected), drawn)
+        return drawn
 
 
 def rungs(points: Array, step: float) -> Array:

@@ -10,7 +10,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Ink, Tap
+from bozzetto.plugin import Context, Ink, Job, Tap
 from bozzetto.scene import Lines, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.next_step import FIRST
@@ -105,6 +105,21 @@ def test_a_pen_event_is_answered_in_time(waiting) -> None:
         preview(waiting, ink)
         taken.append(time.process_time() - begun)
     assert np.median(taken) < 0.010
+
+
+def test_a_curve_is_solved_once_however_many_ask_for_it(waiting, monkeypatch) -> None:
+    from bozzetto_symmetry import trace
+    from bozzetto_symmetry.modeler import Symmetry
+
+    random = np.random.default_rng(8)
+    again = gesture(RAIL, noise=1.0, random=random)
+    state = after(waiting, again)
+    assert len(state.curves) == 1
+    asked: list[str] = []
+    monkeypatch.setattr(trace, "_traced", lambda curve, state: asked.append(curve.id))
+    Symmetry().solve(state, Job())
+    said(state)
+    assert asked == []
 
 
 def test_a_tap_is_no_curve(waiting) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,7 @@ from bozzetto.workbench import Workbench
 from bozzetto_symmetry.stereo import MIRROR
 from tests.plugins.symmetry import scenes as s
 
+ROOT = Path(__file__).parents[3]
 BOX = {"box": {"center": [0, 0, 0], "size": [200, 100, 100]}}
 
 
@@ -145,3 +149,31 @@ def test_any_plane_gives_the_same_curves_turned(bench, report) -> None:
     assert np.median(errors) < 5e-4 * s.DIAGONAL
     points, image = (np.array(curve[k]) for k in ("control_points", "mirrored_control_points"))
     assert np.abs(image - (points - 2.0 * (points @ normal)[:, None] * normal)).max() < 1e-12
+
+
+def test_the_first_curve_imports_nothing_that_was_not_there_before_the_pen() -> None:
+    """An import holds up the whole window; in a process of its own, where nothing is imported."""
+    code = """
+import sys
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Context, Ink, Job
+from bozzetto_symmetry.modeler import Symmetry
+from tests.plugins.symmetry import scenes as s
+
+known = [name for name in sys.modules if name.startswith("scipy")]
+for name in known:
+    del sys.modules[name]
+modeler, view = Symmetry(), s.camera(35, 20)
+state = modeler.create(Context(camera=view))
+modeler.view_advice(state, view)
+before = set(sys.modules)
+tool, rail = modeler.tools()[0], s.PAIRS["roof rail"]
+for curve in (rail, rail * (1.0, -1.0, 1.0), s.ACROSS["hood U"]):
+    x, y = view.project(curve)[0].T
+    state = tool.apply(state, Ink((Stroke(x, y, view),)), Context(camera=view))
+    modeler.scene(state, modeler.solve(state, Job()))
+late = sorted({name.split(".", 2)[1] for name in set(sys.modules) - before if "scipy." in name})
+assert not late, late
+"""
+    made = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert made.returncode == 0, made.stderr
