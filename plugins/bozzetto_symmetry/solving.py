@@ -18,8 +18,12 @@ __all__ = ["Solved", "solved", "strays"]
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-ROOM: Final = 0.2
-"""Share of the box's size by which a curve may leave it: the box is a ruler, no fence."""
+ROOM: Final = 0.05
+"""Share of the box's size by which a curve may leave it without a price. It is what tells the
+sense of a curve that fits either way, like a hook."""
+
+STRAY_ROOM: Final = 0.2
+"""The same for single places to be left out as strays: the box is a ruler, no fence."""
 
 STRAY: Final = 0.2
 """Greatest share of places outside the box that are left out as strays; if there are more,
@@ -83,7 +87,7 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
     # A place that the view hardly knows says little about where the curve is.
     trust = 1.0 / (sigmas(covariances) + 0.01 * extent + 1e-300) ** 2
     trust /= trust.sum()
-    out = _beyond(points, box)
+    out = _beyond(points, box, ROOM)
     middle = points - trust @ points
     least = np.linalg.svd(middle * np.sqrt(trust)[:, None], full_matrices=False)[2][-1]
     askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
@@ -96,14 +100,14 @@ def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
 
 def strays(points: Array, box: Array | None) -> Flags:
     """Which of the points are far outside the box while most are not, (n,)."""
-    out = _beyond(points, box)
+    out = _beyond(points, box, STRAY_ROOM)
     return out if out.sum() <= STRAY * len(out) else np.zeros(len(points), bool)
 
 
-def _beyond(points: Array, box: Array | None) -> Flags:
+def _beyond(points: Array, box: Array | None, share: float) -> Flags:
     if box is None:
         return np.zeros(len(points), bool)
-    room = ROOM * (box[1] - box[0])
+    room = share * (box[1] - box[0])
     return np.asarray(((points < box[0] - room) | (points > box[1] + room)).any(axis=1))
 
 
