@@ -33,10 +33,10 @@ LAMP: Final = 12.0
 GAP: Final = 8
 ICON: Final = 16.0
 WIDEST: Final = 460
-"""Most pixels that the words may take; longer ones end in dots."""
+"""Most pixels that the words may take; of longer ones the first sentence is shown."""
 
 BESIDE: Final = 116
-"""Pixels kept free at either side, where the view cube is."""
+"""Pixels kept free at the right, where the view cube is."""
 
 LAMPS: Final[dict[str, Color]] = {
     "good": (0x3E, 0x93, 0x4F),
@@ -149,13 +149,15 @@ class ViewLight(QWidget):
         free = self._area.adjusted(self.left, 0, 0, 0)
         button = self.button.sizeHint() if self.advice.better is not None else QSize(0, 0)
         around = round(PADDING + LAMP + GAP + PADDING + button.width())
-        most = max(0, min(WIDEST, free.width() - 2 * BESIDE - around))
+        most = max(0, min(WIDEST, free.width() - MARGIN - BESIDE - around))
         metrics = QFontMetrics(self.font())
-        self.words = metrics.elidedText(
-            " ".join(self.advice.message.split()), Qt.TextElideMode.ElideRight, most
-        )
+        said = " ".join(self.advice.message.split())
+        if metrics.horizontalAdvance(said) > most:
+            said = said.partition(". ")[0]
+        self.words = metrics.elidedText(said, Qt.TextElideMode.ElideRight, most)
         width = around + metrics.horizontalAdvance(self.words)
-        left = free.left() + (free.width() - width) // 2
+        centred = free.left() + (free.width() - width) // 2
+        left = max(free.left() + MARGIN, min(centred, free.right() + 1 - BESIDE - width))
         self.setGeometry(left, self._area.top() + MARGIN, width, HEIGHT)
         place = self.geometry()
         self.button.setGeometry(
