@@ -103,18 +103,10 @@ def run_along(network: Network, stroke: ArrayLike, camera: Camera) -> Run:
     places = resample(points, count=STROKE_PLACES)
     toward = facing(network.template, network.positions, camera)
     faces = np.asarray(toward[network.template.edges].all(axis=1))
-    distances = [float(distances_to_polyline(places, _laid_out(paths, row)).mean()) for row in rows]
-    order = np.argsort(
-        [far + _hidden(row, faces) for far, row in zip(distances, rows, strict=True)]
-    )
+    order = np.argsort([_cost(places, paths, row, faces) for row in rows])
     found = [_passed(paths, rows[which], places) for which in order[:CANDIDATES]]
-    costs = [
-        float(distances_to_polyline(places, _laid_out(paths, row)).mean()) + _hidden(row, faces)
-        for row in found
-    ]
-    best = int(np.argmin(costs))
-    row = found[best]
-    distance = costs[best] - _hidden(row, faces)
+    row = min(found, key=lambda row: _cost(places, paths, row, faces))
+    distance = _distance(places, paths, row)
     shown = np.concatenate([path for path, good in zip(paths, visible, strict=True) if good])
     if distance > REACH * float(np.linalg.norm(np.ptp(shown, axis=0))):
         raise UserError("The stroke is far from every edge of the car. Draw along one of them.")
