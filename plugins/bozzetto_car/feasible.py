@@ -80,20 +80,27 @@ class Feasible:
         else:
             span, first = _with_locks(locks, near, form)
             bounds = locks.bounds
-        # Within the locks the way back to a sound car; none is needed as a rule.
         made = cls(soundness, bounds, span, first)
         inner = span.T @ form @ span
-        for _ in range(MOST_RETURNS):
-            slacks = made._slacks(first)
-            if slacks.min(initial=0.0) >= -VIOLATED:
-                return cls(soundness, bounds, span, first)
-            pull = span.T @ (form @ (first - near))
-            try:
-                step = constrained_minimum(inner, pull, made._jacobian(first) @ span, -slacks)
-            except Contradiction as found:
-                raise UserError(_contradiction(soundness, found.rows.tolist())) from None
-            first = first + span @ step.place
-        raise UserError(_contradiction(soundness, np.argsort(made._slacks(first)).tolist()))
+        straight = made._straight()
+        # What the linear inequalities cannot do together is certain, so they come first.
+        for which in (straight, np.ones(len(straight), bool)):
+            for _ in range(MOST_RETURNS):
+                slacks = made._slacks(first)[which]
+                if slacks.min(initial=0.0) >= -VIOLATED:
+                    break
+                pull = span.T @ (form @ (first - near))
+                rows = made._jacobian(first)[which] @ span
+                try:
+                    step = constrained_minimum(inner, pull, rows, -slacks)
+                except Contradiction as found:
+                    named = np.flatnonzero(which)[found.rows].tolist()
+                    raise UserError(_contradiction(soundness, named)) from None
+                first = first + span @ step.place
+            else:
+                worst = np.argsort(made._slacks(first)).tolist()
+                raise UserError(_contradiction(soundness, worst[:MOST_NAMED]))
+        return cls(soundness, bounds, span, first)
 
     def step(self, variables: Array, form: Array, slope: Array) -> Array | None:
         """The step for which a quadratic function is least while the car stays allowed.
@@ -111,8 +118,7 @@ class Feasible:
             None if rounding leaves no step at all: a stiffer form will.
         """
         slacks = np.maximum(self._slacks(variables), 0.0)
-        linear, folds = len(self.soundness.matrix), len(self.soundness.names)
-        slacks[linear:folds] *= USABLE
+        slacks[~self._straight()] *= USABLE
         rows = np.zeros((len(slacks), len(slope)))
         rows[:, : self.span.shape[1]] = self._jacobian(variables) @ self.span
         try:
@@ -125,6 +131,12 @@ class Feasible:
         moved = variables + self.span @ step
         allowed = self._slacks(moved).min(initial=0.0) >= -VIOLATED
         return np.asarray(moved) if allowed else None
+
+    def _straight(self) -> NDArray[np.bool_]:
+        """Which of the inequalities are linear."""
+        linear, named = len(self.soundness.matrix), len(self.soundness.names)
+        number = np.arange(named + len(self.bounds))
+        return np.asarray((number < linear) | (number >= named))
 
     def _slacks(self, variables: Array) -> Array:
         return np.concatenate((self.soundness.slacks(variables), self.bounds @ variables))

@@ -23,6 +23,7 @@ from bozzetto.view.calibration.pose import Poses
 from bozzetto_car.deformation import Cost, Prior, robust_weights
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
 from bozzetto_car.feasible import Feasible
+from bozzetto_car.leave_one_out import LeftOut, left_out
 from bozzetto_car.marked_view import MOST_VIEWS, MarkedView, Sight
 from bozzetto_car.soundness import Soundness
 from bozzetto_car.template import Template
@@ -69,6 +70,9 @@ class Joint:
         The sketches with their cameras as solved: a start for the next solve.
     residuals : tuple of (k,) float
         What each mark is missed by, px.
+    left_out : tuple of LeftOut
+        What each mark would be missed by without a say of its own, px, and how surprising
+        that is: whether it is on the wrong side, or went astray.
     cost : float
     span : (q, f) float
         Directions in which the variables are free; all, unless dimensions are locked.
@@ -82,6 +86,7 @@ class Joint:
     variables: Array
     views: tuple[MarkedView, ...]
     residuals: tuple[Array, ...]
+    left_out: tuple[LeftOut, ...]
     cost: float
     span: Array
     information: Array
@@ -281,19 +286,40 @@ class _Problem:
 
     def joint(self, here: _Iterate, steps: int) -> Joint:
         positions = self.template.whole(here.variables)
-        views, residuals = [], []
-        for view, sight, pose in zip(self.views, self.sights, here.poses, strict=True):
+        covariance = np.asarray(np.linalg.pinv(here.form, ANCHORED, True), float)
+        views, residuals, others = [], [], []
+        for number, (view, sight, pose) in enumerate(
+            zip(self.views, self.sights, here.poses, strict=True)
+        ):
             views.append(view.turned(*sight.framing.camera(pose)))
             residuals.append(sight.pixels_missed(pose, positions))
+            others.append(self.left_out(number, pose, positions, covariance))
         return Joint(
             here.variables,
             tuple(views),
             tuple(residuals),
+            tuple(others),
             here.cost,
             self.feasible.span,
             without_cameras(here.form, self.free),
             steps,
         )
+
+    def left_out(self, number: int, pose: Poses, positions: Array, covariance: Array) -> LeftOut:
+        """What the marks of a sketch would be missed by without a say, px."""
+        sight = self.sights[number]
+        seen = sight.residuals(pose, positions)
+        assert seen is not None  # an iterate has its nodes before the eye
+        hand = self.cost.hand
+        missed = seen.missed / hand
+        weights, _ = robust_weights((missed**2).sum(axis=1), self.cost.stray)
+        car, part = slice(0, self.free), self.parts[number]
+        among = np.r_[car, part]
+        found = left_out(
+            sight.rows(seen, self.nodes) / hand, missed, weights, covariance[np.ix_(among, among)]
+        )
+        unit = hand * sight.extent * sight.framing.diagonal
+        return LeftOut(found.missed * unit, found.surprise)
 
 
 def _rest(last: Array, step: Array) -> Array:

@@ -167,7 +167,7 @@ class Sight:
         if seen.depth.min() <= NEAREST:
             return None
         unit = 1.0 / self.extent
-        by_camera = pose.slopes(seen)[0][:, :, self.free] * unit
+        by_camera = pose.slopes(seen)[0, self.free].transpose(2, 1, 0) * unit
         turn, strength = pose.turn[0], pose.perspectivity[0]
         toward = (seen.places[0] - pose.principal[0])[:, :, None] * (strength * turn[2])
         scale = np.exp(pose.log_scale[0]) / self.framing.radius / seen.depth[0] * unit

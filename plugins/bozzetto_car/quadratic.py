@@ -24,6 +24,10 @@ CONTRADICTORY: Final = 1e-9
 """Length of the dual residual, of 1, below which no vector keeps all inequalities: it is the
 share of the farthest-off inequality that is left when the others are combined against it."""
 
+NOUGHT: Final = 1e-9
+"""Length of a row, as a share of the longest, that says nothing about the vector: where some
+combinations are held, the others do not change what such a row stands for."""
+
 KEPT: Final = 1e-11
 """Shortfall of an inequality that is no violation, as a share of the largest one demanded."""
 
@@ -85,13 +89,18 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
 
     factor = np.linalg.cholesky(form)
     free = -cho_solve((factor, True), slope)
+    sizes = np.linalg.norm(rows, axis=1)
+    silent = sizes <= NOUGHT * sizes.max(initial=0.0)
+    impossible = silent & (least > KEPT * np.abs(least).max(initial=1.0))
+    if impossible.any():
+        raise Contradiction(np.flatnonzero(impossible))
+    rows, least, told = rows[~silent], least[~silent], np.flatnonzero(~silent)
     lacking = least - rows @ free
     if not len(lacking) or lacking.max() <= 0.0:
         return Constrained(free, np.empty(0, np.intp))
     # In the metric of the form: the shortest y with turned·y ≥ lacking.
     turned = solve_triangular(factor, rows.T, lower=True)
     lengths = np.linalg.norm(turned, axis=0)
-    lengths[lengths == 0.0] = 1.0
     turned /= lengths
     lacking = lacking / lengths
     worst = float(lacking.max())
@@ -101,10 +110,10 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
     weights, residual = nnls(dual, goal, maxiter=30 * dual.shape[1])
     active = np.flatnonzero(weights)
     if residual < CONTRADICTORY:
-        raise Contradiction(active)
+        raise Contradiction(told[active])
     step = np.linalg.lstsq(turned[:, active].T, lacking[active], rcond=None)[0]
     if (turned.T @ step - lacking).min() < -KEPT * worst:
         # Active inequalities that depend on each other: the residual itself is the answer.
         gap = dual @ weights - goal
         step = -gap[:-1] / gap[-1] * worst
-    return Constrained(free + solve_triangular(factor, step, lower=True, trans="T"), active)
+    return Constrained(free + solve_triangular(factor, step, lower=True, trans="T"), told[active])

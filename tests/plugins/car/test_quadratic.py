@@ -86,6 +86,16 @@ def test_contradictions_are_told_from_hard_cases(seed: int) -> None:
         assert among.status == 2  # these alone contradict each other
 
 
+def test_a_row_that_says_nothing_is_kept_or_cannot_be() -> None:
+    form, slope, rows, least = problem(3, 4, 5)
+    silent = np.vstack((rows, 1e-17 * rows[:1]))
+    found = constrained_minimum(form, slope, silent, np.append(least, -1.0))
+    assert np.array_equal(found.place, constrained_minimum(form, slope, rows, least).place)
+    with pytest.raises(Contradiction) as told:
+        constrained_minimum(form, slope, silent, np.append(least, 1.0))
+    assert told.value.rows.tolist() == [5]
+
+
 def test_a_saddle_has_no_least_value() -> None:
     with pytest.raises(np.linalg.LinAlgError):
         constrained_minimum(np.diag([1.0, -1.0]), np.zeros(2), np.eye(2), np.zeros(2))
