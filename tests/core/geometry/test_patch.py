@@ -287,6 +287,15 @@ def test_extent_of_the_flat_and_the_pointlike(net):
     np.testing.assert_allclose(found, [net.min((0, 1)), net.max((0, 1))], rtol=1e-9)
 
 
+@pytest.mark.parametrize("slope", [0.0, 1e-12, 1e-7, 1e-3])
+def test_extent_of_a_ridge_that_is_nearly_level(slope):
+    """z = 1000 (1 − (x − 0.3)²) + slope y: its height is that of the ridge's far end."""
+    net = 1000 * paraboloid(0.3)
+    net[..., 2] += 1000 * np.array([1, -1 / 3, -1 / 3, 1])  # without the part of y
+    net[..., 2] += slope * net[..., 1]
+    assert extent(net)[1, 2] == pytest.approx(1000 + 1000 * slope, abs=1e-6)
+
+
 def test_extent_of_a_body_that_touches_its_box_along_a_whole_line():
     own = coons_nets(*body()[:2])
     own[..., 2] = np.minimum(own[..., 2], 1000.0)  # many patches are flat on top
