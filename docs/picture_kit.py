@@ -24,11 +24,17 @@ def save(pixels: object, name: str, folder: Path | None = None) -> None:
     image = Image.fromarray(np.asarray(pixels)).convert("RGB")
     # The papers and panels keep their very colours; the rest, few pixels of the accent too,
     # goes to what covers it best, where the usual median cut makes the accent brown.
-    common = sorted(image.getcolors(image.width * image.height), reverse=True)[:EXACT]
-    others = image.quantize(256 - len(common), Image.Quantize.MAXCOVERAGE).getpalette()
-    palette = Image.new("P", (1, 1))
-    palette.putpalette([*(value for _, color in common for value in color), *others])
-    small = image.quantize(palette=palette, dither=Image.Dither.NONE)
+    colors, inverse, counts = np.unique(
+        np.asarray(image).reshape(-1, 3), axis=0, return_inverse=True, return_counts=True
+    )
+    common = colors[np.argsort(counts)[::-1][:EXACT]]
+    covering = image.quantize(256 - len(common), Image.Quantize.MAXCOVERAGE).getpalette()
+    palette = np.concatenate((common, np.reshape(covering, (-1, 3)))).astype(float)
+    square = (palette**2).sum(axis=1)
+    nearest = np.argmin(square - 2.0 * colors @ palette.T, axis=1)
+    indices = nearest[inverse].reshape(image.height, image.width)
+    small = Image.fromarray(indices.astype(np.uint8), "P")
+    small.putpalette(palette.astype(np.uint8).ravel().tolist())
     target = (folder or PICTURES) / name
     small.save(target, optimize=True)
     print(f"wrote {target.parent.name}/{name}")
