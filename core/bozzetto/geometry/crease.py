@@ -115,10 +115,10 @@ def locked(edges: ArrayLike, sides: ArrayLike, joints: tuple[Joint, ...]) -> Arr
     made = np.array(edges, float)
     lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2)
     for row in _rows(np.asarray(sides, np.intp), joints):
-        ratios = [sign * _ratio(lengths, joints[number]) for number, sign in row]
+        ratios = [sign * _ratio(lengths, joints[number]) for number, sign in row.items()]
         # Exact sums do not depend on their order: both sides of a car get the same.
         mean = math.fsum(ratios) / len(ratios)
-        for number, sign in dict(row).items():
+        for number, sign in row.items():
             change = 0.5 * (sign * mean - _ratio(lengths, joints[number]))
             if abs(change) > 4.0 * np.finfo(float).eps:
                 one, other = joints[number]
@@ -139,30 +139,23 @@ def _stretch(edges: Array, end: int, share: float) -> None:
     edges[edge, inner] = edges[edge, node] + share * (edges[edge, inner] - edges[edge, node])
 
 
-Row = list[tuple[int, float]]
-
-
-def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[Row]:
-    """Joints that need one ratio, each with the sense in which it counts.
-
-    One that is met in both senses, on a surface with one side, stands there twice, so that the
-    mean is a ratio of 1: no other suits it.
-    """
+def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]:
+    """Joints that need one ratio, each with the sense in which it counts."""
     links = _links(sides, joints)
     seen: set[int] = set()
     for first in range(len(joints)):
         if first in seen:
             continue
-        senses = {(first, 1.0)}
-        open_ = [(first, 1.0)]
+        senses = {first: 1.0}
+        open_ = [first]
         while open_:
-            number, sign = open_.pop()
+            number = open_.pop()
             for other, turn in links.get(number, ()):
-                if (other, sign * turn) not in senses:
-                    senses.add((other, sign * turn))
-                    open_.append((other, sign * turn))
-        seen.update(number for number, _ in senses)
-        yield sorted(senses)
+                if other not in senses:
+                    senses[other] = senses[number] * turn
+                    open_.append(other)
+        seen.update(senses)
+        yield senses
 
 
 def _links(sides: Index, joints: tuple[Joint, ...]) -> dict[int, list[tuple[int, float]]]:
