@@ -111,8 +111,11 @@ def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
 
 def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     session = window.session
-    first = session.hint
+    first, camera = session.hint, session.camera
+    window.canvas.motion.reduced = False
     draw(window, RAIL)
+    assert not window.canvas.motion.is_running, "the other side is aimed at a sheet that stands"
+    assert session.camera == camera
     assert "draw its mirror image" in session.hint
     # It grows while the second side is drawn.
     stylus, _ = draw(window, (RAIL * MIRROR)[:110], lift=False)

@@ -24,7 +24,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
+from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
@@ -246,9 +246,16 @@ class Canvas(QWidget):
 
     def _settled(self, model_id: str) -> None:
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
-        if self._tilts and not self._tilted and idle:
+        if self._tilts and not self._tilted and idle and not self._is_of_lines(model_id):
             self._tilted = True
             self.motion.tilt()
+
+    def _is_of_lines(self, model_id: str) -> bool:
+        """Whether a model has no surface: the next line is aimed at where the last one is seen."""
+        layers = [layer for layer in self._session.scene.layers if layer.owner == model_id]
+        items = [item for layer in layers for item in layer.items]
+        surfaces = (item for item in items if isinstance(item, Shaded) and item.pickable)
+        return bool(items) and not any(surfaces)
 
     # -- the menu -----------------------------------------------------------------------------
 
