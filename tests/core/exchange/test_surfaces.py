@@ -15,6 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from bozzetto.cli_output import hand_over
 from bozzetto.errors import UserError
 from bozzetto.exchange import surface_pieces
 from bozzetto.exchange.export import encoded, export
@@ -349,6 +350,18 @@ def test_mesh_formats_hold_triangles_that_close_along_every_edge(tmp_path, endin
     if ending == "glb":
         assert part.name == "Car"
         assert part.color == CAR.color
+
+
+def test_the_command_line_hands_a_skin_over(tmp_path):
+    class Document(list):
+        camera = None
+
+    document = Document([SimpleNamespace(name="Car")])
+    bench = SimpleNamespace(shapes=lambda models, job: SHAPES if len(models) else Shapes())
+    hand_over(bench, document, tmp_path / "out" / "car.STP")
+    assert (tmp_path / "out" / "car.STP").read_bytes() == step(SHAPES)
+    with pytest.raises(UserError, match=r"“\.3ds” does not do here.*\.step"):
+        hand_over(bench, document, tmp_path / "car.3ds")
 
 
 def test_3mf_takes_them_too():
