@@ -15,6 +15,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.bands import heat_bands
 from bozzetto_symmetry.box import box_layers
 from bozzetto_symmetry.lines import line_layer
+from bozzetto_symmetry.loose_ends import loose_ends
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import Curve, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR, Stereo
@@ -38,12 +39,15 @@ evenly in space: what is nearly straight there may be bent from elsewhere."""
 FEWEST, MOST = 32, 800
 """Places of a curve."""
 
+LOOSE_WIDTH: Final = 1.2
+"""Of ink that found no partner: thin, it is no curve."""
+
 FAN: Final = 24
 """Rays that are shown of a side that waits for the other."""
 
 
 def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
-    """Box, curves, uncertainty of the chosen curve, and the rays of sides that wait."""
+    """Box, curves, the chosen one's uncertainty and loose ends, and rays of sides that wait."""
     layers = [*box_layers(state)]
     shown = [(curve, traces[curve.id]) for curve in shown_curves(state) if curve.id in traces]
     layers.append(Layer("curves", tuple(_items(state, shown))))
@@ -54,6 +58,9 @@ def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
             if trace.ghost is not None:
                 items = curve_lines(trace.ghost, state, camera_of(trace), "ghost", 1.0, 0.7)
                 layers.append(Layer("ghost", items))
+            if not curve.edits and (loose := loose_ends(trace)):
+                pieces = [state.plane.placement.points(end) for end in loose]
+                layers.append(Layer("loose ends", (joined(pieces, "warning", LOOSE_WIDTH),)))
     waiting = [(c, t) for c, t in shown if t.reading == "half"]
     fans = [
         item
@@ -138,10 +145,10 @@ def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
 def joined(
     pieces: Sequence[Array] | Array, color: Paint, width: float, opacity: float = 1.0
 ) -> Lines:
-    """Polylines as one item."""
+    """Polylines as one item, seen through everything."""
     starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
     points = np.concatenate(list(pieces)).astype(np.float32)
-    return Lines(points, starts, color=color, width=width, opacity=opacity)
+    return Lines(points, starts, color=color, width=width, opacity=opacity, hidden="show")
 
 
 def _in_box(stereo: Stereo, pixels: Array, bounds: Array) -> tuple[Array, Array]:

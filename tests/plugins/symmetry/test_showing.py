@@ -11,7 +11,7 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
 from bozzetto.scene import Lines, Scene
 from bozzetto_symmetry.modeler import Symmetry
-from bozzetto_symmetry.state import Curve, SymmetryState
+from bozzetto_symmetry.state import Curve, SymmetryState, Trim
 from bozzetto_symmetry.stereo import MIRROR
 from tests.plugins.symmetry import scenes as s
 
@@ -87,6 +87,27 @@ def test_a_side_that_waits_shows_the_rays_on_which_it_must_lie(state) -> None:
         assert off.max() < 1.5, "every ray is a point where it was drawn"
     ends = rays.points.reshape(-1, 2, 3)
     assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min() > 20.0
+
+
+def test_ink_without_a_partner_is_shown_where_it_was_drawn() -> None:
+    short = (RAIL * MIRROR)[:180]
+    made = SymmetryState().with_node(curve("rail", RAIL, short, reading="pair"))
+    (loose,) = lines(shown(made), "loose ends")
+    assert loose.color == "warning"
+    ink = VIEW.project(RAIL)[0]
+    seen = VIEW.project(loose.points.astype(float))[0]
+    assert np.linalg.norm(seen[:, None] - ink, axis=2).min(axis=1).max() < 1.5
+    assert np.linalg.norm(seen[:, None] - ink[-1], axis=2).min() < 1.5, "up to the ink's end"
+    length = np.linalg.norm(np.diff(seen, axis=0), axis=1).sum()
+    whole = np.linalg.norm(np.diff(ink[180:], axis=0), axis=1).sum()
+    assert length == pytest.approx(whole, rel=0.25)
+    (bare,) = made.curves
+    trimmed = made.with_node(replace(bare, edits=(Trim(0.0, 0.5),)))
+    assert not lines(shown(trimmed), "loose ends"), "what was cut off is not loose"
+
+
+def test_a_curve_that_matches_has_no_loose_ends(state) -> None:
+    assert not lines(shown(state), "loose ends")
 
 
 def test_hidden_curves_are_not_shown(state) -> None:
