@@ -152,9 +152,10 @@ class ViewLight(QWidget):
         most = max(0, min(WIDEST, free.width() - MARGIN - BESIDE - around))
         metrics = QFontMetrics(self.font())
         said = " ".join(self.advice.message.split())
-        if metrics.horizontalAdvance(said) > most:
+        right = Qt.TextElideMode.ElideRight
+        if metrics.elidedText(said, right, most) != said:
             said = said.partition(". ")[0]
-        self.words = metrics.elidedText(said, Qt.TextElideMode.ElideRight, most)
+        self.words = metrics.elidedText(said, right, most)
         width = around + metrics.horizontalAdvance(self.words)
         centred = free.left() + (free.width() - width) // 2
         left = max(free.left() + MARGIN, min(centred, free.right() + 1 - BESIDE - width))

@@ -36,6 +36,13 @@ def test_it_lies_at_the_top_centre_and_keeps_off_the_cube(canvas, session):
     assert canvas.light.words.endswith("…")
 
 
+@pytest.mark.parametrize("extra", range(1, 120, 3))
+def test_the_first_sentence_stands_alone_where_there_is_no_room_for_more(canvas, session, extra):
+    message = f"Lines run towards each other. Turn {'i' * extra} down: 2.7 times more exact."
+    session.advising.say(ViewAdvice("warn", message, TURNED))
+    assert canvas.light.words in (message, "Lines run towards each other")
+
+
 def test_it_makes_way_for_what_covers_the_left(canvas, session):
     session.advising.say(ViewAdvice("good", "Fine"))
     before = canvas.light.geometry().center().x()
