@@ -48,6 +48,8 @@ NEWEST: Final = 8
 """Curves that a view is judged by, the last ones: what is drawn next goes with these, and a
 drawing of many curves that was just opened is not solved for the sake of advice."""
 
+WAITING: Final = "One side waits for the other. Draw its mirror image in the same view."
+
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is told; where there is no other reading it is this."""
 
@@ -180,7 +182,8 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
     main = _main(readings)
     first = _chosen(readings[main], curve.other)
     if first.reading == "half":
-        return Trace("half", cost=first.cost, views=views, warnings=first.warnings)
+        told = first.warnings or (WAITING,)
+        return Trace("half", cost=first.cost, views=views, warnings=told)
     alike = {main: first}
     for number, found in enumerate(readings):
         same = [r for r in found if r.reading == first.reading and r.closed == first.closed]
