@@ -38,7 +38,7 @@ WORTH: Final = 20.0
 """How many independent places a stroke along an edge is worth, each known to a pixel. A hand
 errs in long waves, so that more samples tell no more."""
 
-LEEWAY: Final = 0.5
+LEEWAY: Final = 0.1
 """How far a control point may go from its place, per chord of the edge, before that weighs as
 much as a pixel. It matters where the stroke leaves a direction open only: elsewhere it shifts an
 edge by less than a hundredth of a pixel."""

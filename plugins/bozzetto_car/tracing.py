@@ -75,14 +75,19 @@ def traced(
     Raises
     ------
     UserError
-        If the stroke runs along no edge, or along one that is seen end-on.
+        If the stroke runs along no edge, or along nothing but edges that are seen end-on.
     """
     run = run_along(network, stroke, camera)
-    for edge in run.edges:
-        _check_seen(network, max(edge, ~edge), camera)
+    shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
+    if not shown:
+        names = ", ".join(network.template.edge_names[max(edge, ~edge)] for edge in run.edges)
+        raise UserError(
+            f"The stroke runs along {names}, seen end-on from here: it cannot tell the shape. "
+            "Turn the view and trace it again."
+        )
     if nodes_follow:
         network = _with_nodes_on_stroke(network, run, camera)
-    edges = {_own(network, edge) for edge in run.edges}
+    edges = {_own(network, edge) for edge in shown}
     free = {edge: _free_directions(network, edge) for edge in edges}
     bent = smoothed(_bent(network, run, camera, free), leading=edges, nodes=run.nodes)
     # Where two traced edges meet smoothly both have given way. Their common direction is kept
@@ -100,14 +105,12 @@ def _own(network: Network, signed: int) -> int:
     return min(edge, max(image, ~image))
 
 
-def _check_seen(network: Network, edge: int, camera: Camera) -> None:
+def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
+    """Whether an edge is not so foreshortened that its picture tells nothing of it."""
     curve = bernstein(np.linspace(0.0, 1.0, PLACES + 1)) @ network.control_points[edge]
     scale = float(np.linalg.norm(seen_slopes(camera, curve[[PLACES // 2]])[0], ord=2))
-    if arc_length(seen(camera, curve))[-1] < UNSEEN * scale * arc_length(curve)[-1]:
-        raise UserError(
-            f"The edge {network.template.edge_names[edge]} is seen end-on from here, and a stroke "
-            "cannot tell its shape. Turn the view and trace it again."
-        )
+    length = float(arc_length(seen(camera, curve))[-1])
+    return length >= UNSEEN * scale * float(arc_length(curve)[-1])
 
 
 def _with_nodes_on_stroke(network: Network, run: Run, camera: Camera) -> Network:
