@@ -100,6 +100,19 @@ def test_hands_are_not_accused(noise):
             assert resect(POINTS[at], marks, PICTURE).disagreeing == ()
 
 
+def test_a_wrong_mark_is_named_also_where_the_car_is_not_the_template():
+    rng = np.random.default_rng(10)
+    for _ in range(8):
+        real = POINTS * rng.normal(1, 0.03, 3) + rng.normal(0, 40, POINTS.shape)
+        taken = shot(rng, points=real)
+        at = taken.marked
+        marks = taken.places[at] + rng.normal(0, 3, (27, 2))
+        assert resect(POINTS[at], marks, PICTURE).disagreeing == ()
+        wrong = int(rng.integers(27))
+        marks[wrong] += thrown(rng, 120.0)
+        assert resect(POINTS[at], marks, PICTURE).disagreeing == (wrong,)
+
+
 def test_two_wrong_marks_are_both_named():
     rng = np.random.default_rng(6)
     for _ in range(8):

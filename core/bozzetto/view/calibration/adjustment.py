@@ -21,9 +21,10 @@ __all__ = [
     "STRAY",
     "Adjusted",
     "adjusted",
+    "covariance",
     "freedom",
-    "information",
     "robust_weights",
+    "variance",
 ]
 
 Array = NDArray[np.float64]
@@ -50,6 +51,15 @@ LEAST_DAMPING: Final = 1e-9
 
 MOST_DAMPING: Final = 1e8
 """Damping at which no step downhill is left that a number could hold."""
+
+
+VAGUE: Final = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.2, 0.2])
+"""Standard deviations of the parameters of a camera of which nothing is known, in their own
+units, so that a covariance exists whatever the marks are."""
+
+OTHERWISE: Final = 4
+"""How many further readings of the noise `HAND` what is known of hands is worth. So few marks
+that fit by chance do not pass for marks without noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +103,34 @@ def robust_weights(residuals: Array) -> Array:
     return np.asarray(1.0 / np.sqrt(1.0 + squares / STRAY**2))
 
 
-def information(poses: Poses, points: Array, residuals: Array, counted: Array) -> Array:
-    """Normal matrices (b, 9, 9) of the marks as they weigh, without their noise."""
-    slopes = poses.slopes(poses.see(points))
-    weights = (counted * robust_weights(residuals))[:, None]
-    rows = slopes.reshape(len(poses), PARAMETERS, -1)
-    return np.asarray(rows @ np.swapaxes(rows * np.tile(weights, 2), 1, 2))
+def variance(cost: float, count: int, unknowns: int) -> float:
+    """Variance of a coordinate of a mark, squared diagonals, from the cost of a fit."""
+    freely = max(0, 2 * count - unknowns)
+    return (OTHERWISE * HAND**2 + cost) / (OTHERWISE + freely)
+
+
+def covariance(
+    fit: Adjusted, points: Array, counted: Array, noise: float, *, cropped: bool
+) -> Array:
+    """Covariance (9, 9) of the parameters of a fit of one row; nought where they are not free.
+
+    Parameters
+    ----------
+    fit : Adjusted
+    points : (n, 3) float
+    counted : (n,) float
+        1 for marks that count.
+    noise : float
+        Variance of a coordinate of a mark, squared diagonals.
+    cropped : bool
+    """
+    slopes = fit.poses.slopes(fit.poses.see(points))[0].reshape(PARAMETERS, -1)
+    weights = np.tile(counted * robust_weights(fit.residuals[0]), 2)
+    free = np.flatnonzero(freedom(fit.poses, cropped)[0])
+    normal = (slopes * weights) @ slopes.T / noise + np.diag(1.0 / VAGUE**2)
+    made = np.zeros((PARAMETERS, PARAMETERS))
+    made[np.ix_(free, free)] = np.linalg.inv(normal[np.ix_(free, free)])
+    return made
 
 
 def adjusted(

@@ -21,13 +21,14 @@ from bozzetto.view.calibration.adjustment import (
     STRAY,
     Adjusted,
     adjusted,
+    covariance,
     freedom,
-    information,
+    variance,
 )
 from bozzetto.view.calibration.checking import framed
 from bozzetto.view.calibration.framing import Framing
-from bozzetto.view.calibration.pose import PARAMETERS, Poses
-from bozzetto.view.calibration.scrutiny import Scrutiny, scrutinised, variance
+from bozzetto.view.calibration.pose import Poses
+from bozzetto.view.calibration.scrutiny import Scrutiny, scrutinised
 from bozzetto.view.calibration.starts import resumed, starts
 from bozzetto.view.camera import Camera
 
@@ -63,10 +64,6 @@ mark must be off at least to be set aside, so that none is lost for good."""
 EXACT: Final = 1e-4
 """Standard deviation, diagonals, below which marks count as exact when kinds are compared:
 what is less than a seventh of a pixel of 1200 proves no perspective."""
-
-VAGUE: Final = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.2, 0.2])
-"""Standard deviations of the parameters of a camera of which nothing is known, in their own
-units, so that a covariance exists whatever the marks are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,12 +260,8 @@ def _described(
     """What was found, in pixels."""
     fit, counted = found.fit, found.counted
     pose, count = fit.poses, int(counted.sum())
-    free = freedom(pose, cropped)[0]
-    spread = variance(float(fit.costs[0]), count, int(free.sum()))
-    normal = information(pose, points, fit.residuals, counted[None])[0] / spread
-    normal = normal + np.diag(1.0 / VAGUE**2)
-    covariance = np.zeros((PARAMETERS, PARAMETERS))
-    covariance[np.ix_(free, free)] = np.linalg.inv(normal[np.ix_(free, free)])
+    unknowns = int(freedom(pose, cropped).sum())
+    noise = variance(float(fit.costs[0]), count, unknowns)
     camera, shift = framing.camera(pose)
     size = framing.diagonal
     before_eye = pose.before_eye(points)[0]
@@ -278,9 +271,9 @@ def _described(
         np.where(before_eye[:, None], size * fit.residuals[0], np.nan),
         size * found.leave_one_out,
         found.aside,
-        size * float(np.sqrt(spread)),
+        size * float(np.sqrt(noise)),
         scores,
         framing,
         pose,
-        covariance,
+        covariance(fit, points, counted, noise, cropped=cropped),
     )

@@ -14,19 +14,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.view.calibration.adjustment import HAND, Adjusted, adjusted, freedom
+from bozzetto.view.calibration.adjustment import (
+    HAND,
+    Adjusted,
+    adjusted,
+    covariance,
+    freedom,
+    variance,
+)
 
-__all__ = ["Scrutiny", "scrutinised", "variance"]
+__all__ = ["Scrutiny", "scrutinised"]
 
 Array = NDArray[np.float64]
 
-OTHERWISE: Final = 4
-"""How many further readings of the noise `HAND` what is known of hands is worth. So few marks
-that fit by chance do not pass for marks without noise."""
-
-ALARM: Final = 30.0
-"""Gain of the others without a mark, in variances, from which the mark is set aside. Marks
-that are but noisy gain less in 99 of 100 sketches."""
+ALARM: Final = 50.0
+"""Squared leave-one-out residual, in its own variances, from which a mark is set aside: seven
+standard deviations. Three would do for hands; but where the points themselves are not quite
+those of the picture, the robust variance is too small by half and more."""
 
 FAR: Final = 5.0
 """Least leave-one-out residual, in standard deviations `HAND`, of a mark that is set aside:
@@ -67,12 +71,6 @@ class Scrutiny:
     leave_one_out: Array
 
 
-def variance(cost: float, count: int, unknowns: int) -> float:
-    """Variance of a coordinate of a mark, squared diagonals, from the cost of a fit."""
-    freely = max(0, 2 * count - unknowns)
-    return (OTHERWISE * HAND**2 + cost) / (OTHERWISE + freely)
-
-
 def scrutinised(
     points: Array, marks: Array, fit: Adjusted, aside: tuple[int, ...] = (), *, cropped: bool
 ) -> Scrutiny:
@@ -98,11 +96,17 @@ def scrutinised(
         left = others.residuals[each, each]
         left[~others.poses.before_eye(points)[each, each]] = np.inf
         worst = int(np.argmin(np.where(counted > 0.0, others.costs, np.inf)))
-        rest = float(others.costs[worst])
         kept = int(counted.sum()) - 1
-        gain = (float(fit.costs[0]) - rest) / variance(rest, kept, unknowns)
-        off = float(np.linalg.norm(left[worst]))
-        if kept < REMAINING or gain < ALARM or off < FAR * HAND:
+        rest = others[[worst]]
+        noise = variance(float(rest.costs[0]), kept, unknowns)
+        sure = covariance(rest, points, weights[worst], noise, cropped=cropped)
+        slopes = rest.poses.slopes(rest.poses.see(points[[worst]]))[0, :, :, 0]
+        expected = slopes.T @ sure @ slopes + noise * np.eye(2)
+        off = left[worst]
+        wrong = np.linalg.norm(off) > FAR * HAND and (
+            not np.isfinite(off).all() or off @ np.linalg.solve(expected, off) > ALARM
+        )
+        if kept < REMAINING or not wrong:
             return Scrutiny(fit, counted, aside, left)
         counted = weights[worst]
         aside = (*aside, worst)
