@@ -117,6 +117,35 @@ def test_resuming_gives_what_searching_gives():
         assert resumed.camera.kind == before.camera.kind
 
 
+def test_a_cropped_picture_is_resumed_and_may_be_called_whole_again():
+    rng = np.random.default_rng(14)
+    taken = shot(rng)
+    marks = taken.places[taken.marked] + (150, -90) + rng.normal(0, 2, (27, 2))
+    before = resect(POINTS[taken.marked], marks, PICTURE, cropped=True)
+    marks[0] += 4.0
+    for cropped in (True, False):
+        resumed = resect(POINTS[taken.marked], marks, PICTURE, cropped=cropped, before=before)
+        searched = resect(POINTS[taken.marked], marks, PICTURE, cropped=cropped, kind="perspective")
+        np.testing.assert_allclose(resumed.shift, searched.shift, atol=0.1)
+        np.testing.assert_allclose(resumed.project(POINTS), searched.project(POINTS), atol=0.05)
+    assert resumed.shift == (0.0, 0.0)
+
+
+def test_marks_that_were_taken_away_do_not_matter_to_what_was_set_aside():
+    rng = np.random.default_rng(15)
+    taken = shot(rng, count=8)
+    marks = taken.places[taken.marked].copy()
+    marks[7] += 150.0
+    before = resect(POINTS[taken.marked], marks, PICTURE)
+    assert before.disagreeing == (7,)
+    fewer = resect(POINTS[taken.marked[:7]], marks[:7], PICTURE, before=before)
+    assert fewer.disagreeing == ()
+    assert rms(fewer.project(POINTS) - taken.places) < 1e-4
+    moved = np.roll(np.arange(8), 1)
+    other = resect(POINTS[taken.marked[moved]], marks[moved], PICTURE, before=before)
+    assert other.disagreeing == (0,)
+
+
 def test_resuming_from_a_camera_of_other_marks_searches():
     rng = np.random.default_rng(12)
     for _ in range(10):

@@ -28,7 +28,7 @@ from bozzetto.view.calibration.adjustment import (
 from bozzetto.view.calibration.checking import framed
 from bozzetto.view.calibration.framing import Framing
 from bozzetto.view.calibration.pose import Poses
-from bozzetto.view.calibration.scrutiny import Scrutiny, scrutinised
+from bozzetto.view.calibration.scrutiny import REMAINING, Scrutiny, scrutinised
 from bozzetto.view.calibration.starts import resumed, starts
 from bozzetto.view.camera import Camera
 
@@ -223,13 +223,13 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
     Marks that were set aside stay so while they are still off: then nothing has to be found
     out again.
     """
-    for aside in (before.disagreeing, ()):
-        if max(aside, default=0) >= len(points):
+    for aside in dict.fromkeys((before.disagreeing, ())):
+        if max(aside, default=0) >= len(points) or len(points) - len(aside) < REMAINING:
             continue
         counted = np.ones((1, len(points)))
         counted[0, list(aside)] = 0.0
         good = counted[0] > 0.0
-        begun = resumed(points[good], marks[good], before.pose)
+        begun = resumed(points[good], marks[good], before.pose, cropped)
         fit = adjusted(points, marks, begun, counted, cropped=cropped, steps=STEPS)
         off = np.linalg.norm(fit.residuals[0], axis=1)
         if np.isfinite(fit.costs[0]) and np.median(off) < LOST and (off[list(aside)] > BACK).all():

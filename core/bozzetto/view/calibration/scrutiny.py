@@ -23,7 +23,7 @@ from bozzetto.view.calibration.adjustment import (
     variance,
 )
 
-__all__ = ["Scrutiny", "scrutinised"]
+__all__ = ["REMAINING", "Scrutiny", "scrutinised"]
 
 Array = NDArray[np.float64]
 

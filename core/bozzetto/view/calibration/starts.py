@@ -7,6 +7,7 @@ all of them together take less time than one adjustment.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -46,9 +47,11 @@ def starts(points: Array, marks: Array) -> Poses:
     return _fitted(points, marks, np.tile(turns, (1 + len(STRENGTHS), 1, 1)), strengths)
 
 
-def resumed(points: Array, marks: Array, before: Poses) -> Poses:
+def resumed(points: Array, marks: Array, before: Poses, cropped: bool) -> Poses:
     """A pose of the same kind as one found before, next to it, for the marks of now."""
-    return _fitted(points, marks, before.turn, before.perspectivity)
+    principal = before.principal * cropped
+    made = _fitted(points, marks - principal, before.turn, before.perspectivity)
+    return replace(made, principal=principal)
 
 
 def _around() -> Array:
