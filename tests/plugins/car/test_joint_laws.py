@@ -9,7 +9,7 @@ from bozzetto.view import Camera
 from bozzetto_car.deformation import Cost
 from bozzetto_car.joint import solve
 from bozzetto_car.marked_view import MarkedView
-from bozzetto_car.soundness import Soundness
+from bozzetto_car.soundness import Soundness, soundness_names
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import TEMPLATES, bundled
 from tests.plugins.car.sketched import (
@@ -154,6 +154,24 @@ def test_left_out_is_what_a_solve_without_the_mark_says() -> None:
         expected.append(np.linalg.norm(place - view.marks[number]))
         found.append(joint.left_out[0].missed[number])
     assert np.abs(np.subtract(found, expected)).max() < 0.5 + 0.1 * max(expected)
+
+
+def test_with_everything_switched_off_the_marks_have_their_way(template: Template) -> None:
+    """Marks that turn the roof's order round: sound as far as it goes, or traced."""
+    sketch = sketched(template, styled(template, 1), (FRONT_QUARTER,), 1)
+    (view,) = sketch.views
+    here = {int(node): row for row, node in enumerate(view.nodes)}
+    first, second = here[template.node["C2"]], here[template.node["C3"]]
+    marks = view.marks.copy()
+    marks[[first, second]] = marks[[second, first]]
+    given = [MarkedView(view.camera, view.nodes, marks)]
+    sound, nothing = Soundness.of(template), Soundness.of(template, soundness_names(template))
+    assert nothing.names == ()
+    exact = Cost.balanced(1.0)
+    kept, free = (solve(template, given, exact, rules) for rules in (sound, nothing))
+    assert sound.slacks(kept.variables).min() >= -1e-9
+    assert sound.slacks(free.variables).min() < -10.0
+    assert free.cost < kept.cost
 
 
 def test_the_papers_way_holds_the_camera_and_moves_less() -> None:
