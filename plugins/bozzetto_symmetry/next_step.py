@@ -23,7 +23,6 @@ TAKEN: Final = {
 }
 """What a curve was taken for."""
 
-ONE_SIDE: Final = "One side. Now draw its mirror image, in the same view."
 APART: Final = "X takes them for something else; rub out the one that is wrong."
 OR_MIRROR: Final = "If it is only one side, draw its mirror image; X takes it for something else."
 OTHERWISE: Final = "X takes it for something else. Draw over it to correct it, or the next curve."
@@ -49,9 +48,9 @@ def next_step(state: SymmetryState) -> str:
 
 
 def _expected(curve: Curve, trace: Trace) -> Iterator[str]:
-    if trace.reading == "half":
-        alone = all(len(view.sides) == 1 for view in trace.views)
-        yield ONE_SIDE if alone else APART
+    if trace.reading == "half":  # its warnings say what it waits for
+        if any(len(view.sides) > 1 for view in trace.views):
+            yield APART
         return
     yield TAKEN[trace.reading]
     if waits(curve, trace):

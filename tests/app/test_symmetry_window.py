@@ -116,7 +116,7 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     draw(window, RAIL)
     assert not window.canvas.motion.is_running, "the other side is aimed at a sheet that stands"
     assert session.camera == camera
-    assert "draw its mirror image" in session.hint
+    assert "draw its mirror image" in session.hint.lower()
     # It grows while the second side is drawn.
     stylus, _ = draw(window, (RAIL * MIRROR)[:110], lift=False)
     qtbot.waitUntil(lambda: len(shown(window, "heat")) == 2, timeout=5000)
@@ -139,7 +139,7 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     assert session.hint.startswith("Left and right belong together.")
     # Taken back, each in its turn, and what is expected with it.
     press(window, Qt.Key.Key_Z, settle, CTRL)
-    assert "draw its mirror image" in session.hint
+    assert "draw its mirror image" in session.hint.lower()
     press(window, Qt.Key.Key_Z, settle, CTRL)
     assert session.hint == first
     session.activate_tool("split")
