@@ -53,7 +53,7 @@ STEPS: Final = 40
 HALVINGS: Final = 8
 """Most halvings of a step that does not help."""
 
-SETTLED: Final = 1e-9
+SETTLED: Final = 1e-6
 """Longest step of a control point, per chord of the edge, at which the iteration ends."""
 
 FOOT_PLACES: Final = 48
@@ -185,29 +185,24 @@ def fitted(
     moves = _moves(old, data, directions)
     if not moves.shape[2] or not chord > 0.0:
         return old.copy()
-    ease = 1.0 / (LEEWAY * chord) ** 2
-    best = np.zeros(moves.shape[2])
-    price = _price(old, data) + ease * float(best @ best)
+    problem = _Problem(old, data, moves, 1.0 / (LEEWAY * chord) ** 2)
+    best = problem.at(np.zeros(moves.shape[2]))
     if start is not None:
         offset = (np.asarray(start, float) - old)[1:3]
-        tried = np.einsum("ikq,ik->q", moves, offset)
-        other = _price(_moved(old, moves, tried), data) + ease * float(tried @ tried)
-        if other < price:
-            best, price = tried, other
+        best = min(best, problem.at(np.einsum("ikq,ik->q", moves, offset)), key=_price)
     for _ in range(STEPS):
-        step = _step(_moved(old, moves, best), data, moves, best, ease)
+        step = problem.step(best)
         for _ in range(HALVINGS):
-            tried = best + step
-            other = _price(_moved(old, moves, tried), data) + ease * float(tried @ tried)
-            if other < price:
+            tried = problem.at(best.by + step)
+            if tried.price < best.price:
                 break
             step = 0.5 * step
         else:
             break
-        best, price = tried, other
+        best = tried
         if np.abs(step).max() < SETTLED * chord:
             break
-    return _moved(old, moves, best)
+    return best.curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -276,30 +271,51 @@ def _moves(old: Array, data: Sequence[_Samples], directions: tuple[Array, Array]
     return np.concatenate(found, axis=2) if found else np.zeros((2, 3, 0))
 
 
-def _moved(old: Array, moves: Array, by: Array) -> Array:
-    made = old.copy()
-    made[1:3] += moves @ by
-    return made
+@dataclass(frozen=True, eq=False)
+class _Try:
+    """Handles moved by so much, and what that costs."""
+
+    by: Array
+    curve: Array
+    feet: list[tuple[Array, Array]]
+    price: float
 
 
-def _price(curve: Array, data: Sequence[_Samples]) -> float:
-    """Weighted squares of the distances of all samples from an edge."""
-    return float(sum(own.weights @ (own.feet(curve)[1] ** 2).sum(axis=1) for own in data))
+def _price(tried: _Try) -> float:
+    return tried.price
 
 
-def _step(curve: Array, data: Sequence[_Samples], moves: Array, at: Array, ease: float) -> Array:
-    """The Gauss–Newton step on the distances across the edge, in the seen moves."""
-    form, slope = ease * np.eye(len(at)), ease * at
-    for own in data:
-        camera, flip = own.sighting.camera, own.sighting.flip
-        feet, way = own.feet(curve)
-        places = (bernstein(feet) @ curve) * flip
-        slopes = seen_slopes(camera, places) * flip
-        along = np.einsum("nij,nj->ni", slopes, bernstein(feet, 1) @ curve)
-        normal = np.stack((-along[:, 1], along[:, 0]), axis=1)
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
-        across = np.einsum("ni,nij->nj", normal, slopes)
-        rows = np.einsum("nj,nk,kjq->nq", across, bernstein(feet)[:, 1:3], moves)
-        form += rows.T @ (own.weights[:, None] * rows)
-        slope += rows.T @ (own.weights * (normal * way).sum(axis=1))
-    return np.asarray(-np.linalg.solve(form, slope))
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Distances of all samples from an edge, weighed with how far its handles have moved."""
+
+    old: Array
+    data: Sequence[_Samples]
+    moves: Array
+    ease: float
+
+    def at(self, by: Array) -> _Try:
+        curve = self.old.copy()
+        curve[1:3] += self.moves @ by
+        feet = [own.feet(curve) for own in self.data]
+        far = sum(
+            float(own.weights @ (way**2).sum(axis=1))
+            for own, (_, way) in zip(self.data, feet, strict=True)
+        )
+        return _Try(by, curve, feet, far + self.ease * float(by @ by))
+
+    def step(self, now: _Try) -> Array:
+        """The Gauss–Newton step on the distances across the edge."""
+        form, slope = self.ease * np.eye(len(now.by)), self.ease * now.by
+        for own, (feet, way) in zip(self.data, now.feet, strict=True):
+            camera, flip = own.sighting.camera, own.sighting.flip
+            slopes = seen_slopes(camera, (bernstein(feet) @ now.curve) * flip) * flip
+            along = np.einsum("nij,nj->ni", slopes, bernstein(feet, 1) @ now.curve)
+            normal = np.stack((-along[:, 1], along[:, 0]), axis=1)
+            length = np.linalg.norm(normal, axis=1, keepdims=True)
+            normal /= np.maximum(length, np.finfo(float).tiny)
+            across = np.einsum("ni,nij->nj", normal, slopes)
+            rows = np.einsum("nj,nk,kjq->nq", across, bernstein(feet)[:, 1:3], self.moves)
+            form += rows.T @ (own.weights[:, None] * rows)
+            slope = slope + rows.T @ (own.weights * (normal * way).sum(axis=1))
+        return np.asarray(-np.linalg.solve(form, slope))

@@ -95,6 +95,7 @@ def traced(
     held = _held_directions(bent, edges)
     if held:
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in edges})
+        bent = smoothed(bent, leading=edges, nodes=run.nodes)  # rounding, no more
     return Traced(bent, run, _deviations(bent, run, camera))
 
 

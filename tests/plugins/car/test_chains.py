@@ -173,7 +173,7 @@ def test_annealing_gives_the_natural_spline() -> None:
 
 
 def test_no_other_tangents_bend_less() -> None:
-    """By the integral of squared second derivatives, over random changes that keep the joints C1."""
+    """By the integral of squared second derivatives, over random velocities at the nodes."""
     sedan = bundled("sedan")
     made = annealed(disturbed(sedan, 200.0))
     chain = next(chain for chain in sedan.chains if chain.name == "sill.R")
