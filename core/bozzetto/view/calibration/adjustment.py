@@ -40,7 +40,7 @@ a noisy one: beyond, it pulls with a constant force."""
 
 CROPPED: Final = 0.2
 """Standard deviation of the principal point of a cropped picture from its middle, in
-diagonals: a third of the width of a sketch of 3 : 2 or so lies well within."""
+diagonals: a quarter of the width of a sketch of 3 : 2."""
 
 SETTLED: Final = 1e-6
 """Longest step, radians and diagonals, at which a pose has arrived, by default. Steps shrink
@@ -51,7 +51,6 @@ LEAST_DAMPING: Final = 1e-9
 
 MOST_DAMPING: Final = 1e8
 """Damping at which no step downhill is left that a number could hold."""
-
 
 VAGUE: Final = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.2, 0.2])
 """Standard deviations of the parameters of a camera of which nothing is known, in their own
