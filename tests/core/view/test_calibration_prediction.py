@@ -150,3 +150,17 @@ def test_the_point_that_spreads_most():
     assert spread_most(plane, []) is None
     assert spread_most([], [(1, 2, 3)]) == 0
     assert spread_most([(1, 2, 3)], [(1, 2, 3), (4, 5, 6)]) == 1
+
+
+def test_points_without_sense_have_no_place_and_are_not_asked_for():
+    taken, marks = marked(np.random.default_rng(9))
+    found = resect(POINTS[taken.marked], marks, PICTURE)
+    odd = [(np.nan, 0, 0), (np.inf, 0, 0), (1e300, -1e300, 1e300), POINTS[3]]
+    expected = predicted(found, odd)
+    assert np.isnan(expected.pixels[:3]).all()
+    assert np.isfinite(expected.pixels[3]).all()
+    assert most_helpful(found, odd).best == 3
+    assert spread_most(POINTS[:3], odd) == 3
+    assert spread_most(POINTS[:3], odd[:3]) is None
+    assert len(predicted(found, []).ellipses()) == 0
+    assert most_helpful(found, []).best is None

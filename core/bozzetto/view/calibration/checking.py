@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.framing import Framing
 
-__all__ = ["FEWEST", "framed", "spread_most"]
+__all__ = ["FEWEST", "REACH", "framed", "spread_most"]
 
 Array = NDArray[np.float64]
 
@@ -103,19 +103,20 @@ def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
     Returns
     -------
     int or None
-        None if there is no candidate.
+        None if there is no candidate with sensible coordinates.
     """
     there = np.reshape(np.asarray(points, float), (-1, 3))
     offered = np.reshape(np.asarray(candidates, float), (-1, 3))
-    if not len(offered):
+    numbers = np.flatnonzero((np.abs(offered) <= REACH).all(axis=1))
+    if not len(numbers):
         return None
-    together = np.vstack((there, offered))
+    together = np.vstack((there, offered[numbers]))
     middle = together.mean(axis=0)
     size = float(np.abs(together - middle).max())
     scaled = (together - middle) / (size if size > 0.0 else 1.0)
     best, largest = 0, -np.inf
-    for number in range(len(offered)):
-        some = np.vstack((scaled[: len(there)], scaled[len(there) + number]))
+    for row, number in enumerate(numbers.tolist(), len(there)):
+        some = np.vstack((scaled[: len(there)], scaled[row]))
         about = some - some.mean(axis=0)
         # A little scatter of its own, so that few points in a line are compared as well.
         value = float(np.linalg.slogdet(about.T @ about + 1e-6 * np.eye(3))[1])
@@ -127,8 +128,5 @@ def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
 def _for_example(points: Array, further: Mapping[str, ArrayLike]) -> str:
     """``, for example C4``: the point that helps most, if there is any."""
     names = list(further)
-    places = np.reshape([np.asarray(further[name], float) for name in names], (-1, 3))
-    sound = np.asarray(np.isfinite(places).all(axis=1))
-    names = [name for name, good in zip(names, sound, strict=True) if good]
-    best = spread_most(points, places[sound])
+    best = spread_most(points, [np.asarray(further[name], float) for name in names])
     return "" if best is None else f", for example {names[best]}"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.view.calibration.checking import REACH
 from bozzetto.view.calibration.resection import Resection
 
 __all__ = ["Help", "Places", "most_helpful", "predicted"]
@@ -22,7 +23,7 @@ class Places:
     Attributes
     ----------
     pixels : (m, 2) float
-        Pixels of the picture; NaN for points behind the eye or next to it.
+        Pixels of the picture; NaN for points behind the eye or next to it, or beyond all bounds.
     covariances : (m, 2, 2) float
         Of the places, px², for what the camera is unsure of; a hand that marks them adds its
         own noise. NaN likewise.
@@ -83,10 +84,10 @@ def predicted(found: Resection, points: ArrayLike) -> Places:
     points : (m, 3) array_like
         World points, mm.
     """
-    slopes, known = _slopes(found, points)
+    slopes, pixels, known = _seen(found, points)
     size = found.framing.diagonal
     made = size**2 * (slopes @ found.covariance @ np.swapaxes(slopes, 1, 2))
-    places = np.where(known[:, None], found.project(points), np.nan)
+    places = np.where(known[:, None], pixels, np.nan)
     return Places(places, np.where(known[:, None, None], made, np.nan))
 
 
@@ -102,7 +103,7 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
     candidates : (m, 3) array_like
         World points that could be marked, mm.
     """
-    slopes, known = _slopes(found, candidates)
+    slopes, _, known = _seen(found, candidates)
     if not known.any():
         return Help(None, 0.0, np.full(len(known), np.inf))
     size, covariance = found.framing.diagonal, found.covariance
@@ -118,9 +119,12 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
     return Help(int(np.argmin(after)), size * float(np.sqrt(now)), after)
 
 
-def _slopes(found: Resection, points: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
-    """Derivatives (m, 2, 9) of places by the camera, and which points are before the eye."""
+def _seen(found: Resection, points: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Derivatives (m, 2, 9) of places by the camera, the places, and which of them there are."""
     world = np.reshape(np.asarray(points, float), (-1, 3))
+    sensible = np.asarray((np.abs(world) <= REACH).all(axis=1))
+    world = np.where(sensible[:, None], world, found.framing.centroid)
     known = found.framing.points(world)
     slopes = np.moveaxis(found.pose.slopes(found.pose.see(known))[0], 2, 0)
-    return np.swapaxes(slopes, 1, 2), found.pose.before_eye(known)[0]
+    before_eye = sensible & found.pose.before_eye(known)[0]
+    return np.swapaxes(slopes, 1, 2), found.project(world), before_eye
