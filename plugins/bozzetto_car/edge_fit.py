@@ -5,7 +5,8 @@ places on their view rays that are nearest to the old edge, and take the cubic t
 the two ends. Between these four points it may leave the stroke. Here that cubic is a start only:
 the inner control points are then refined by Gauss–Newton steps on the distances of all samples of
 the stroke from the edge as it is seen, with the foot points found anew at each step (Hoschek
-1988). Control points move in those directions only which a view sees; along the rays they stay.
+1988). A handle gets longer or shorter, and goes across the edge at a right angle to the rays: what
+a view does not see stays.
 """
 
 from __future__ import annotations
@@ -46,6 +47,10 @@ edge by less than a hundredth of a pixel."""
 UNSEEN: Final = 0.17
 """Sine of the angle to the view rays, ten degrees, below which a direction is not seen: a pixel
 of the hand would be more than six of depth."""
+
+FORESHORTENED: Final = 0.35
+"""Sine of the angle to the view rays, twenty degrees, below which handles do not move along their
+tangents: they would go too far into the depth."""
 
 STEPS: Final = 40
 """Most Gauss–Newton steps. Five to ten are usual."""
@@ -265,10 +270,28 @@ def _moves(old: Array, data: Sequence[_Samples], directions: tuple[Array, Array]
         largest = np.linalg.norm(rows, ord=2)
         _, sizes, ways = np.linalg.svd(rows @ allowed)
         kept = allowed @ ways[: len(sizes)][sizes > UNSEEN * largest].T
+        if allowed.shape[1] == 3 and kept.shape[1] == 2:
+            kept = _along_and_across(old[2 * number + 1] - old[2 * number], rows, kept)
         column = np.zeros((2, 3, kept.shape[1]))
         column[number] = kept
         found.append(column)
     return np.concatenate(found, axis=2) if found else np.zeros((2, 3, 0))
+
+
+def _along_and_across(leg: Array, rows: Array, seen_ways: Array) -> Array:
+    """The moves of a free handle in one view: along its own tangent, and across it and the ray.
+
+    Where a stroke is nearly the edge's own picture, it hardly tells how long a handle is. To move
+    it in a plane across the ray would push an edge that runs into the depth off its line then;
+    along its tangent it stays on it.
+    """
+    length = float(np.linalg.norm(leg))
+    largest = np.linalg.norm(rows, ord=2)
+    if not length > 0.0 or np.linalg.norm(rows @ leg) < FORESHORTENED * largest * length:
+        return seen_ways
+    along = leg / length
+    across = np.cross(np.cross(seen_ways[:, 0], seen_ways[:, 1]), along)
+    return np.stack((along, across / np.linalg.norm(across)), axis=1)
 
 
 @dataclass(frozen=True, eq=False)
