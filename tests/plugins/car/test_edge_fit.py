@@ -115,7 +115,7 @@ def test_a_tremor_does_not_push_an_edge_off_its_line(kind: Kind) -> None:
     camera = view(40.0, 10.0, kind)
     at = np.linspace(0.0, np.pi, 80)[:, None]
     for _ in range(15):
-        waves = sum(rng.normal(0, 1, 2) * np.cos(k * at) for k in range(4))
+        waves = np.cos(at * np.arange(4)) @ rng.normal(0, 1, (4, 2))
         stroke = drawn(camera, EDGE, 80) + 2.0 * waves / np.sqrt((waves**2).mean())
         made = fitted(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL)
         assert distances_to_polyline(curve(made), curve(EDGE, 400)).max() < 50.0
