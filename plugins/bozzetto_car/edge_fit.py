@@ -171,7 +171,7 @@ def fitted(
     Parameters
     ----------
     control_points : (4, 3) array_like
-        Of the old edge, mm, in front of every eye.
+        Of the old edge, mm. It comes back if a part of it is behind an eye.
     sightings : sequence of Sighting
     directions : ((3, a), (3, b)) float
         Unit vectors, as columns, along which the first and the second handle may move; a
@@ -195,6 +195,8 @@ def fitted(
     if start is not None:
         offset = (np.asarray(start, float) - old)[1:3]
         best = min(best, problem.at(np.einsum("ikq,ik->q", moves, offset)), key=_price)
+    if not np.isfinite(best.price):  # a part of the edge is behind the eye
+        return old.copy()
     for _ in range(STEPS):
         step = problem.step(best)
         for _ in range(HALVINGS):

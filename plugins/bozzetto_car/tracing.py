@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.patch import bernstein
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.ink.resample import arc_length
+from bozzetto.ink.sheet import FARTHEST
 from bozzetto.view import Camera
 from bozzetto_car.chains import smoothed
 from bozzetto_car.dragging import dragged_place
@@ -190,10 +191,14 @@ def _paper_start(old: Array, sighting: Sighting) -> Array | None:
 
 
 def _path(network: Network, signed: int, camera: Camera) -> Array:
-    """The picture of an edge, the way that it is run through, (PLACES + 1, 2) px."""
+    """The picture of an edge, the way that it is run through, (k, 2) px.
+
+    Both nodes are in view; what lies between them behind the eye is left out.
+    """
     points = network.control_points[max(signed, ~signed)]
     curve = bernstein(np.linspace(0.0, 1.0, PLACES + 1)) @ points
-    return seen(camera, curve if signed >= 0 else curve[::-1])
+    pixels = seen(camera, curve if signed >= 0 else curve[::-1])
+    return np.asarray(pixels[(np.abs(pixels) <= FARTHEST).all(axis=1)])
 
 
 def _deviations(network: Network, run: Run, camera: Camera) -> tuple[float, ...]:
