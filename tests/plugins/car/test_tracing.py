@@ -1,4 +1,4 @@
-"""Strokes along a car: which edges they mean, and what becomes of them."""
+"""Strokes along a car, and what becomes of the edges that they mean."""
 
 from __future__ import annotations
 
@@ -13,33 +13,13 @@ from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.chains import smoothed
 from bozzetto_car.edges import Network, edge_called, joints, with_tangents
-from bozzetto_car.runs import run_along
 from bozzetto_car.template_file import TEMPLATES, bundled
 from bozzetto_car.tracing import traced
-from tests.plugins.car.traced_car import drawn, symmetric, view
+from tests.plugins.car.traced_car import SEEN, path, symmetric, view
 
 Array = NDArray[np.float64]
 Kind = Literal["perspective", "orthographic"]
 KINDS: tuple[Kind, ...] = ("perspective", "orthographic")
-
-SEEN = ["C1-S1.R", "C2-S2.R", "S2.R-S1.R", "S3.R-S2.R", "S4.R-S3.R", "C1-C2", "C2-C3", "S3.R-B3.R",
-        "S1.R-B1.R", "B3.R-B2.R", "B4.R-B3.R", "R1.R-S2.R", "R2.R-R1.R"]  # fmt: skip
-"""Edges of the sedan that stand alone in the picture from the right front."""
-
-
-def path(camera: Camera, network: Network, names: list[str]) -> Array:
-    """The picture of edges named in a row, in the direction of their names."""
-    parts = []
-    for name in names:
-        edge = edge_called(network.template, name)
-        own = drawn(camera, network.control_points[edge])
-        parts.append(own if network.template.edge_names[edge] == name else own[::-1])
-    return np.concatenate(parts)
-
-
-def run_names(network: Network, stroke: Array, camera: Camera) -> list[str]:
-    run = run_along(network, stroke, camera)
-    return [network.template.edge_names[max(edge, ~edge)] for edge in run.edges]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -55,42 +35,6 @@ def test_its_own_picture_changes_nothing(kind: Kind, name: str) -> None:
             )
             assert np.abs(made.network.control_points - network.control_points).max() < 1e-6
             assert max(made.deviations) < 0.5
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_edge_meant_is_found_under_an_unsteady_hand(kind: Kind) -> None:
-    rng = np.random.default_rng(1)
-    network, camera = Network.of(bundled("sedan")), view(48.0, 14.0, kind)
-    for name in SEEN:
-        stroke = path(camera, network, [name])
-        along = np.linspace(0, np.pi, len(stroke))
-        shaken = stroke + 3.0 * np.column_stack(
-            [np.cos(k * along + rng.uniform(0, 6)) for k in (1, 2)]
-        )
-        assert run_names(network, shaken, camera) == [name]
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_strokes_over_chains_are_split_at_nodes(kind: Kind) -> None:
-    network, camera = Network.of(bundled("sedan")), view(60.0, 14.0, kind)
-    for names in (
-        ["S1.R-S2.R", "S2.R-S3.R"],
-        ["S4.R-S3.R", "S3.R-S2.R", "S2.R-S1.R"],
-        ["C1-C2", "C2-C3", "C3-C4"],
-        ["B2.R-B3.R", "B3.R-B4.R"],
-    ):
-        stroke = path(camera, network, names)
-        run = run_along(network, stroke, camera)
-        tell = network.template.names
-        assert [tell[node] for node in run.nodes] == (
-            [name.split("-")[0] for name in names] + [names[-1].split("-")[1]]
-        )
-        for part, name in zip(run.parts, names, strict=True):
-            own = path(camera, network, [name])
-            assert distances_to_polyline(part, own).max() < 1e-9
-            assert np.abs(part[[0, -1]] - own[[0, -1]]).max() < 1e-9
-        made = traced(network, stroke, camera)
-        assert np.abs(made.network.control_points - network.control_points).max() < 1e-6
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -186,12 +130,6 @@ def test_nodes_follow_when_asked() -> None:
     assert np.abs(depth - camera.project(network.positions[nodes])[1]).max() < 1e-6
     assert max(made.deviations) < 2.0
     assert symmetric(made.network)
-
-
-def test_hidden_edges_are_not_meant_where_shown_ones_lie_beside_them() -> None:
-    network, camera = Network.of(bundled("sedan")), view(90.0, 0.0, "orthographic")
-    for name in ("S3.R-S2.R", "B3.R-B2.R"):
-        assert run_names(network, path(camera, network, [name]), camera) == [name]
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 from bozzetto.view import Camera
-from bozzetto_car.edges import Network
+from bozzetto_car.edges import Network, edge_called
 from bozzetto_car.template import MIRROR
 
 Array = NDArray[np.float64]
+
+SEEN = ["C1-S1.R", "C2-S2.R", "S2.R-S1.R", "S3.R-S2.R", "S4.R-S3.R", "C1-C2", "C2-C3", "S3.R-B3.R",
+        "S1.R-B1.R", "B3.R-B2.R", "B4.R-B3.R", "R1.R-S2.R", "R2.R-R1.R"]  # fmt: skip
+"""Edges of the sedan that stand alone in the picture from the right front."""
 
 MIDDLE = np.array([2300.0, 0.0, 600.0])
 
@@ -65,3 +69,13 @@ def symmetric(network: Network) -> bool:
         )
         for name in template.names
     )
+
+
+def path(camera: Camera, network: Network, names: list[str]) -> Array:
+    """The picture of edges named in a row, in the direction of their names."""
+    parts = []
+    for name in names:
+        edge = edge_called(network.template, name)
+        own = drawn(camera, network.control_points[edge])
+        parts.append(own if network.template.edge_names[edge] == name else own[::-1])
+    return np.concatenate(parts)
