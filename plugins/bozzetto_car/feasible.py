@@ -96,6 +96,10 @@ class Feasible:
                 except Contradiction as found:
                     named = np.flatnonzero(which)[found.rows].tolist()
                     raise UserError(_contradiction(soundness, named)) from None
+                except np.linalg.LinAlgError:
+                    raise UserError(
+                        _contradiction(soundness, [int(made._slacks(first).argmin())])
+                    ) from None
                 first = first + span @ step.place
             else:
                 worst = np.argsort(made._slacks(first)).tolist()

@@ -28,6 +28,10 @@ NOUGHT: Final = 1e-9
 """Length of a row, as a share of the longest, that says nothing about the vector: where some
 combinations are held, the others do not change what such a row stands for."""
 
+MOST_CHANGES: Final = 3
+"""Most changes of the active set for each inequality; a usual search takes one for each that
+ends up active."""
+
 KEPT: Final = 1e-11
 """Shortfall of an inequality that is no violation, as a share of the largest one demanded."""
 
@@ -82,7 +86,8 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
     Contradiction
         If no vector keeps the inequalities.
     numpy.linalg.LinAlgError
-        If the form is not positive definite.
+        If the form is not positive definite, or so badly scaled that rounding lets the search
+        for the active inequalities go round in circles.
     """
     from scipy.linalg import cho_solve, solve_triangular
     from scipy.optimize import nnls
@@ -107,7 +112,12 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
     dual = np.vstack((turned, lacking / worst))
     goal = np.zeros(len(dual))
     goal[-1] = 1.0
-    weights, residual = nnls(dual, goal, maxiter=30 * dual.shape[1])
+    try:
+        weights, residual = nnls(dual, goal, maxiter=MOST_CHANGES * dual.shape[1])
+    except RuntimeError as problem:
+        raise np.linalg.LinAlgError(
+            "the search for the active inequalities goes round"
+        ) from problem
     active = np.flatnonzero(weights)
     if residual < CONTRADICTORY:
         raise Contradiction(told[active])
