@@ -258,5 +258,5 @@ def test_plugins_are_listed(bozzetto):
 
 
 def test_a_bundled_plugin_passes_its_check(bozzetto):
-    process = bozzetto("plugins", "check", "bozzetto_silhouette")
+    process = bozzetto("plugins", "check", "bozzetto_mesh")
     assert process.returncode == 0, process.stdout + process.stderr

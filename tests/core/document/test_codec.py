@@ -224,7 +224,7 @@ def test_missing_fields_take_their_defaults():
         '{"strokes": {"$strokes": [0, 1]}}',
         '{"strokes": {"$strokes": [[0, 2]], "x": 1}}',
         '{"strokes": []}',
-        '{"strokes": {"$strokes": [' + ",".join(["[0,2]"] * 50) + "]}}",
+        '{"strokes": {"$strokes": [' + ",".join(["[0,2]"] * 60_000) + "]}}",
         "[" * 200_000,
         '{"a":' * 200_000,
         "\xff",
