@@ -170,3 +170,9 @@ def test_any_scribble_gives_a_finite_car_or_a_message() -> None:
         assert np.isfinite(made.network.control_points).all()
         assert symmetric(made.network)
     assert answers > 8
+
+
+def test_an_edge_that_is_seen_end_on_is_told_by_its_name() -> None:
+    network, camera = Network.of(bundled("sedan")), view(0.0, 2.0, "orthographic")
+    with pytest.raises(UserError, match="along C3-C4, seen end-on"):
+        traced(network, path(camera, network, ["C3-C4"]), camera)
