@@ -26,6 +26,7 @@ VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 STAMP = VENV / "bozzetto-installed"
+SIDE_BY_SIDE = ("-n", "auto", "--dist", "loadfile")  # pytest-xdist: a process for every core
 OLDEST, NEWEST = (3, 11), (3, 14)  # as requires-python in pyproject.toml
 
 APT = ("apt-get", "install", "-y", "--no-install-recommends")
@@ -77,7 +78,7 @@ def test(arguments: Sequence[str]) -> int:
     require_qt({**os.environ, "QT_QPA_PLATFORM": "offscreen"}, sys.platform)
     checks = [] if arguments else ["ruff check", "ruff format --check", "mypy", "lint-imports"]
     steps = {check: [str(BIN / check.split()[0]), *check.split()[1:]] for check in checks}
-    steps["pytest"] = [str(PYTHON), "-m", "pytest", *arguments]
+    steps["pytest"] = [str(PYTHON), "-m", "pytest", *SIDE_BY_SIDE, *arguments]
     codes = {name: call(step, ROOT) for name, step in steps.items()}
     failed = [name for name, code in codes.items() if code]
     if failed:

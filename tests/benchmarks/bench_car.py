@@ -18,7 +18,7 @@ from bozzetto_car.reshaping import Reshaping, reshaped
 from bozzetto_car.soundness import Soundness
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled
-from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
+from tests.benchmarks.timing import Row, in_turn, processor_ms
 from tests.plugins.car.sketched import FRONT, FRONT_QUARTER, REAR_QUARTER, SIDE, sketched, styled
 
 VIEWS = (FRONT_QUARTER, REAR_QUARTER, SIDE, FRONT)

@@ -420,7 +420,7 @@ class TestExitCodes:
         monkeypatch.setattr(bootstrap, "require_qt", lambda *_: True)
         assert bootstrap.test([]) == 3
         assert ran[:-1] == ["ruff check", "ruff format --check", "mypy", "lint-imports"]
-        assert ran[-1].endswith("-m pytest")
+        assert ran[-1].endswith(" ".join(("-m pytest", *bootstrap.SIDE_BY_SIDE)))
         assert failing in capsys.readouterr().err
 
     def test_arguments_mean_pytest_alone(
@@ -429,7 +429,9 @@ class TestExitCodes:
         calls = calls_of(monkeypatch, bootstrap, code=1)
         monkeypatch.setattr(bootstrap, "require_qt", lambda *_: True)
         assert bootstrap.test(["-m", "slow"]) == 1
-        assert calls == [[str(bootstrap.PYTHON), "-m", "pytest", "-m", "slow"]]
+        assert calls == [
+            [str(bootstrap.PYTHON), "-m", "pytest", *bootstrap.SIDE_BY_SIDE, "-m", "slow"]
+        ]
 
     def test_usage(self, bootstrap: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
         assert bootstrap.main([]) == 2
