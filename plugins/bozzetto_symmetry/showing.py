@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.geometry.flatten import FLATNESS, flattened
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink.resample import resample
 from bozzetto.scene import Layer, Lines, Paint, Scene
@@ -32,12 +33,8 @@ WIDTH: Final = 2.0
 CHOSEN_WIDTH: Final = 3.0
 """Of the chosen one."""
 
-STEP: Final = 2.5
-"""Between two places of a curve that is shown, px on the sheet on which it was drawn. They lie
-evenly in space: what is nearly straight there may be bent from elsewhere."""
-
-FEWEST, MOST = 32, 800
-"""Places of a curve."""
+FINER: Final = 0.2
+"""Share of the flatness that nobody sees where a curve was drawn: one comes nearer, too."""
 
 LOOSE_WIDTH: Final = 1.2
 """Of ink that found no partner: thin, it is no curve."""
@@ -117,8 +114,7 @@ def curve_lines(
 
 
 def _flat(spline: Spline, camera: Camera) -> Array:
-    count = spline.length * camera.pixels_per_mm / STEP
-    return spline.sampled(int(np.clip(count, FEWEST, MOST)))
+    return flattened(spline.beziers(), FINER * FLATNESS / camera.pixels_per_mm)[0]
 
 
 def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
@@ -128,18 +124,27 @@ def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
 
 
 def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
-    """A side that waits: the rays on which its curve must lie, and the ink in their middle."""
+    """A side that waits: the rays on which its curve must lie, and its ink amid the box."""
     for side in view.sides:
         begin, end = _in_box(view.stereo, side.pixels, state.bounds)
         if len(begin) < 2:
             continue
         place = state.plane.placement
-        ink = place.points(0.5 * (begin + end)).astype(np.float32)
+        ink = place.points(_upright(view.stereo, begin, end, state.bounds)).astype(np.float32)
         color = "accent" if chosen else "ink"
         yield Lines(ink, color=color, width=CHOSEN_WIDTH if chosen else WIDTH, hidden="show")
         rays = np.linspace(0, len(begin) - 1, min(FAN, len(begin))).astype(int)
         points = place.points(np.stack((begin[rays], end[rays]), axis=1).reshape(-1, 3))
         yield joined(points.reshape(-1, 2, 3), "second", 1.0, 0.35)
+
+
+def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:
+    """Ink on the sheet through the middle of the box, where that cuts its rays."""
+    forward = stereo.camera.axes[2]
+    whole = (end - begin) @ forward
+    way = (bounds.mean(axis=0) - begin) @ forward
+    share = np.divide(way, whole, out=np.full(len(way), 0.5), where=whole > 0.0)
+    return np.asarray(begin + share[:, None] * (end - begin))
 
 
 def joined(

@@ -59,7 +59,7 @@ def rows() -> Iterator[Row]:
     took = processor_ms(lambda: lifted(space, camera, pixels))
     yield Row("snake", f"{NODES} nodes lifted", took)
     pieces = np.random.default_rng(3).uniform(-90, 90, (20, 4, 3))
-    took = processor_ms(lambda: flattened(pieces, camera))
+    took = processor_ms(lambda: flattened(pieces, 0.25 / camera.pixels_per_mm))
     yield Row("snake", "20 Bezier pieces as a polyline, 0.25 px", took)
     scene = scene_of(100_000, lines=False)
     view = view_of(scene)

@@ -1,4 +1,4 @@
-"""Curves as polylines that look smooth: no more points than a view needs."""
+"""Curves as polylines that look smooth from everywhere: no more points than that needs."""
 
 from __future__ import annotations
 
@@ -8,38 +8,33 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.view.camera import Camera
 
 __all__ = ["FLATNESS", "flattened"]
 
 Array = NDArray[np.float64]
 
 FLATNESS: Final = 0.25
-"""Distance, px, between a curve and its polyline that nobody sees."""
+"""Distance, px, between a curve and its polyline that nobody sees; over the pixels per mm of
+a view it is a tolerance for `flattened`."""
 
 MOST_HALVINGS: Final = 12
-"""How often a piece is halved at most: where the curve comes near the eye its picture grows
-beyond all bounds, and no polyline is flat."""
+"""How often a piece is halved at most: beyond that a curve is thousands of sheets wide."""
 
 
-def flattened(
-    pieces: ArrayLike, camera: Camera, *, tolerance: float = FLATNESS
-) -> tuple[Array, Array]:
-    """Turn cubic Bezier pieces into a polyline that is flat enough for a view.
+def flattened(pieces: ArrayLike, tolerance: float) -> tuple[Array, Array]:
+    """Turn cubic Bezier pieces into a polyline that is flat enough.
 
-    A piece is halved (de Casteljau) until the picture of its inner control points lies
-    within the tolerance of its chord. Seen in perspective a cubic becomes a rational one
-    with positive weights, which lies in the hull of the same four points all the same: the
-    bound holds exactly. What lies behind the eye has no picture and stays as it is.
+    A piece is halved (de Casteljau) until its inner control points lie within the tolerance
+    of its chord: a cubic lies in the hull of its four points, so the bound holds exactly,
+    and no parallel view of the curve shows it broader.
 
     Parameters
     ----------
     pieces : (k, 4, 3) array_like
         Control points of pieces that follow one another, mm, as `Spline.beziers` gives
         them; ``k >= 1``.
-    camera : Camera
     tolerance : float
-        px, above 0.
+        mm, above 0.
 
     Returns
     -------
@@ -62,7 +57,7 @@ def flattened(
     begin, width = np.arange(len(left), dtype=float), 1.0
     ready_pieces, ready_begin = [], []
     for _ in range(MOST_HALVINGS):
-        flat = _is_flat(left, camera, tolerance)
+        flat = _is_flat(left, tolerance)
         ready_pieces.append(left[flat])
         ready_begin.append(begin[flat])
         left, begin = left[~flat], begin[~flat]
@@ -87,10 +82,9 @@ def _halves(control: Array) -> tuple[Array, Array]:
     return np.stack((a, ab, abc, middle), axis=1), np.stack((middle, bcd, cd, d), axis=1)
 
 
-def _is_flat(control: Array, camera: Camera, tolerance: float) -> NDArray[np.bool_]:
-    """Whether the picture of each piece is within the tolerance of its chord."""
-    pixels, _ = camera.project(control.reshape(-1, 3))
-    a, b, c, d = np.moveaxis(pixels.reshape(-1, 4, 2), 1, 0)
+def _is_flat(control: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Whether each piece is within the tolerance of its chord."""
+    a, b, c, d = np.moveaxis(control, 1, 0)
     chord = d - a
     square = np.einsum("nk,nk->n", chord, chord)
     square = np.where(square > 0, square, 1.0)
@@ -99,6 +93,4 @@ def _is_flat(control: Array, camera: Camera, tolerance: float) -> NDArray[np.boo
         share = np.clip(np.einsum("nk,nk->n", inner - a, chord) / square, 0.0, 1.0)
         aside = np.linalg.norm(inner - a - share[:, None] * chord, axis=1)
         flat &= aside <= tolerance
-    # Behind the eye nothing is seen; a piece that passes the eye is cut further.
-    unseen = np.isnan(pixels).any(axis=1).reshape(-1, 4)
-    return np.asarray(flat | unseen.all(axis=1))
+    return flat
