@@ -32,6 +32,7 @@ class ToolInfo:
     icon: Path | None
     hint: str
     gesture: str = "ink"
+    tells_next: bool = False
 
 
 @dataclass(frozen=True)

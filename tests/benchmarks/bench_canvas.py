@@ -31,6 +31,13 @@ LATE = 2000
 """Samples after which a stroke counts as long."""
 
 
+class Silent(QObject):
+    """Advice on the view that is never given."""
+
+    changed = Signal()
+    advice = None
+
+
 class Quiet(QObject):
     """A session in which nothing happens."""
 
@@ -48,6 +55,7 @@ class Quiet(QObject):
         self.scene = self.live_scene = Scene()
         self.pending = self.tools = ()
         self.active_tool, self.shading, self.selected = "", "clay", None
+        self.advising = Silent(self)
         self.show_grid = False
 
     def set_camera(self, camera: Camera) -> None:
