@@ -103,6 +103,17 @@ class Trace:
     warnings: tuple[str, ...] = ()
 
 
+AGREED: Final = 0.1
+"""Greatest median distance, in sizes of the curve, between the places that two views give it;
+beyond that the worse view's reading is a mistake, and only its ink counts."""
+
+ALONGSIDE: Final = 20.0
+"""Mean distance, px, within which a stroke shows one half of a curve across the plane; what
+runs over both halves is farther from each."""
+
+EVIDENCE: Final = ("pair", "self", "plane")
+"""Readings, the one first that is least likely to be a mistake of a view with little ink."""
+
 _traces: Memory[Trace] = Memory(limit=256)
 _views: Memory[tuple[View, ...]] = Memory(limit=256)
 
@@ -186,9 +197,10 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         return Trace("half", cost=first.cost, views=views, warnings=told)
     alike = {main: first}
     for number, found in enumerate(readings):
-        same = [r for r in found if r.reading == first.reading and r.closed == first.closed]
+        alike_here = (r for r in found if (r.reading, r.closed) == (first.reading, first.closed))
+        same = [r for r in (_facing(r, first) for r in alike_here) if _agree(r, first)]
         if number != main and same:
-            alike[number] = _facing(same[0], first)
+            alike[number] = same[0]
     fit, sights = _fitted(views, alike, main, curve)
     rest = [r for r in readings[main] if r is not first and r.reading != "half"]
     # What is taken to be in the plane may as well wait for its other side.
@@ -214,11 +226,13 @@ def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...
 
 
 def _main(readings: Sequence[Sequence[Read]]) -> int:
-    """The view that says best what the curve is."""
+    """The view that says best what the curve is: two sides say more than one stroke does."""
     solved = [k for k, found in enumerate(readings) if found[0].reading != "half"]
     if not solved:
         return 0
-    return min(solved, key=lambda k: _trouble(readings[k][0]))
+    return min(
+        solved, key=lambda k: (EVIDENCE.index(readings[k][0].reading), _trouble(readings[k][0]))
+    )
 
 
 def _trouble(reading: Read) -> float:
@@ -245,6 +259,14 @@ def _facing(found: Read, first: Read) -> Read:
         return found
     reflected = found.covariances * (MIRROR[:, None] * MIRROR)
     return replace(found, points=image, covariances=reflected, near=found.far, far=found.near)
+
+
+def _agree(found: Read, first: Read) -> bool:
+    """Whether two views put a curve in about the same place."""
+    extent = float(np.linalg.norm(np.ptp(first.points, axis=0)))
+    apart = [_tree(a).query(b)[0] for a, b in ((found.points, first.points),
+                                               (first.points, found.points))]  # fmt: skip
+    return bool(max(np.median(each) for each in apart) < AGREED * extent)
 
 
 def _side(across: Read) -> bool:
@@ -293,14 +315,18 @@ def _uncertainty(curve: SpaceCurve, points: Array, sights: Sequence[Sight]) -> A
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
     """A view that shows a curve's sides singly: each is of the half that it is nearer to."""
-    near: list[Array] = []
-    far: list[Array] = []
-    image, mirrored = view.stereo.project(points), view.stereo.project(points * MIRROR)
+    halves: tuple[Array, Array] = points, points * MIRROR
+    if first.reading == "self":
+        middle = len(points) // 2
+        halves = points[: middle + 1], points[middle:]
+    images = [view.stereo.project(half) for half in halves]
+    ink: tuple[list[Array], list[Array]] = [], []
     for side in view.sides:
-        to_near = float(np.mean(distances_to_polyline(side.pixels, image)))
-        to_far = float(np.mean(distances_to_polyline(side.pixels, mirrored)))
-        (near if first.reading != "pair" or to_near <= to_far else far).append(side.pixels)
-    return Sight(view.stereo, tuple(near), tuple(far), noise)
+        off = [float(np.mean(distances_to_polyline(side.pixels, image))) for image in images]
+        nearer = 0 if first.reading == "plane" else int(np.argmin(off))
+        if first.reading != "self" or off[nearer] < ALONGSIDE:
+            ink[nearer].append(side.pixels)
+    return Sight(view.stereo, tuple(ink[0]), tuple(ink[1]), noise)
 
 
 def _ghost(view: View, rest: Sequence[Read], margin: float, curve: Curve) -> SpaceCurve | None:

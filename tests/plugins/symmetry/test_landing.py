@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -109,3 +111,32 @@ def test_a_dot_is_refused() -> None:
         landed(SymmetryState(), (Stroke([5.0], [5.0], VIEW),))
     with pytest.raises(UserError):
         landed(SymmetryState(), (Stroke([5.0, 5.0], [5.0, 5.0], VIEW),))
+
+
+@pytest.mark.parametrize("name", ["roof rail", "S-wave"])
+def test_one_side_drawn_again_from_elsewhere_makes_no_other_curve_of_a_pair(name: str) -> None:
+    side = s.PAIRS[name]
+    state = landed(SymmetryState(), (stroke(side),))
+    state = landed(state, (stroke(side * MIRROR),))
+    state = landed(state, (stroke(side, s.camera(70, 30)),))
+    assert len(state.curves) == 1
+    made = traced(state.curves[0], state)
+    assert made.reading == "pair"
+    assert len(made.views) == 2
+    assert np.median(s.distances(made.points, side)) < 1e-3 * s.DIAGONAL
+
+
+def test_half_of_a_curve_across_drawn_again_from_elsewhere() -> None:
+    whole = s.ACROSS["wavy bumper"]
+    state = landed(SymmetryState(), (stroke(whole),))
+    again = state.with_node(
+        replace(
+            state.curves[0],
+            strokes=state.curves[0].strokes.extended(
+                (stroke(s.HALVES["wavy bumper"], s.camera(60, 35)),)
+            ),
+        )
+    )
+    made = traced(again.curves[0], again)
+    assert made.reading == "self"
+    assert np.median(s.distances(made.points, whole)) < 2e-3 * s.DIAGONAL
