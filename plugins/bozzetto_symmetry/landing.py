@@ -17,12 +17,14 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.ink.resample import resample
+from bozzetto.view import Camera
+from bozzetto_symmetry.canvas import is_one_view, on_canvas
 from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR, Stereo
 from bozzetto_symmetry.trace import Trace, traced
 from bozzetto_symmetry.visibility import shown_curves
 
-__all__ = ["drawn_curves", "landed", "waits"]
+__all__ = ["drawn_curves", "landed", "waiting_view", "waits"]
 
 Array = NDArray[np.float64]
 
@@ -130,6 +132,15 @@ def waits(curve: Curve, trace: Trace) -> bool:
     return trace.reading == "half" or (one_sided and curve.reading == "auto")
 
 
+def waiting_view(state: SymmetryState) -> Camera | None:
+    """The camera, in the frame of the model, in whose view the chosen curve waits; else None."""
+    for curve in state.curves:
+        if curve.id == state.selected:
+            trace = _trace(curve, state)
+            return curve.strokes[-1].camera if trace and trace.reading == "half" else None
+    return None
+
+
 def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
     try:
         return traced(curve, state)
@@ -139,7 +150,7 @@ def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
 
 def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> float:
     """How ill new strokes go with a waiting side of the same view, px; inf: not at all."""
-    if strokes[0].camera not in {stroke.camera for stroke in curve.strokes}:
+    if not any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes):
         return float("inf")
     both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
     if both is None or both.reading != "pair" or both.cost > SURE_PAIR:
@@ -149,20 +160,23 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) ->
 
 def _runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
     """Whether strokes are drawn along a curve, or along ink of it in the same view."""
-    return all(
-        any(_is_along(stroke.points, line) for line in _lines(stroke, trace, state))
-        for stroke in strokes
-    )
+    return all(_runs_along_one(stroke, trace, state) for stroke in strokes)
 
 
-def _lines(stroke: Stroke, trace: Trace, state: SymmetryState) -> list[Array]:
-    """What is seen of a curve where a stroke was drawn."""
+def _runs_along_one(stroke: Stroke, trace: Trace, state: SymmetryState) -> bool:
+    """The same of one stroke."""
+    lines: list[Array] = []
+    for view in trace.views:
+        canvas = view.strokes[0].camera
+        if is_one_view(stroke.camera, canvas):
+            stroke = on_canvas(stroke, canvas)
+            lines += [side.pixels for side in view.sides]
     stereo = Stereo.of(stroke.camera, state.plane)
-    lines = [side.pixels for view in trace.views if view.stereo == stereo for side in view.sides]
     if trace.curve is not None:
         images = [trace.points] + ([trace.points * MIRROR] if trace.reading == "pair" else [])
         lines += [stereo.project(points) for points in images]
-    return [line for line in lines if len(line) > 1 and np.isfinite(line).all()]
+    seen = (line for line in lines if len(line) > 1 and np.isfinite(line).all())
+    return any(_is_along(stroke.points, line) for line in seen)
 
 
 def _is_along(ink: Array, line: Array) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import Any, Final
 
 from bozzetto.errors import UserError
@@ -15,10 +14,11 @@ from bozzetto.plugin import Command, Context, Job, Tool, ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.advice import advice
+from bozzetto_symmetry.canvas import is_one_view
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.drawing_facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.handing_over import shapes_of
-from bozzetto_symmetry.landing import drawn_curves
+from bozzetto_symmetry.landing import drawn_curves, waiting_view
 from bozzetto_symmetry.report import report_of
 from bozzetto_symmetry.showing import scene_of
 from bozzetto_symmetry.state import Curve, Group, Line, SymmetryState
@@ -35,6 +35,9 @@ FIRST_NEEDED: Final = (
 
 ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState().height)}
 """Where the box stands of which a file says nothing: things stand on the ground, at z = 0."""
+
+
+WAITS_ELSEWHERE: Final = "A side waits in the view in which it was drawn."
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,15 +126,21 @@ class Symmetry:
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
         """How exact a curve becomes that is drawn in a view, and what of the box hangs on it.
 
-        Of an empty box it is asked before anything is drawn: time to import what the first
-        curve needs, so that no pen is held up by it.
+        While the chosen curve waits for its other side, the way back to its view. Of an empty
+        box it is asked before anything is drawn: time to import what the first curve needs, so
+        that no pen is held up by it.
         """
         if not state.nodes:
             for name in FIRST_NEEDED:
                 import_module(name)
+        scene, waiting = seen_from(state, camera), waiting_view(state)
+        if waiting is not None and not is_one_view(camera, waiting):
+            there = advice(waiting, state.plane, state.centre, state.diagonal)
+            if there.level != "refuse":
+                return ViewAdvice("warn", WAITS_ELSEWHERE, waiting, scene)
         lines = directions(state)
         judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
-        return ViewAdvice(judged.level, judged.message, judged.better, seen_from(state, camera))
+        return ViewAdvice(judged.level, judged.message, judged.better, scene)
 
     # -- parts --
 

@@ -19,8 +19,8 @@ from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.plugin import Memory
-from bozzetto.view import Camera
 from bozzetto_symmetry.bundle import Bundled, Sight, bundled
+from bozzetto_symmetry.canvas import by_view
 from bozzetto_symmetry.editing import applied
 from bozzetto_symmetry.fusion import Estimate, fused
 from bozzetto_symmetry.reading import Read, read
@@ -140,7 +140,7 @@ def traced(curve: Curve, state: SymmetryState) -> Trace:
 def views_of(
     strokes: Iterable[Stroke], state: SymmetryState, asked: AskedReading = "auto"
 ) -> tuple[View, ...]:
-    """Strokes by the camera that they were drawn through, in the order of the first of each.
+    """Strokes by the view that they were drawn in, in the order of the first of each.
 
     Parameters
     ----------
@@ -154,12 +154,9 @@ def views_of(
     drawn = tuple(strokes)
 
     def made() -> tuple[View, ...]:
-        by_camera: dict[Camera, list[Stroke]] = {}
-        for stroke in drawn:
-            by_camera.setdefault(stroke.camera, []).append(stroke)
         return tuple(
-            View(Stereo.of(camera, state.plane), tuple(seen), sides_of(seen, asked))
-            for camera, seen in by_camera.items()
+            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, asked))
+            for seen in by_view(drawn)
         )
 
     return _views.recall((drawn, state.plane, asked), made)

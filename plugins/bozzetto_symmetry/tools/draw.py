@@ -12,11 +12,12 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.box import segments
+from bozzetto_symmetry.canvas import is_one_view, on_canvas
 from bozzetto_symmetry.landing import landed, waits
 from bozzetto_symmetry.live import Growing
 from bozzetto_symmetry.next_step import FIRST, next_step
 from bozzetto_symmetry.state import Curve, SymmetryState
-from bozzetto_symmetry.stereo import MIRROR, Stereo
+from bozzetto_symmetry.stereo import MIRROR
 from bozzetto_symmetry.tools.eraser import erased
 from bozzetto_symmetry.trace import traced
 from bozzetto_symmetry.visibility import shown_curves
@@ -59,12 +60,8 @@ class DrawCurve:
         """
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
-        stroke = gesture.strokes[-1]
-        growing = _waiting(state, gesture)
-        if growing is None:
-            return Scene()
-        points = growing.points(stroke.points)
-        if len(points) < 2:
+        points = _grown(state, gesture)
+        if points is None or len(points) < 2:
             return Scene()
         place = state.plane.placement
         sides = ((points, "accent"), (points * MIRROR, "second"))
@@ -118,18 +115,18 @@ def rungs(points: Array, step: float) -> Array:
     return np.stack((ends, ends * MIRROR), axis=1)
 
 
-def _waiting(state: SymmetryState, gesture: Ink) -> Growing | None:
-    """What grows from the side that waits in this view; the chosen or the newest one."""
+def _grown(state: SymmetryState, gesture: Ink) -> Array | None:
+    """What has grown from the side that waits in this view; the chosen or the newest one."""
     curves = sorted(reversed(shown_curves(state)), key=lambda c: c.id != state.selected)
     for curve in curves:
-        side = _side(curve, state, gesture)
-        if side is not None:
-            return side
+        points = _grown_from(curve, state, gesture)
+        if points is not None:
+            return points
     return None
 
 
-def _side(curve: Curve, state: SymmetryState, gesture: Ink) -> Growing | None:
-    if gesture.camera not in {stroke.camera for stroke in curve.strokes}:
+def _grown_from(curve: Curve, state: SymmetryState, gesture: Ink) -> Array | None:
+    if not any(is_one_view(gesture.camera, stroke.camera) for stroke in curve.strokes):
         return None
     try:
         trace = traced(curve, state)
@@ -137,8 +134,9 @@ def _side(curve: Curve, state: SymmetryState, gesture: Ink) -> Growing | None:
         return None
     if not waits(curve, trace):
         return None
-    stereo = Stereo.of(gesture.camera, state.plane)
-    (view,) = (view for view in trace.views if view.stereo == stereo)
+    (view,) = (v for v in trace.views if is_one_view(gesture.camera, v.strokes[0].camera))
+    drawn = on_canvas(gesture.strokes[-1], view.strokes[0].camera).points
     pixels = view.sides[0].pixels
-    question = (stereo, pixels.tobytes(), gesture.strokes[-1].points[:1].tobytes())
-    return _growing.recall(question, lambda: Growing(stereo, pixels))
+    question = (view.stereo, pixels.tobytes(), drawn[:1].tobytes())
+    growing = _growing.recall(question, lambda: Growing(view.stereo, pixels))
+    return growing.points(drawn)

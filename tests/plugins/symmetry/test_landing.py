@@ -11,6 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 from bozzetto_symmetry.landing import drawn_curves, landed
+from bozzetto_symmetry.modeler import Symmetry
 from bozzetto_symmetry.state import SymmetryState
 from bozzetto_symmetry.stereo import MIRROR
 from bozzetto_symmetry.trace import traced
@@ -140,3 +141,28 @@ def test_half_of_a_curve_across_drawn_again_from_elsewhere() -> None:
     made = traced(again.curves[0], again)
     assert made.reading == "self"
     assert np.median(s.distances(made.points, whole)) < 2e-3 * s.DIAGONAL
+
+
+def test_a_window_that_is_resized_shows_the_same_view() -> None:
+    side = s.PAIRS["S-wave"]
+    state = landed(SymmetryState(), (stroke(side),))
+    other = VIEW.with_viewport(900.0, 1300.0)
+    state = landed(state, (stroke(side * MIRROR, other),))
+    assert len(state.curves) == 1
+    made = traced(state.curves[0], state)
+    assert made.reading == "pair"
+    assert len(made.views) == 1
+    assert np.median(s.distances(made.points, side)) < 5e-4 * s.DIAGONAL
+    again = landed(state, (stroke(side, VIEW.with_viewport(500.0, 400.0)),))
+    assert len(again.curves) == 1
+
+
+def test_the_way_back_to_the_view_of_a_side_that_waits() -> None:
+    modeler, aside = Symmetry(), s.camera(70, 40)
+    state = landed(SymmetryState(), (stroke(s.PAIRS["S-wave"]),))
+    told = modeler.view_advice(state, aside)
+    assert told.better == VIEW
+    assert "waits" in told.message
+    assert "waits" not in modeler.view_advice(state, VIEW.with_viewport(700.0, 500.0)).message
+    whole = landed(state, (stroke(s.PAIRS["S-wave"] * MIRROR),))
+    assert "waits" not in modeler.view_advice(whole, aside).message

@@ -1,0 +1,51 @@
+"""One view on canvases of several sizes: a window that is resized shows the same view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from bozzetto.ink import Stroke
+from bozzetto.view import Camera
+
+__all__ = ["by_view", "is_one_view", "on_canvas"]
+
+
+def is_one_view(one: Camera, other: Camera) -> bool:
+    """Whether two cameras differ in the sizes of their canvases alone."""
+    return one == other or one == replace(other, viewport=one.viewport)
+
+
+def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:
+    """A stroke as it would be on the canvas of a camera of the same view.
+
+    The canvas is as high as the view, whatever its width: places keep their distance from
+    the middle, in heights of the canvas.
+    """
+    if stroke.camera == camera:
+        return stroke
+    (width, height), (wide, high) = stroke.camera.viewport, camera.viewport
+    scale = high / height
+    return Stroke(
+        0.5 * wide + scale * (stroke.x.astype(float) - 0.5 * width),
+        0.5 * high + scale * (stroke.y.astype(float) - 0.5 * height),
+        camera,
+        pressure=stroke.pressure if stroke.has_pressure else None,
+        t=stroke.t if stroke.has_time else None,
+        tool=stroke.tool,
+        color=stroke.color,
+        group=stroke.group,
+    )
+
+
+def by_view(strokes: Iterable[Stroke]) -> tuple[tuple[Stroke, ...], ...]:
+    """Strokes of each view, on the canvas of the first of them, in the order drawn."""
+    views: list[list[Stroke]] = []
+    for stroke in strokes:
+        for drawn in views:
+            if is_one_view(stroke.camera, drawn[0].camera):
+                drawn.append(on_canvas(stroke, drawn[0].camera))
+                break
+        else:
+            views.append([stroke])
+    return tuple(tuple(drawn) for drawn in views)
