@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from typing import Final
+
+import numpy as np
 
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
@@ -11,9 +13,24 @@ from bozzetto.view import Camera
 __all__ = ["by_view", "is_one_view", "on_canvas"]
 
 
+SAME: Final = 1e-9
+"""Difference between two cameras that carrying them into another frame can make."""
+
+
 def is_one_view(one: Camera, other: Camera) -> bool:
-    """Whether two cameras differ in the sizes of their canvases alone."""
-    return one == other or one == replace(other, viewport=one.viewport)
+    """Whether two cameras show the same, whatever the sizes of their canvases.
+
+    The point about which a view turns, and which way counts as up, do not matter.
+    """
+    if one == other:
+        return True
+    wide = [c.fov_y if one.kind == "perspective" else c.height for c in (one, other)]
+    return bool(
+        one.kind == other.kind
+        and abs(wide[0] - wide[1]) < SAME * wide[0]
+        and np.abs(np.subtract(one.eye, other.eye)).max() < SAME * one.distance
+        and np.abs(one.axes - other.axes).max() < SAME
+    )
 
 
 def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:

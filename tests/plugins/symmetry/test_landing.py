@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 from bozzetto_symmetry.landing import drawn_curves, landed
@@ -164,5 +165,10 @@ def test_the_way_back_to_the_view_of_a_side_that_waits() -> None:
     assert told.better == VIEW
     assert "waits" in told.message
     assert "waits" not in modeler.view_advice(state, VIEW.with_viewport(700.0, 500.0)).message
+    there_and_back = VIEW.moved(Placement(offset=(3.0, 4.0, 5.0))).moved(
+        Placement(offset=(-3, -4, -5))
+    )
+    assert there_and_back != VIEW
+    assert "waits" not in modeler.view_advice(state, there_and_back).message
     whole = landed(state, (stroke(s.PAIRS["S-wave"] * MIRROR),))
     assert "waits" not in modeler.view_advice(whole, aside).message
