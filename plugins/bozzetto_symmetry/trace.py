@@ -28,7 +28,7 @@ from bozzetto_symmetry.sides import Side, sides_of
 from bozzetto_symmetry.space_curve import SpaceCurve
 from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.stereo import MIRROR, Stereo
-from bozzetto_symmetry.uncertainty import curve_sigmas
+from bozzetto_symmetry.uncertainty import LEFT, curve_sigmas
 from bozzetto_symmetry.visibility import shown_curves
 
 if TYPE_CHECKING:
@@ -307,7 +307,7 @@ def _uncertainty(curve: SpaceCurve, points: Array, sights: Sequence[Sight]) -> A
     near = [sight.stereo for sight in sights if sight.near]
     far = [sight.stereo for sight in sights if sight.far]
     tangents = curve.spline.derivative(at)
-    return curve_sigmas(near, far, points, tangents, flat=curve.reading == "plane")
+    return LEFT * curve_sigmas(near, far, points, tangents, flat=curve.reading == "plane")
 
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:

@@ -10,7 +10,7 @@ from bozzetto.errors import UserError
 from bozzetto_symmetry.bundle import Bundled, Sight, bundled, through
 from bozzetto_symmetry.space_curve import Reading
 from bozzetto_symmetry.stereo import MIRROR, Stereo
-from bozzetto_symmetry.uncertainty import curve_sigmas, pair_covariances, plane_covariances
+from bozzetto_symmetry.uncertainty import LEFT, curve_sigmas, pair_covariances, plane_covariances
 from tests.plugins.symmetry.scenes import (
     ACROSS,
     DIAGONAL,
@@ -221,7 +221,7 @@ def foretold(made: Bundled, points: Array, azimuth: float) -> Array:
     """How far off places of a curve may be for 1 px of noise, mm."""
     views = [Stereo(camera(azimuth, 20))]
     at = np.linspace(*made.curve.spline.range, len(points))
-    return curve_sigmas(views, views, points, made.curve.spline.derivative(at))
+    return LEFT * curve_sigmas(views, views, points, made.curve.spline.derivative(at))
 
 
 def monte_carlo(name: str, azimuth: float, trials: int) -> tuple[Array, Array]:
