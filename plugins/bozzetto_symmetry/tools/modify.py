@@ -13,6 +13,7 @@ from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.aiming import Seen, seen_curves, target_of
+from bozzetto_symmetry.canvas import is_one_view, on_canvas
 from bozzetto_symmetry.editing import edited
 from bozzetto_symmetry.showing import curve_lines
 from bozzetto_symmetry.space_curve import SpaceCurve
@@ -97,8 +98,10 @@ def _modification(target: Seen, stroke: Stroke) -> tuple[tuple[Edit, ...], Modif
     if not edits or not isinstance(edits[-1], Modification):
         return edits, alone
     last = edits[-1]
-    if last.mirrored != target.mirrored or last.strokes[0].camera != stroke.camera:
+    canvas = last.strokes[0].camera
+    if last.mirrored != target.mirrored or not is_one_view(stroke.camera, canvas):
         return edits, alone
+    stroke = on_canvas(stroke, canvas)
     away = min(
         float(np.mean(distances_to_polyline(stroke.points, one.points))) for one in last.strokes
     )
