@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement, frozen
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.plugin import Parameter
+from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto_silhouette.sheet import Point, Sheet
 
 __all__ = [
@@ -360,20 +360,12 @@ class SilhouetteState:
 
     def with_node(self, node: Part | Group) -> SilhouetteState:
         """With a node in the place of the one of its id, or at the end; it becomes chosen."""
-        known = any(old.id == node.id for old in self.nodes)
-        nodes = (
-            tuple(node if old.id == node.id else old for old in self.nodes)
-            if known
-            else (*self.nodes, node)
-        )
-        return replace(self, nodes=nodes, selected=node.id)
+        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def unused_id(self) -> str:
         """An id that no node has."""
-        taken = {node.id for node in self.nodes}
-        return next(f"n{k}" for k in range(1, len(taken) + 2) if f"n{k}" not in taken)
+        return unused_id(self.nodes)
 
     def unused_name(self, stem: str = "Part") -> str:
         """A name that no node has."""
-        taken = {node.name for node in self.nodes}
-        return next(f"{stem} {k}" for k in range(1, len(taken) + 2) if f"{stem} {k}" not in taken)
+        return unused_name(self.nodes, stem)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter
+from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto_symmetry.plane import CentrePlane, Point
 
 __all__ = [
@@ -301,13 +301,7 @@ class SymmetryState:
 
     def with_node(self, node: Kind) -> SymmetryState:
         """With a node in the place of the one of its id, or at the end; it becomes chosen."""
-        known = any(old.id == node.id for old in self.nodes)
-        nodes = (
-            tuple(node if old.id == node.id else old for old in self.nodes)
-            if known
-            else (*self.nodes, node)
-        )
-        return replace(self, nodes=nodes, selected=node.id)
+        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def without(self, *node_ids: str) -> SymmetryState:
         """Without some nodes; what was joined to them is no longer."""
@@ -317,13 +311,11 @@ class SymmetryState:
 
     def unused_id(self) -> str:
         """An id that no node has."""
-        taken = {node.id for node in self.nodes}
-        return next(f"n{k}" for k in range(1, len(taken) + 2) if f"n{k}" not in taken)
+        return unused_id(self.nodes)
 
     def unused_name(self, stem: str = "Curve") -> str:
         """A name that no node has."""
-        taken = {node.name for node in self.nodes}
-        return next(f"{stem} {k}" for k in range(1, len(taken) + 2) if f"{stem} {k}" not in taken)
+        return unused_name(self.nodes, stem)
 
 
 Kind = TypeVar("Kind", Curve, Line, Group)

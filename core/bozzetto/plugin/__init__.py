@@ -24,7 +24,14 @@ from bozzetto.plugin.modeler import (
 )
 from bozzetto.plugin.panel import PanelHost
 from bozzetto.plugin.parameters import Parameter
-from bozzetto.plugin.parts import HasParts, ReleasesParts, switched_on
+from bozzetto.plugin.parts import (
+    HasParts,
+    ReleasesParts,
+    switched_on,
+    unused_id,
+    unused_name,
+    with_part,
+)
 from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
 
 __all__ = [
@@ -57,6 +64,9 @@ __all__ = [
     "ViewAdvice",
     "hookimpl",
     "switched_on",
+    "unused_id",
+    "unused_name",
+    "with_part",
 ]
 
 API_VERSION = (1, 2)

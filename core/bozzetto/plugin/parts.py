@@ -11,7 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-__all__ = ["HasParts", "Part", "ReleasesParts", "switched_on"]
+__all__ = [
+    "HasParts",
+    "Part",
+    "ReleasesParts",
+    "switched_on",
+    "unused_id",
+    "unused_name",
+    "with_part",
+]
 
 
 class Part(Protocol):
@@ -42,6 +50,26 @@ class Part(Protocol):
 
 
 Kind = TypeVar("Kind", bound=Part)
+
+
+def with_part(parts: Iterable[Kind], part: Kind) -> tuple[Kind, ...]:
+    """Parts with one of them in the place of the one of its id, or at the end."""
+    row = tuple(parts)
+    if any(old.id == part.id for old in row):
+        return tuple(part if old.id == part.id else old for old in row)
+    return (*row, part)
+
+
+def unused_id(parts: Iterable[Part]) -> str:
+    """An id that no part has, such as n1."""
+    taken = {part.id for part in parts}
+    return next(f"n{k}" for k in range(1, len(taken) + 2) if f"n{k}" not in taken)
+
+
+def unused_name(parts: Iterable[Part], stem: str) -> str:
+    """A name that no part has: the stem and a number."""
+    taken = {part.name for part in parts}
+    return next(f"{stem} {k}" for k in range(1, len(taken) + 2) if f"{stem} {k}" not in taken)
 
 
 def switched_on(parts: Iterable[Kind]) -> tuple[Kind, ...]:
