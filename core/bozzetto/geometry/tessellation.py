@@ -14,7 +14,7 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patch import bernstein, grid, grid_normals
 from bozzetto.geometry.patchwork import Patchwork
 
-__all__ = ["TOLERANCE", "shaded", "tessellated"]
+__all__ = ["TOLERANCE", "shaded", "shaded_parameters", "tessellated"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -136,8 +136,14 @@ def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
     patchwork : Patchwork
     divisions : int
         Steps along each side of a patch.
+
+    Returns
+    -------
+    Mesh
+        Patch after patch, and in each all v of the first u, then of the next
+        (`shaded_parameters`): (k, divisions + 1, divisions + 1) vertices in a row.
     """
-    at = np.linspace(0.0, 1.0, divisions + 1)
+    at = shaded_parameters(divisions)
     places = grid(patchwork.nets, at, at)
     lines = bernstein(at) @ patchwork.edges
     signed = np.asarray(patchwork.sides, np.intp)
@@ -153,6 +159,11 @@ def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
         _grid_faces(len(places), divisions),
         grid_normals(patchwork.nets, at, at).reshape(-1, 3).astype(np.float32),
     )
+
+
+def shaded_parameters(divisions: int = 12) -> Array:
+    """The values of u, and those of v, at the vertices that `shaded` makes, (divisions + 1,)."""
+    return np.linspace(0.0, 1.0, divisions + 1)
 
 
 @lru_cache(maxsize=8)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.scene.palette import ROLES, Color
 
 __all__ = [
+    "Finish",
     "Handle",
     "Image",
     "Item",
@@ -34,6 +35,7 @@ __all__ = [
 ]
 
 Paint = str | Color
+Finish = Literal["clay", "zebra"]
 Hidden = Literal["hide", "faint", "dashed", "show"]
 
 MOST_FRAMED = 100_000
@@ -63,15 +65,22 @@ class Shaded:
         0 … 1; below 1 the inside shows through (see-through boxes).
     pickable : bool
         Whether ink can be laid on it.
+    finish : {"clay", "zebra"}
+        Matte, or polished so that it mirrors rows of light tubes: their stripes break where
+        the surface has a crease and bend where its curvature jumps, so it wants exact
+        normals. A view that shades all surfaces in a way of its own does so with this one.
     """
 
     mesh: Mesh
     color: Paint = "clay"
     opacity: float = 1.0
     pickable: bool = True
+    finish: Finish = "clay"
 
     def __post_init__(self) -> None:
         _check_paint(self.color)
+        if self.finish not in get_args(Finish):
+            raise ValueError(f"no finish {self.finish!r}; there are {', '.join(get_args(Finish))}")
 
 
 @dataclass(frozen=True, eq=False)
