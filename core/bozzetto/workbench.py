@@ -31,12 +31,14 @@ from bozzetto.plugin.modeler import (
     ReadsDrawings,
     ReadsShapes,
     Reports,
+    TakesPictures,
     TellsNext,
     Tool,
 )
 from bozzetto.plugin.registry import Registry
 from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
+from bozzetto.scene.stored_picture import Picture
 from bozzetto.steps import run_steps
 from bozzetto.view.camera import Camera
 
@@ -194,9 +196,14 @@ class Workbench:
         """A model made from a whole drawing, as if it had been drawn by hand.
 
         Where the drawing says in which steps it was made, these are taken one by one. What it
-        says beyond its strokes is in the context all the way (`Context.facts`).
+        says beyond its strokes is in the context all the way (`Context.facts`), and so are the
+        pictures that it names.
         """
-        context = replace(context or Context(camera=drawing.camera), facts=drawing.extra)
+        context = replace(
+            context or Context(camera=drawing.camera),
+            facts=drawing.extra,
+            pictures=drawing.pictures,
+        )
         model = self.create(modeler_id, context, name=drawing.name)
         modeler = self.registry.modeler(modeler_id)
         if drawing.steps:
@@ -255,6 +262,31 @@ class Workbench:
         if not shapes:
             raise UserError(f"“{row[0].name}” has no shape to start from. Draw something first.")
         return self.from_shapes(modeler_id, shapes, name or row[0].name)
+
+    def takes_pictures(self, modeler_id: str) -> bool:
+        """Whether a modeler works on pictures."""
+        return isinstance(self.registry.modeler(modeler_id), TakesPictures)
+
+    def with_picture(self, model: Model, picture: Picture, context: Context) -> Model:
+        """The model with one more picture to work on.
+
+        Raises
+        ------
+        UserError
+            If its modeler takes no pictures, or has no use for this one.
+        """
+        self._refuse_closed(model)
+        modeler = self.registry.modeler(model.modeler)
+        if not isinstance(modeler, TakesPictures):
+            raise UserError(f"{modeler.title} takes no pictures. Choose another modeler.")
+        if not picture.pixels.size:  # unpacked here, for damaged bytes are not the plugin's fault
+            raise UserError(f"The picture “{picture.name}” is empty. Choose another one.")
+        context = context.moved(model.placement.inverse())
+        state = self.registry.guard.call(
+            model.modeler, "with_picture", modeler.with_picture, model.state, picture, context
+        )
+        self.registry.guard.check_state(model.modeler, modeler.state_type, state)
+        return replace(model, state=state)
 
     # -- looking --
 

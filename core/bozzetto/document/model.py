@@ -15,6 +15,7 @@ from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.placement import Placement
+from bozzetto.scene.png import MAX_PIXELS
 from bozzetto.view.camera import Camera
 
 __all__ = ["Document", "Model", "NamedView", "Underlay", "check_name", "new_id"]
@@ -25,9 +26,6 @@ ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
 
 NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
 """Names of models, views and underlays: no control characters, no halves of characters."""
-
-MAX_PIXELS: Final = 1 << 26
-"""Largest underlay, pixels: 8192 × 8192, a quarter of a gigabyte."""
 
 STANDING: Final = Placement()
 """Where a model stands that nobody has moved."""

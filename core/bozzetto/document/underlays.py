@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import io
 import weakref
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.document.model import MAX_PIXELS
-from bozzetto.errors import DocumentError
+from bozzetto.errors import DocumentError, FormatError
+from bozzetto.scene.png import decoded, png_bytes
 
 __all__ = ["decode_png", "encode_png"]
 
 PNG_EFFORT: Final = 1
-"""zlib level: scans compress nearly as well as at 6, in a third of the time."""
+"""zlib level: a save must not wait for the last tenth of the size."""
 
 _encoded: dict[int, tuple[weakref.ref[Any], bytes]] = {}
 """PNG of pictures in memory, so that a save does not pack the same picture again."""
@@ -23,13 +22,9 @@ _encoded: dict[int, tuple[weakref.ref[Any], bytes]] = {}
 
 def encode_png(pixels: NDArray[np.uint8]) -> bytes:
     """A picture of shape (h, w, 4), RGBA, as PNG; remembered while the array lives."""
-    from PIL import Image
-
     key = id(pixels)
     if key not in _encoded:
-        file = io.BytesIO()
-        Image.fromarray(pixels, "RGBA").save(file, "PNG", compress_level=PNG_EFFORT)
-        _remember(pixels, file.getvalue())
+        _remember(pixels, png_bytes(pixels, PNG_EFFORT))
     return _encoded[key][1]
 
 
@@ -39,20 +34,12 @@ def decode_png(content: bytes) -> NDArray[np.uint8]:
     Raises
     ------
     DocumentError
-        If it is not a PNG, or larger than `MAX_PIXELS`.
+        If it is not a PNG, or larger than `bozzetto.scene.png.MAX_PIXELS`.
     """
-    from PIL import Image
-
     try:
-        with Image.open(io.BytesIO(content), formats=("PNG",)) as image:
-            if image.width * image.height > MAX_PIXELS:
-                raise DocumentError("An underlay picture of this document is too large.")
-            pixels = np.asarray(image.convert("RGBA"))
-    except DocumentError:
-        raise
-    except Exception as problem:  # the PNG reader has no end of ways to fail on hostile data
-        raise DocumentError(f"An underlay picture is damaged: {problem}.") from problem
-    return pixels
+        return decoded(content)
+    except FormatError as problem:
+        raise DocumentError(problem.message) from problem
 
 
 def _remember(pixels: NDArray[np.uint8], png: bytes) -> None:

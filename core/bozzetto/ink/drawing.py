@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
+from bozzetto.scene.stored_picture import Picture
 from bozzetto.view.camera import Camera
 
 __all__ = ["Drawing"]
@@ -29,6 +31,8 @@ class Drawing:
         for the modelers that know it; already checked to be plain JSON values.
     steps : tuple of Step
         How the strokes were used, where the file says so; they name strokes that there are.
+    pictures : mapping of str to Picture
+        The pictures that `extra` names, by the names of their files as they stand there.
     """
 
     strokes: Strokes
@@ -36,3 +40,4 @@ class Drawing:
     name: str = "drawing"
     extra: dict[str, Any] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()
+    pictures: Mapping[str, Picture] = field(default_factory=dict)

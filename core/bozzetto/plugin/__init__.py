@@ -14,11 +14,13 @@ from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.memory import Memory
 from bozzetto.plugin.modeler import (
+    Aims,
     Modeler,
     OffersCurves,
     ReadsDrawings,
     ReadsShapes,
     Reports,
+    TakesPictures,
     TellsNext,
     Tool,
 )
@@ -37,6 +39,7 @@ from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
 __all__ = [
     "API_VERSION",
     "AdvisesView",
+    "Aims",
     "Cancelled",
     "Command",
     "Context",
@@ -56,6 +59,7 @@ __all__ = [
     "ReadsShapes",
     "ReleasesParts",
     "Reports",
+    "TakesPictures",
     "Tap",
     "TellsNext",
     "Tool",
@@ -69,5 +73,5 @@ __all__ = [
     "with_part",
 ]
 
-API_VERSION = (1, 2)
+API_VERSION = (1, 3)
 """Version of this contract: a plugin's manifest names the range it was written for."""

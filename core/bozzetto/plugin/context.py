@@ -10,6 +10,7 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.scene.picking import Hits, cast_rays
+from bozzetto.scene.stored_picture import Picture
 from bozzetto.view.camera import Camera, Rays
 from bozzetto.view.frames import triple
 
@@ -50,6 +51,8 @@ class Context:
     curves : tuple of Curve
         Those of all visible models that are solved, in world coordinates: to snap to, and to
         start from.
+    pictures : mapping of str to Picture
+        Those that `facts` name, by the names of their files as they stand there.
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -60,6 +63,7 @@ class Context:
     underlay: Image | None = None
     facts: Mapping[str, Any] = field(default_factory=dict)
     curves: tuple[Curve, ...] = ()
+    pictures: Mapping[str, Picture] = field(default_factory=dict)
 
     def surface_hit(self, rays: Rays) -> Hits:
         """Where rays first meet a visible surface, whoever made it."""

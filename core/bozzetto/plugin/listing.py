@@ -67,6 +67,8 @@ class ModelerInfo:
         Place in the row of modelers, small first.
     reads_shapes : bool
         Whether it can start from the shapes of other models.
+    facts : str
+        The key by which its files are told from others; "" for none.
     """
 
     id: str
@@ -81,3 +83,4 @@ class ModelerInfo:
     listed: bool = True
     order: int = 50
     reads_shapes: bool = False
+    facts: str = ""

@@ -77,6 +77,7 @@ class _ModelerTable(msgspec.Struct, frozen=True):
     panel: bool = False
     listed: bool = True
     reads_shapes: bool = False
+    facts: Annotated[str, msgspec.Meta(max_length=80)] = ""
     order: int = 50
 
 
@@ -119,6 +120,9 @@ class ModelerEntry:
         Place in the row of modelers, small first.
     reads_shapes : bool
         Whether it can start from the shapes of other models (`ReadsShapes`).
+    facts : str
+        The key by which its files are told from others: a JSON file without strokes that has
+        it at the top is read by this modeler, whichever is in the hand. "" for none.
     """
 
     id: str
@@ -130,6 +134,7 @@ class ModelerEntry:
     listed: bool = True
     order: int = 50
     reads_shapes: bool = False
+    facts: str = ""
 
 
 @dataclass(frozen=True)
@@ -237,6 +242,7 @@ def _entry(table: _ModelerTable) -> ModelerEntry:
         table.listed,
         table.order,
         table.reads_shapes,
+        table.facts,
     )
 
 

@@ -17,13 +17,16 @@ from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
+from bozzetto.scene.stored_picture import Picture
 
 __all__ = [
+    "Aims",
     "Modeler",
     "OffersCurves",
     "ReadsDrawings",
     "ReadsShapes",
     "Reports",
+    "TakesPictures",
     "TellsNext",
     "Tool",
 ]
@@ -144,6 +147,23 @@ class TellsNext(Protocol):
 
 
 @runtime_checkable
+class Aims(Protocol):
+    """A tool with which places have to be met exactly.
+
+    Beside all handles, the pen may go down anywhere and take its time: the place is where it
+    lifts, and a loupe shows what is under it until then. `Tool.preview` is asked with the
+    `Tap` as it would be now. The loupe is there, too, while a handle is dragged.
+
+    Attributes
+    ----------
+    aims : bool
+        False is as good as not having it.
+    """
+
+    aims: bool
+
+
+@runtime_checkable
 class ReadsDrawings(Protocol):
     """A modeler that knows better than "apply my first tool to all the ink"."""
 
@@ -162,6 +182,25 @@ class ReadsShapes(Protocol):
 
     def read_shapes(self, shapes: Shapes) -> Any:
         """A state from meshes and curves; `UserError` where there is nothing of use in them."""
+        ...
+
+
+@runtime_checkable
+class TakesPictures(Protocol):
+    """A modeler that works on pictures, such as sketches and photographs.
+
+    While a model of it is selected, pictures that are dropped, pasted or opened come to it,
+    and not under the sheet.
+    """
+
+    def with_picture(self, state: Any, picture: Picture, context: Context) -> Any:
+        """The state with one more picture; keep it in the state, which documents can store.
+
+        Raises
+        ------
+        UserError
+            If it is of no use, with what to do instead.
+        """
         ...
 
 

@@ -46,6 +46,9 @@ class Parameter:
         Folded away at first.
     choices : tuple of (value, label)
         Readable names for a ``Literal`` field's values.
+    zero : str
+        Words in the place of 0, for a number that is 0 where it is not given, such as
+        "as drawn"; clearing the field gives 0.
     """
 
     label: str
@@ -56,6 +59,7 @@ class Parameter:
     help: str = ""
     advanced: bool = False
     choices: tuple[tuple[str, str], ...] = ()
+    zero: str = ""
 
     def __post_init__(self) -> None:
         pairs = self.choices if isinstance(self.choices, tuple) else (None,)

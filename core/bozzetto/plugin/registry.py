@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import threading
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -173,6 +173,11 @@ class Registry:
         if found:
             raise UserError(f"{name!r} can be {' or '.join(found)}. Write out which.")
         raise self._absent(name)
+
+    def told_by(self, facts: Mapping[str, object]) -> str:
+        """The modeler whose files say such things; "" where none is, or several are."""
+        ids = [info.id for info in self.modelers() if info.facts and info.facts in facts]
+        return ids[0] if len(ids) == 1 else ""
 
     def set_disabled(self, plugin_id: str, disabled: bool) -> None:
         """Switch a plugin off or on again. One that is imported stays so, but is not called."""
@@ -360,6 +365,7 @@ def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
         entry.listed,
         entry.order,
         entry.reads_shapes,
+        entry.facts,
     )
 
 

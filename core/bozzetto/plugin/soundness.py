@@ -141,6 +141,8 @@ def sound_tools(tools: Any) -> tuple[Any, ...]:
         ids.add(tool.id)
         if getattr(tool, "gesture", None) not in ("ink", "tap", "drag"):
             raise Unsound(f'{type(tool).__name__}.gesture must be "ink", "tap" or "drag"')
+        if not isinstance(getattr(tool, "aims", False), bool):
+            raise Unsound(f"{type(tool).__name__}.aims must be True or False")
         if not all(callable(getattr(tool, name, None)) for name in ("preview", "apply")):
             raise Unsound(f"{type(tool).__name__} needs the methods preview and apply")
     return tuple(tools)
@@ -193,6 +195,7 @@ def sound_advice(advice: Any) -> ViewAdvice:
     _expect(advice.level in LEVELS, "ViewAdvice.level")
     _text(advice.message, "ViewAdvice.message")
     _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
+    _expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
     sound_scene(advice.scene)
     return advice
 

@@ -26,12 +26,17 @@ class ViewAdvice:
     scene : Scene
         What hangs on the view, such as vanishing points; a layer stands in for the one of
         the same name in the modeler's own scene.
+    pinned : bool
+        The view stands where a picture was drawn from. Moving and zooming then turn the
+        camera about its eye and change its opening angle, so that the picture and what is
+        laid over it stay together; turning the view leaves the place as usual.
     """
 
     level: Literal["good", "warn", "refuse"]
     message: str
     better: Camera | None = None
     scene: Scene = field(default_factory=Scene)
+    pinned: bool = False
 
 
 @runtime_checkable

@@ -15,6 +15,7 @@ from bozzetto.scene.display_list import (
     Shaded,
 )
 from bozzetto.scene.palette import DARK, LIGHT, Palette
+from bozzetto.scene.stored_picture import Picture
 
 __all__ = [
     "DARK",
@@ -27,6 +28,7 @@ __all__ = [
     "Lines",
     "Paint",
     "Palette",
+    "Picture",
     "Points",
     "Scene",
     "Shaded",

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.view.about_eye import aimed, enlarged
 from bozzetto.view.camera import Camera
 from bozzetto.view.frames import POLE, slerp, steepness, triple, upright
 
@@ -109,7 +110,14 @@ def turn(
     return replace(camera, eye=triple(eye), target=triple(target), up=triple(up))
 
 
-def pan(camera: Camera, dx: float, dy: float, at: ArrayLike | None = None) -> Camera:
+def pan(
+    camera: Camera,
+    dx: float,
+    dy: float,
+    at: ArrayLike | None = None,
+    *,
+    eye_fixed: bool = False,
+) -> Camera:
     """Move the view so that the world follows the pen.
 
     Parameters
@@ -119,7 +127,12 @@ def pan(camera: Camera, dx: float, dy: float, at: ArrayLike | None = None) -> Ca
         Drag in pixels, right and down.
     at : (3,) array_like, optional
         The point (mm) that follows the pen exactly; the target if absent.
+    eye_fixed : bool
+        In perspective, turn the camera about its eye instead of moving it; see `aimed`.
     """
+    if eye_fixed and camera.kind == "perspective":
+        seen, pixel = _from_eye(camera, camera.target if at is None else at)
+        return aimed(camera, seen, (pixel[0] + dx, pixel[1] + dy))
     scale = 1.0 / camera.pixels_per_mm
     if at is not None and camera.kind == "perspective":
         depth = float(camera.view_space(at)[0, 2])
@@ -146,6 +159,8 @@ def zoom(
     factor: float,
     pixel: tuple[float, float] | None = None,
     at: ArrayLike | None = None,
+    *,
+    eye_fixed: bool = False,
 ) -> Camera:
     """Enlarge the view about a place, which stays where it is on the canvas.
 
@@ -159,6 +174,8 @@ def zoom(
         target.
     at : (3,) array_like, optional
         A point of the world (mm), for example on a surface under the pen, instead.
+    eye_fixed : bool
+        In perspective, change the opening angle instead of moving the eye.
 
     Notes
     -----
@@ -167,7 +184,6 @@ def zoom(
     """
     if not np.isfinite(factor) or factor <= 0:
         return camera
-    factor = clamp_scale(camera, factor)
     forward = camera.axes[2]
     if at is not None:
         place = np.asarray(at, float)
@@ -175,6 +191,9 @@ def zoom(
         place = camera.on_plane(pixel, camera.target, forward)[0]
     else:
         place = np.asarray(camera.target)
+    if eye_fixed and camera.kind == "perspective":
+        return aimed(enlarged(camera, factor), *_from_eye(camera, place))
+    factor = clamp_scale(camera, factor)
     eye, target = np.asarray(camera.eye), np.asarray(camera.target)
     if camera.kind == "perspective":
         eye, target = place + (eye - place) / factor, place + (target - place) / factor
@@ -346,6 +365,16 @@ def interpolate(begin: Camera, end: Camera, t: float) -> Camera:
         visible,
         (width, height),
     )
+
+
+def _from_eye(camera: Camera, place: ArrayLike) -> tuple[Array, tuple[float, float]]:
+    """The direction to a place, and where on the canvas it is; the target's if it is not seen."""
+    (pixel,), (depth,) = camera.project(place)
+    if not depth > 0.0 or not np.isfinite(pixel).all():
+        (pixel,), _ = camera.project(camera.target)
+        place = camera.target
+    x, y = pixel.tolist()
+    return np.asarray(place, float) - camera.eye, (x, y)
 
 
 def _stood(camera: Camera, target: Array, distance: float) -> Camera:

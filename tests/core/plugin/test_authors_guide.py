@@ -92,10 +92,11 @@ def test_manifest_keys_are_explained(tmp_path):
         "listed": "false",
         "panel": "true",
         "reads_shapes": "true",
+        "facts": '"template"',
     }
     assert keys == values.keys()
     top = ("id", "title", "version", "summary", "api")
-    inner = ("id", "title", "icon", "hint", "samples", "order", "listed", "reads_shapes", "panel")
+    inner = tuple(key for key in values if key not in top or key in ("id", "title"))
     text = "\n".join(f"{key} = {values[key]}" for key in top)
     text += "\n[[modeler]]\n" + "\n".join(f"{key} = {values[key]}" for key in inner)
     (tmp_path / "plugin.toml").write_text(text)
