@@ -1,0 +1,386 @@
+"""The recipe of a car: sketches with their marks, what was done to the body by hand, styling.
+
+Nothing that can be computed is in it. Marks are in pixels of their picture and stay readable
+whatever becomes of cameras and templates; edits stand in the order in which they were made and
+are made again, each on what the ones before it left, whenever a mark changes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import frozen
+from bozzetto.ink import Strokes
+from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto.scene import Picture
+from bozzetto_car.deformation import TRACE
+from bozzetto_car.dimensions import LONGEST, Dimensions
+
+__all__ = [
+    "BentEdge",
+    "BodyEdit",
+    "CarState",
+    "Group",
+    "Mark",
+    "MovedNode",
+    "Node",
+    "Side",
+    "Sketch",
+    "StylingCurve",
+    "TracedEdges",
+    "Treatment",
+]
+
+Point = tuple[float, float, float]
+Color = tuple[int, int, int]
+Side = Literal["L", "R"]
+
+BLANK: Final = (1600.0, 1000.0)
+"""Size of a sketch without a picture, px."""
+
+FOUND: Final = "as drawn"
+"""What is said of a dimension that is not given."""
+
+
+# -- what was done to the body ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class BodyEdit:
+    """Something done to nodes or edges by hand.
+
+    Parameters
+    ----------
+    dimensions : Dimensions
+        Those that were set while it was done: the world in which it is done again.
+    """
+
+    dimensions: Dimensions = Dimensions()
+
+
+@dataclass(frozen=True)
+class TracedEdges(BodyEdit):
+    """A stroke along the picture of the body bends the edges it runs along.
+
+    Parameters
+    ----------
+    strokes : Strokes
+        One stroke; with the camera of the view it was drawn in.
+    sketch : str
+        Id of the sketch that it was drawn on: its places are pixels of the picture then, and the
+        camera is that of the sketch, as it comes to be known. "" for any other view.
+    edge : str
+        The edge that is meant, by its name; "" for the nearest ones.
+    nodes_follow : bool
+        Nodes go to the stroke, too.
+    """
+
+    strokes: Strokes = Strokes()
+    sketch: str = ""
+    edge: str = ""
+    nodes_follow: bool = False
+
+
+@dataclass(frozen=True)
+class MovedNode(BodyEdit):
+    """A node, and its mirror image, moved by so much, mm; tangents stay as they are."""
+
+    node: str = ""
+    by: Point = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class BentEdge(BodyEdit):
+    """An edge with another tangent, mm, at its start (0) or its end (1)."""
+
+    edge: str = ""
+    end: int = 0
+    tangent: Point = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Treatment(BodyEdit):
+    """All edges at once.
+
+    Parameters
+    ----------
+    kind : {"anneal", "reduce", "pull out"}
+        Smooth lines through their nodes; tangents cut to a third of the chord; panels and
+        corners pulled out.
+    """
+
+    kind: Literal["anneal", "reduce", "pull out"] = "anneal"
+
+
+# -- parts -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Node:
+    """What everything in the list has in common.
+
+    Parameters
+    ----------
+    id : str
+        Unique within the state.
+    name : str
+    visible : bool
+    within : str
+        Id of the group that it is in; "" for none.
+    """
+
+    id: str = ""
+    name: str = ""
+    visible: bool = True
+    within: str = ""
+
+
+@dataclass(frozen=True)
+class Group(Node):
+    """Styling curves that belong together."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Where a sketch shows a node, in pixels of its picture from the top left corner, y down."""
+
+    node: str
+    u: float
+    v: float
+
+
+@dataclass(frozen=True)
+class Sketch(Node):
+    """A picture of the car, and the marks on it.
+
+    Parameters
+    ----------
+    picture : Picture, optional
+    width, height : float
+        Of the picture in which the marks are told, px.
+    marks : tuple of Mark
+        In the order in which they were set; a node is marked once at most.
+    skipped : tuple of str
+        Nodes that this sketch does not show, as the person said.
+    """
+
+    picture: Picture | None = None
+    width: float = BLANK[0]
+    height: float = BLANK[1]
+    marks: tuple[Mark, ...] = ()
+    skipped: tuple[str, ...] = ()
+    shows: Annotated[
+        Side,
+        Parameter(
+            "Shows",
+            help="Which side of the car the sketch shows; found by itself from two wheels.",
+            choices=(("L", "Left side: nose to the left"), ("R", "Right side: nose to the right")),
+        ),
+    ] = "L"
+    kind: Annotated[
+        Literal["auto", "perspective", "orthographic"],
+        Parameter(
+            "Camera",
+            help="How the sketch was drawn.",
+            choices=(
+                ("auto", "Find out"),
+                ("perspective", "Perspective"),
+                ("orthographic", "Orthographic"),
+            ),
+        ),
+    ] = "auto"
+    cropped: Annotated[
+        bool,
+        Parameter(
+            "Cropped", help="The picture is a part of a larger one: its middle means nothing."
+        ),
+    ] = False
+    opacity: Annotated[
+        float, Parameter("Strength", 0.0, 1.0, step=0.05, help="Of the picture on the sheet.")
+    ] = 0.8
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Of the picture, px."""
+        return self.width, self.height
+
+    def mark_of(self, node: str) -> Mark | None:
+        """The mark of a node, if it is set."""
+        return next((mark for mark in self.marks if mark.node == node), None)
+
+
+@dataclass(frozen=True, eq=False)
+class StylingCurve(Node):
+    """A line on the body, kept by the patches it runs over, so that it follows all later change.
+
+    Parameters
+    ----------
+    patches : tuple of str
+        Names of patches.
+    on : (n,) int
+        For each place of the curve, in order, the patch it lies on, as a number in `patches`.
+    places : (n, 2) float
+        u and v on that patch.
+    """
+
+    patches: tuple[str, ...] = ()
+    on: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    both: Annotated[
+        bool, Parameter("On both sides", help="Show the mirror image on the other side, too.")
+    ] = True
+    color: Annotated[Color | None, Parameter("Colour", help="Of this curve.")] = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "on", frozen(self.on, np.int32))
+        object.__setattr__(self, "places", frozen(self.places, np.float64, 2))
+
+
+# -- the car ---------------------------------------------------------------------------------------
+
+
+def _dimension(label: str, help_: str) -> Parameter:
+    return Parameter(label, 0.0, LONGEST, step=10.0, unit="mm", help=help_, zero=FOUND)
+
+
+@dataclass(frozen=True)
+class CarState:
+    """Sketches, styling curves, what was done to the body, and how it is solved and shown.
+
+    Parameters
+    ----------
+    nodes : tuple of Sketch, StylingCurve or Group
+    selected : str
+        Id of the node that is chosen; "" for none.
+    asked : str
+        The node that is to be marked next, out of order; "" for the next one in order.
+    edits : tuple of BodyEdit
+        In the order in which they were made.
+    without : tuple of str
+        Names of the soundness constraints that are switched off.
+    own : str
+        A template of one's own (``bozzetto-car-template/1``, JSON); it takes the place of
+        `template` if there is any.
+    """
+
+    nodes: tuple[Sketch | StylingCurve | Group, ...] = ()
+    selected: str = ""
+    asked: str = ""
+    edits: tuple[TracedEdges | MovedNode | BentEdge | Treatment, ...] = ()
+    without: tuple[str, ...] = ()
+    own: str = ""
+    template: Annotated[
+        Literal["sedan", "hatchback", "minivan"],
+        Parameter(
+            "Template",
+            help="The car that takes the shape of the sketch.",
+            choices=(("sedan", "Sedan"), ("hatchback", "Hatchback"), ("minivan", "Minivan")),
+        ),
+    ] = "sedan"
+    trace: Annotated[
+        float,
+        Parameter("Follow the marks", 0.0, 1.0, step=0.05,
+                  help="0 stays plausible, 1 traces the marks exactly."),
+    ] = TRACE  # fmt: skip
+    shading: Annotated[
+        Literal["shaded", "zebra", "curvature", "certainty", "draft"],
+        Parameter(
+            "Shading",
+            help="What the colour of the body tells.",
+            choices=(
+                ("shaded", "Clay"),
+                ("zebra", "Zebra: reflection lines"),
+                ("curvature", "Curvature"),
+                ("certainty", "Seen, mirrored or guessed"),
+                ("draft", "Draft: over the sketch"),
+            ),
+        ),
+    ] = "shaded"
+    body: Annotated[bool, Parameter("Body", help="Show the surfaces of the template.")] = True
+    network: Annotated[bool, Parameter("Edges", help="Show the edges of the template.")] = True
+    wheels: Annotated[bool, Parameter("Wheels", help="Show the wheels.")] = True
+    creases: Annotated[
+        bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
+    ] = False
+    length: Annotated[float, _dimension("Length", "Over all.")] = 0.0
+    width: Annotated[float, _dimension("Width", "Without mirrors.")] = 0.0
+    height: Annotated[float, _dimension("Height", "From the ground.")] = 0.0
+    front_overhang: Annotated[
+        float, _dimension("Front overhang", "From the nose to the front wheels.")
+    ] = 0.0
+    wheelbase: Annotated[float, _dimension("Wheelbase", "Between the wheels.")] = 0.0
+    lock: Annotated[
+        bool,
+        Parameter("Keep while solving",
+                  help="Solve for a car of these dimensions, instead of stretching it after."),
+    ] = False  # fmt: skip
+    default_shape: Annotated[
+        bool,
+        Parameter("Pull panels out", advanced=True,
+                  help="Side panels and corners of nose and tail bulge after deformation."),
+    ] = True  # fmt: skip
+    annealed: Annotated[
+        bool,
+        Parameter("Smooth lines", advanced=True,
+                  help="Lines with the least bending through their nodes after deformation."),
+    ] = False  # fmt: skip
+    smooth: Annotated[
+        bool,
+        Parameter("Smooth surfaces", advanced=True,
+                  help="Where smooth lines cross an edge, the surfaces meet smoothly, too."),
+    ] = True  # fmt: skip
+    cost: Annotated[
+        Literal["balanced", "paper"],
+        Parameter(
+            "Cost",
+            advanced=True,
+            help="How marks are weighed against the template.",
+            choices=(("balanced", "Balanced"), ("paper", "As in the paper, α = β = 0.5")),
+        ),
+    ] = "balanced"
+    direct: Annotated[
+        bool,
+        Parameter("Direct transform", advanced=True,
+                  help="Show where the direct linear transform sees the marks, for teaching."),
+    ] = False  # fmt: skip
+
+    # -- parts --
+
+    @property
+    def sketches(self) -> tuple[Sketch, ...]:
+        """In their order."""
+        return tuple(node for node in self.nodes if isinstance(node, Sketch))
+
+    @property
+    def styling(self) -> tuple[StylingCurve, ...]:
+        """The styling curves, in their order."""
+        return tuple(node for node in self.nodes if isinstance(node, StylingCurve))
+
+    @property
+    def sketch(self) -> Sketch | None:
+        """The sketch that is worked on: the chosen one, or else the first."""
+        sketches = self.sketches
+        chosen = (sketch for sketch in sketches if sketch.id == self.selected)
+        return next(chosen, sketches[0] if sketches else None)
+
+    def with_node(self, node: Sketch | StylingCurve | Group) -> CarState:
+        """With a node in the place of the one of its id, or at the end; it is chosen."""
+        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
+
+    def unused_id(self) -> str:
+        """An id that no node has."""
+        return unused_id(self.nodes)
+
+    def unused_name(self, stem: str) -> str:
+        """A name that no node has."""
+        return unused_name(self.nodes, stem)
+
+    @property
+    def dimensions(self) -> Dimensions:
+        """Those that are given, mm."""
+        words = ("length", "width", "height", "front_overhang", "wheelbase")
+        return Dimensions(**{word: getattr(self, word) or None for word in words})
