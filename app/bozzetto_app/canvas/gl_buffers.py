@@ -13,7 +13,8 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.display_list import Image, Layer, Lines, Points, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.software.normals import corner_normals, mean_curvature
-from bozzetto.scene.software.shading import curvature_colors
+from bozzetto.scene.software.shading import Shading, curvature_colors
+from bozzetto.scene.software.surfaces import is_polished
 
 __all__ = [
     "HIDDEN_KINDS",
@@ -56,8 +57,8 @@ def _rgba(color: tuple[int, int, int], opacity: float) -> Floats:
     return np.array((*(part / 255.0 for part in color), opacity), np.float32)
 
 
-def surface(items: Sequence[Shaded], palette: Palette, shading: str = "clay") -> Batch:
-    """Meshes: place 3, normal 3 and whether the colour is the vertex's own 1, colour 4.
+def surface(items: Sequence[Shaded], palette: Palette, shading: Shading = "clay") -> Batch:
+    """Meshes: place 3, normal 3, matter 2 (own colour, polished: 0 or 1), colour 4.
 
     Vertices are split only at creases.
     """
@@ -66,19 +67,20 @@ def surface(items: Sequence[Shaded], palette: Palette, shading: str = "clay") ->
         mesh = item.mesh
         vertex, normal, corners = _split(mesh)
         colors = _vertex_colors(item, palette, shading)
-        block = np.empty((len(vertex), 11), np.float32)
+        block = np.empty((len(vertex), 12), np.float32)
         block[:, :3] = mesh.vertices[vertex]
         block[:, 3:6] = normal
         block[:, 6] = colors is not None
+        block[:, 7] = is_polished(item, shading)
         if colors is not None:
-            block[:, 7:] = colors[vertex].astype(np.float32) / np.float32(255.0)
-            block[:, 10] *= item.opacity
+            block[:, 8:] = colors[vertex].astype(np.float32) / np.float32(255.0)
+            block[:, 11] *= item.opacity
         else:
-            block[:, 7:] = _rgba(palette.color(item.color), item.opacity)
+            block[:, 8:] = _rgba(palette.color(item.color), item.opacity)
         vertices.append(block)
         indices.append(corners + np.uint32(count))
         count += len(vertex)
-    return Batch(np.concatenate(vertices), (3, 4, 4), np.concatenate(indices))
+    return Batch(np.concatenate(vertices), (3, 3, 2, 4), np.concatenate(indices))
 
 
 def _split(mesh: Mesh) -> tuple[NDArray[np.intp], Floats, Indices]:
@@ -93,7 +95,7 @@ def _split(mesh: Mesh) -> tuple[NDArray[np.intp], Floats, Indices]:
     return vertex, normals.vectors[normal], inverse.astype(np.uint32).ravel()
 
 
-def _vertex_colors(item: Shaded, palette: Palette, shading: str) -> NDArray[np.generic] | None:
+def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
     if shading == "curvature":
         return curvature_colors(mean_curvature(item.mesh), palette)
     return item.mesh.colors_over(palette.color(item.color))

@@ -9,6 +9,7 @@ from OpenGL import GL
 from OpenGL.GL import shaders
 
 from bozzetto.scene.software import shading as matter
+from bozzetto.scene.software import zebra
 from bozzetto.scene.software.strokes import DASH, GAP
 from bozzetto.scene.software.surfaces import XRAY_INK, XRAY_LEAST, XRAY_MOST
 
@@ -25,7 +26,7 @@ CORE_FRAGMENT: Final = (
 )
 
 ATTRIBUTES: Final = {
-    "surface": ("a_place", "a_normal", "a_color"),
+    "surface": ("a_place", "a_normal", "a_matter", "a_color"),
     "strip": ("a_before", "a_place", "a_after", "a_shape", "a_color"),
     "dot": ("a_place", "a_shape", "a_color"),
     "picture": ("a_place", "a_texel"),
@@ -35,13 +36,13 @@ ATTRIBUTES: Final = {
 SURFACE_VERTEX: Final = """
 uniform mat4 u_view; uniform mat4 u_projection;
 uniform vec2 u_size; uniform float u_swell;
-IN vec3 a_place; IN vec4 a_normal; IN vec4 a_color;
-OUT vec3 v_normal; OUT vec3 v_seen; OUT vec4 v_color; OUT float v_tinted;
+IN vec3 a_place; IN vec3 a_normal; IN vec2 a_matter; IN vec4 a_color;
+OUT vec3 v_normal; OUT vec3 v_seen; OUT vec4 v_color; OUT vec2 v_matter;
 void main() {
     vec4 seen = u_view * vec4(a_place, 1.0);
     v_seen = seen.xyz;
-    v_normal = mat3(u_view) * a_normal.xyz;
-    v_tinted = a_normal.w;
+    v_normal = mat3(u_view) * a_normal;
+    v_matter = a_matter;
     v_color = a_color;
     gl_Position = u_projection * seen;
     float reach = length(v_normal.xy);
@@ -52,10 +53,22 @@ void main() {
 
 SURFACE_FRAGMENT: Final = """
 uniform int u_shading; uniform float u_swell; uniform vec3 u_ink; uniform float u_parallel;
-uniform float u_opacity;
-IN vec3 v_normal; IN vec3 v_seen; IN vec4 v_color; IN float v_tinted;
-vec3 ramp(vec3 base, float light) {
-    vec3 shadow = base * vec3(0.36, 0.33, 0.33);
+uniform float u_opacity; uniform mat4 u_view;
+IN vec3 v_normal; IN vec3 v_seen; IN vec4 v_color; IN vec2 v_matter;
+float integral(float height) {
+    float whole = floor(height);
+    return 0.5 * whole + min(height - whole, 0.5);
+}
+vec3 stripes(vec3 base, vec3 normal, vec3 sight) {
+    float climb = (reflect(-sight, normal) * mat3(u_view)).z;
+    float height = asin(clamp(climb, -1.0, 1.0)) * %(TUBES_PART)s;
+    float width = max(fwidth(height), %(SOFTNESS)s);
+    float middle = height + 0.25;
+    float light = (integral(middle + 0.5 * width) - integral(middle - 0.5 * width)) / width;
+    return mix(mix(vec3(%(BLACK)s), vec3(%(WHITE)s), light), base, %(TINT)s);
+}
+vec3 ramp(vec3 base, float light, vec3 share) {
+    vec3 shadow = base * share;
     vec3 dark = shadow + (base - shadow) * pow(clamp(light, 0.0, 1.0), 1.15);
     vec3 bright = base + (1.0 - base) * 0.55;
     float over = clamp((light - 0.86) / (%(BRIGHTEST)s - 0.86), 0.0, 1.0);
@@ -76,15 +89,12 @@ void main() {
     vec3 color;
     if (u_shading == 3) {
         color = 0.5 * normal + 0.5;
-    } else if (u_shading == 1) {
-        float wave = sin(2.0 * %(ZEBRA_STRIPES)s * atan(normal.y, normal.z));
-        float stripe = clamp(3.0 * wave + 0.5, 0.0, 1.0);
-        color = mix(ramp(vec3(58.0, 58.0, 60.0) / 255.0, light),
-                    ramp(vec3(244.0, 243.0, 240.0) / 255.0, light), stripe);
-    } else if (v_tinted > 0.5) {
-        color = v_color.rgb * ramp(vec3(1.0), light);
+    } else if (v_matter.y > 0.5) {
+        color = stripes(v_color.rgb, normal, sight) * ramp(vec3(1.0), light, vec3(%(SHADOW)s));
+    } else if (v_matter.x > 0.5) {
+        color = v_color.rgb * ramp(vec3(1.0), light, vec3(%(HOLLOW_SHADOW)s));
     } else {
-        color = ramp(v_color.rgb, light);
+        color = ramp(v_color.rgb, light, vec3(%(HOLLOW_SHADOW)s));
     }
     float opacity = v_color.a * u_opacity;
     if (u_shading == 4) {
@@ -190,19 +200,29 @@ void main() {
 }
 """
 
+HOLLOW_SHADOW: Final = (0.36, 0.33, 0.33)
+"""Share of a colour that is left without light. Less than in the software renderer, which darkens
+hollows; what is mirrored is darkened by neither."""
+
 # The software renderer's light, so that both viewports look alike.
 LIGHT: Final = {
     "BRIGHTEST": matter.BRIGHTEST,
     "KEY": ", ".join(str(float(v)) for v in matter.KEY / np.linalg.norm(matter.KEY)),
     "WRAP": matter.WRAP,
     "KEY_PART": matter.KEY_SHARE / (1.0 + matter.WRAP),
+    "SHADOW": ", ".join(map(str, matter.SHADOW)),
+    "HOLLOW_SHADOW": ", ".join(map(str, HOLLOW_SHADOW)),
     "SKY_SHARE": matter.SKY_SHARE,
     "RIM_SHARE": matter.RIM_SHARE,
     "INSIDE": matter.INSIDE,
     "XRAY_INK": XRAY_INK,
     "XRAY_LEAST": XRAY_LEAST,
     "XRAY_MOST": XRAY_MOST,
-    "ZEBRA_STRIPES": matter.ZEBRA_STRIPES,
+    "TUBES_PART": zebra.TUBES / np.pi,
+    "SOFTNESS": zebra.SOFTNESS,
+    "WHITE": ", ".join(str(part / 255.0) for part in zebra.WHITE),
+    "BLACK": ", ".join(str(part / 255.0) for part in zebra.BLACK),
+    "TINT": zebra.TINT,
 }
 
 _SOURCES: Final = {

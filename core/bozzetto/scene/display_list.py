@@ -66,9 +66,9 @@ class Shaded:
     pickable : bool
         Whether ink can be laid on it.
     finish : {"clay", "zebra"}
-        Matte, or polished so that it mirrors rows of light tubes: their stripes break where
-        the surface has a crease and bend where its curvature jumps, so it wants exact
-        normals. A view that shades all surfaces in a way of its own does so with this one.
+        Matte, or polished so that it mirrors rings of light: their stripes break where the
+        surface has a crease and have a kink where its curvature jumps, so the mesh should bring
+        exact normals. A view that shades all surfaces in its own way takes no notice.
     """
 
     mesh: Mesh

@@ -41,11 +41,11 @@ INSIDE: Final = 0.80
 STEPS: Final = 1024
 """Entries in a ramp from dark to light."""
 
+SHADOW: Final = (0.44, 0.39, 0.36)
+"""Share of a colour that is left without light."""
+
 BRIGHTEST: Final = 1.25
 """Light at the end of a ramp; the colour itself is shown at 1."""
-
-ZEBRA_STRIPES: Final = 9.0
-"""Stripes over a half turn of the reflected line of sight."""
 
 CURVATURE_STEPS: Final = 1.6
 """Slope of the colour scale of curvature at zero."""
@@ -192,7 +192,7 @@ def ramp(color: Color) -> Floats:
     """
     light = np.linspace(0.0, BRIGHTEST, STEPS, dtype=np.float32)[:, None]
     base = np.array(color, np.float32)
-    shadow = base * np.array((0.44, 0.39, 0.36), np.float32)
+    shadow = base * np.array(SHADOW, np.float32)
     dark = shadow + (base - shadow) * np.clip(light, 0, 1) ** np.float32(1.15)
     bright = base + (np.float32(255) - base) * np.float32(0.55)
     over = np.clip((light - 0.86) / (BRIGHTEST - 0.86), 0, 1)
@@ -226,10 +226,6 @@ def colored(
         return np.asarray((seen.normal.T * 0.5 + 0.5) * 255.0, np.float32)
     light = lit(seen, cavity)
     step = np.clip(light * np.float32((STEPS - 1) / BRIGHTEST), 0, STEPS - 1).astype(np.intp)
-    if shading == "zebra":
-        stripe = _zebra(seen.normal)[:, None]
-        white, black = ramp((244, 243, 240))[step], ramp((58, 58, 60))[step]
-        return np.asarray(black + (white - black) * stripe, np.float32)
     ramps = np.concatenate([ramp(color) for color in colors])
     result = ramps.take(part.astype(np.intp) * STEPS + step, 0)
     own = np.flatnonzero(tinted[part])
@@ -237,17 +233,6 @@ def colored(
         white = ramp((255, 255, 255))[step[own]]
         result[own] = seen.color[own, :3] * white / np.float32(255)
     return np.asarray(result, np.float32)
-
-
-def _zebra(normal: Floats) -> Floats:
-    """Stripes of a room of light tubes, mirrored in the surface; 0 … 1.
-
-    The line of sight is reflected by twice the angle of the normal; seen from the side of
-    the tubes only the tilt about their direction counts.
-    """
-    tilt = np.arctan2(normal[1], normal[2])
-    wave = np.sin(np.float32(2.0 * ZEBRA_STRIPES) * tilt)
-    return np.asarray(np.clip(wave * np.float32(3.0) + np.float32(0.5), 0.0, 1.0), np.float32)
 
 
 def curvature_colors(curvature: Floats, palette: Palette) -> Floats:

@@ -24,8 +24,9 @@ from bozzetto.scene.software.sight import Sight
 from bozzetto.scene.software.soup import Soup, gather
 from bozzetto.scene.software.textures import rectangle, sampled
 from bozzetto.scene.software.zbuffer import Buffer, blank, rasterize
+from bozzetto.scene.software.zebra import mirroring
 
-__all__ = ["Drawn", "Veil", "draw_surfaces", "see_through"]
+__all__ = ["Drawn", "Veil", "draw_surfaces", "is_polished", "see_through"]
 
 Floats = NDArray[np.float32]
 
@@ -125,6 +126,11 @@ def see_through(item: Shaded, shading: Shading) -> bool:
     )
 
 
+def is_polished(item: Shaded, shading: Shading) -> bool:
+    """Whether a mesh mirrors the tubes of the zebra."""
+    return shading == "zebra" or (shading == "clay" and item.finish == "zebra")
+
+
 def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
     if shading == "curvature":
         return curvature_colors(mean_curvature(item.mesh), palette)
@@ -157,21 +163,34 @@ def _draw_opaque(
     cavity = None
     if shading in ("clay", "curvature"):
         cavity = cavities(buffer, sight, normal, fineness).ravel()[seen.pixel]
-    rgb = colored(
-        seen,
-        soup.part[seen.triangle],
-        [palette.color(item.color) for item in items],
-        tinted,
-        shading,
-        palette,
-        cavity,
-    )
+    rgb = _colors_of(seen, soup, items, tinted, sight, palette, shading, cavity)
     line = contours(buffer, sight, normal, fineness).ravel()[seen.pixel]
     drawn = np.flatnonzero(line)
     ink = np.array(palette.ink, np.float32)
     rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
     pixels[seen.pixel, :3] = rgb
     pixels[seen.pixel, 3] = 1.0
+
+
+def _colors_of(
+    seen: Fragments,
+    soup: Soup,
+    items: Sequence[Shaded],
+    tinted: NDArray[np.bool_],
+    sight: Sight,
+    palette: Palette,
+    shading: Shading,
+    cavity: Floats | None = None,
+) -> Floats:
+    """Colours of what is seen of some meshes, (n, 3), 0 … 255."""
+    part = soup.part[seen.triangle]
+    colors = [palette.color(item.color) for item in items]
+    polished = np.array([is_polished(item, shading) for item in items])
+    if polished.any():
+        seen = mirroring(seen, part, colors, tinted, polished, sight)
+        if cavity is not None:  # what is mirrored lies outside of the hollow
+            cavity = np.where(polished[part], np.float32(0), cavity)
+    return colored(seen, part, colors, tinted | polished, shading, palette, cavity)
 
 
 def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
@@ -190,14 +209,7 @@ def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading)
         buffer = blank(sight.width, sight.height)
         rasterize(buffer, half.places, half.faces)
         seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
-        rgb = colored(
-            seen,
-            half.part[seen.triangle],
-            [palette.color(item.color)],
-            tinted,
-            shading,
-            palette,
-        )
+        rgb = _colors_of(seen, half, [item], tinted, sight, palette, shading)
         opacity = np.full(len(seen.pixel), item.opacity, np.float32)
         if item.mesh.colors is not None and tinted.any():
             opacity *= seen.color[:, 3] / np.float32(255)
