@@ -22,25 +22,40 @@ LOUDEST: Final = 95.0
 """Percentile of the absolute curvatures of a body that gets the full colour. What bends more, as
 the corner of a bumper, would leave nothing but grey for the rest."""
 
-HOLLOW: Final = (38, 98, 172)
-EVEN: Final = (205, 204, 200)
-BULGE: Final = (190, 52, 44)
-"""Colours of hollow, flat and bulging surfaces. Blue and red differ for all kinds of colour
-vision, and both are darker than the grey between them."""
+GENTLE: Final = 6.0
+"""The scale is even below a sixth of its end, and logarithmic above."""
+
+FLAT: Final = 1e-9
+"""Curvature, 1/mm, that is rounding: a radius of a thousand kilometres."""
+
+BENDS: Final = np.array(
+    [
+        (28, 84, 150), (58, 134, 188), (134, 188, 216), (190, 212, 224),
+        (214, 213, 210),
+        (240, 205, 184), (236, 157, 122), (206, 88, 70), (164, 24, 42),
+    ],
+    float,
+)  # fmt: skip
+"""From hollow over flat to bulging: Brewer's RdBu, safe for all kinds of colour vision, with a
+middle that stands out from light paper. Both arms grow darker evenly, so that grey prints tell
+how much a place bends, though not to which side."""
 
 SOURCE_COLORS: Final[dict[Source, tuple[int, int, int]]] = {
-    "seen": (0, 140, 130),
-    "mirrored": (112, 160, 190),
-    "guessed": (196, 168, 118),
+    "seen": (62, 150, 140),
+    "mirrored": (136, 168, 200),
+    "guessed": (214, 182, 130),
 }
-"""Colours of nodes that have a mark, those whose mirror image has one, and the others."""
+"""Colours of nodes that have a mark, those whose mirror image has one, and the others: lighter
+and greyer the less is known."""
 
 
 def curvature_colors(nets: ArrayLike, divisions: int = 12) -> Colors:
     """Mean curvature as a colour at every vertex of `bozzetto.geometry.tessellation.shaded`.
 
-    Hollows are blue, what is flat grey, bulges red; the scale ends at the `LOUDEST` percentile
-    of the body's own curvatures.
+    Hollows are blue, what is flat grey, bulges red. The scale ends at the `LOUDEST` percentile
+    of the body's own curvatures; on the way there it is even first, and then logarithmic
+    (inverse hyperbolic sine): between the crown of a door and the corner of a bumper lie three
+    powers of ten.
 
     Parameters
     ----------
@@ -57,10 +72,10 @@ def curvature_colors(nets: ArrayLike, divisions: int = 12) -> Colors:
     at = shaded_parameters(divisions)
     mean = grid_curvatures(nets, at, at).mean.ravel()
     scale = float(np.percentile(np.abs(mean), LOUDEST)) if len(mean) else 0.0
-    level = np.clip(mean / (scale or 1.0), -1.0, 1.0)[:, None]
-    hollow, even, bulge = (np.array(color, float) for color in (HOLLOW, EVEN, BULGE))
-    end = np.where(level > 0.0, bulge, hollow)
-    return _opaque(even + np.abs(level) * (end - even))
+    share = np.clip(mean / scale, -1.0, 1.0) if scale > FLAT else np.zeros(len(mean))
+    level = np.arcsinh(GENTLE * share) / np.arcsinh(GENTLE)
+    stops = np.linspace(-1.0, 1.0, len(BENDS))
+    return _opaque(np.stack([np.interp(level, stops, part) for part in BENDS.T], axis=1))
 
 
 def certainty_colors(template: Template, sources: Sequence[Source], divisions: int = 12) -> Colors:
