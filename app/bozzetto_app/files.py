@@ -5,8 +5,10 @@ No dialog is shown here: `bozzetto_app.asking` asks, this does.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,13 +19,17 @@ from bozzetto.document.lock import FileLock, Locked, document_lock_path
 from bozzetto.document.model import Document, Model, Underlay, new_id
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
+from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
+from bozzetto.scene.display_list import Scene
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.saying import Notice
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
+    from bozzetto.workbench import Workbench
     from bozzetto_app.session import Session
 
 __all__ = ["DOCUMENT_ENDING", "Claim", "Files", "recent_files"]
@@ -34,6 +40,9 @@ RECENT = "recent/files"
 MOST_RECENT = 10
 THUMBNAIL = 256
 """Side of the picture that file managers show, pixels."""
+
+PATIENCE = 2.0
+"""Seconds that a save waits for what modelers show of a view in a document's small picture."""
 
 READ_LIMIT = 60.0
 """Seconds that reading or exporting may go on without progress before it counts as hung."""
@@ -232,17 +241,19 @@ class Files(QObject):
 
         def work(job: Job) -> FileLock:
             from bozzetto.document.file import write_document
-            from bozzetto.scene.picture import thumbnail
+            from bozzetto.scene.picture import framed, thumbnail
             from bozzetto.scene.png import png_bytes
 
             place = document_lock_path(target)
             mine = self._lock is not None and self._lock.path == place
             lock = self._lock if mine and self._lock else FileLock.acquire(place, target.name)
+            view = framed(scene, size=(THUMBNAIL, THUMBNAIL))
+            shown = scene.under(_hanging_on_view(session.workbench, snapshot, view))
             try:
                 write_document(
                     replace(snapshot, camera=camera),
                     target,
-                    thumbnail=png_bytes(thumbnail(scene, THUMBNAIL)),
+                    thumbnail=png_bytes(thumbnail(shown, THUMBNAIL, camera=view)),
                     backups=backups,
                 )
             except BaseException:
@@ -327,6 +338,24 @@ class Files(QObject):
         names = [str(whole), *(str(p) for p in recent_files() if p != whole)]
         settings().setValue(RECENT, names[:MOST_RECENT])
         self.recent_changed.emit()
+
+
+def _hanging_on_view(bench: Workbench, document: Document, camera: Camera) -> Scene:
+    """What hangs on the view of a document's picture; nothing where a plugin takes too long.
+
+    Asked in a thread of its own: no plugin may come between a person and their file.
+    """
+    found: list[Scene] = []
+
+    def ask() -> None:
+        # A fault has been told to whoever listens to the guard.
+        with suppress(UserError, PluginFault):
+            found.append(bench.advice_scene(document, camera))
+
+    asking = threading.Thread(target=ask, name="bozzetto-thumbnail", daemon=True)
+    asking.start()
+    asking.join(PATIENCE)
+    return found[0] if found else Scene()
 
 
 def _laid_on_sheet(pixels: Any, name: str) -> Underlay:

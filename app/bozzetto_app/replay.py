@@ -54,7 +54,7 @@ class Replay(QObject):
         super().__init__(parent)
         self._session = session
         self._strokes = list(drawing.strokes)
-        self._facts = drawing.extra
+        self._facts, self._pictures = drawing.extra, drawing.pictures
         self._speed = speed
         self._pen_down = 0.0
         self._timer = QTimer(self)
@@ -63,7 +63,7 @@ class Replay(QObject):
 
     def start(self) -> None:
         """Put the pen down."""
-        self._session.facts = self._facts
+        self._session.facts, self._session.pictures = self._facts, self._pictures
         self._pen_down = time.monotonic()
         self._timer.start()
 
@@ -76,7 +76,7 @@ class Replay(QObject):
             self._end()
 
     def _end(self) -> None:
-        self._session.facts = {}
+        self._session.facts, self._session.pictures = {}, {}
         self.finished.emit()
 
     def _step(self) -> None:

@@ -26,6 +26,7 @@ from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
 from bozzetto.scene.display_list import Image, Layer, Scene
+from bozzetto.scene.stored_picture import Picture
 from bozzetto.workbench import Workbench
 from bozzetto_app.advising import Advising
 from bozzetto_app.commanding import Commanding
@@ -59,8 +60,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     ----------
     when_safe : callable
         Called with what would lose unsaved work; the window asks the person first.
-    facts : mapping
-        What the drawing that is being watched says beyond its strokes; see `Context.facts`.
+    facts, pictures : mapping
+        What the drawing that is being watched says beyond its strokes, and the pictures that
+        it names; see `Context.facts`.
 
     Signals
     -------
@@ -108,6 +110,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.read_only = False
         self.report: dict[str, Any] = {}
         self.facts: Mapping[str, Any] = {}
+        self.pictures: Mapping[str, Picture] = {}
         self.hint = ""
         self.when_safe: Callable[[Callable[[], None]], None] = _at_once
         self._selected: str | None = None
@@ -211,6 +214,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             scene=self.scene,
             underlay=underlay,
             facts=self.facts,
+            pictures=self.pictures,
             curves=self.workbench.curves.of(self.document),
         )
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from bozzetto.document.container import ContainerReader
 from bozzetto.errors import UserError
+from bozzetto.scene.stored_picture import Picture
 from bozzetto_app.files import DOCUMENT_ENDING
 from bozzetto_app.theme import current_palette
 
@@ -24,7 +25,10 @@ LARGEST = 32 << 20
 
 
 def thumbnail_of(path: Path) -> QImage | None:
-    """The ink of a drawing, or the picture kept in a document; None where there is none."""
+    """The ink of a drawing or the sketch that it is about, or the picture kept in a document.
+
+    None where there is none.
+    """
     try:
         return _of_document(path) if path.suffix == DOCUMENT_ENDING else _of_ink(path)
     except (UserError, OSError):
@@ -41,10 +45,13 @@ def _of_document(path: Path) -> QImage | None:
     return None if image.isNull() else image
 
 
-def _of_ink(path: Path) -> QImage:
+def _of_ink(path: Path) -> QImage | None:
     from bozzetto.exchange.importing import read_drawing
 
-    strokes = [stroke.points for stroke in read_drawing(path).strokes]
+    drawing = read_drawing(path)
+    if not len(drawing.strokes):
+        return _of_picture(next(iter(drawing.pictures.values()), None))
+    strokes = [stroke.points for stroke in drawing.strokes]
     points = np.concatenate(strokes)
     low, extent = points.min(0), np.maximum(np.ptp(points, axis=0), 1e-9)
     scale = float(((np.array(SIZE) - 2 * MARGIN) / extent).min())
@@ -58,5 +65,23 @@ def _of_ink(path: Path) -> QImage:
     for stroke in strokes:
         placed = (stroke - low) * scale + shift
         painter.drawPolyline(QPolygonF([QPointF(x, y) for x, y in placed]))
+    painter.end()
+    return image
+
+
+def _of_picture(picture: Picture | None) -> QImage | None:
+    """A sketch, as large as the small picture has room for."""
+    if picture is None:
+        return None
+    whole = QImage.fromData(picture.encoded.tobytes())
+    fitted = whole.scaled(
+        QSize(*SIZE),
+        Qt.AspectRatioMode.KeepAspectRatio,
+        Qt.TransformationMode.SmoothTransformation,
+    )
+    image = QImage(*SIZE, QImage.Format.Format_ARGB32_Premultiplied)
+    image.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(image)
+    painter.drawImage((SIZE[0] - fitted.width()) // 2, (SIZE[1] - fitted.height()) // 2, fitted)
     painter.end()
     return image

@@ -298,7 +298,10 @@ class Window(QMainWindow):
                 return
             self.session.files.new()
             self.session.activate_modeler(modeler_id)
-            self._play(drawing)
+            if len(drawing.strokes):
+                self._play(drawing)
+            else:
+                self.session.import_file(path)
 
         self.files.when_safe(begin)
 

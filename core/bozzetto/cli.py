@@ -93,7 +93,9 @@ def _parser() -> argparse.ArgumentParser:
 
     build = commands.add_parser("build", help="turn drawings into shapes")
     build.add_argument("modeler", help="for example: silhouette")
-    build.add_argument("inputs", nargs="+", metavar="INPUT", help="ink JSON, SVG or InkML")
+    build.add_argument(
+        "inputs", nargs="+", metavar="INPUT", help="ink JSON, SVG or InkML; for some a picture"
+    )
     build.add_argument("-o", "--output", required=True, help="a file, or a folder for several")
     build.add_argument("--format", help="file ending of the outputs, for a folder")
     build.add_argument(
@@ -161,9 +163,7 @@ def _export(options: argparse.Namespace) -> int:
 
 
 def _render(options: argparse.Namespace) -> int:
-    from bozzetto.plugin.job import Job
     from bozzetto.scene import DARK, LIGHT
-    from bozzetto.scene.picture import picture
     from bozzetto.scene.png import write_png
 
     if options.output.suffix.lower() != ".png":
@@ -171,16 +171,30 @@ def _render(options: argparse.Namespace) -> int:
     width, height = _size(options.size)
     bench = workbench()
     document = _document_of(bench, options.input)
-    image = picture(
-        bench.scene(document, Job()),
-        view=options.view,
-        palette=DARK if options.theme == "dark" else LIGHT,
-        size=(width, height),
-        shading=options.shading,
+    palette = DARK if options.theme == "dark" else LIGHT
+    image = _picture_of(
+        bench, document, options.view, (width, height), palette=palette, shading=options.shading
     )
     make_folder(options.output)
     write_png(options.output, image)
     return 0
+
+
+def _picture_of(
+    bench: Any,
+    document: Any,
+    view: str = "three-quarter",
+    size: tuple[int, int] = (1200, 900),
+    **style: Any,
+) -> Any:
+    """A document as the window shows it in a standard view; `style` as in `scene.picture`."""
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.picture import framed, picture
+
+    scene = bench.scene(document, Job())
+    camera = framed(scene, view, size)
+    shown = scene.under(bench.advice_scene(document, camera))
+    return picture(shown, camera=camera, size=size, **style)
 
 
 def _document_of(bench: Any, path: Path) -> Any:
@@ -237,8 +251,6 @@ def _samples(options: argparse.Namespace) -> int:
     """Build every modeler's sample drawings: a picture and exports of each."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.importing import read_drawing
-    from bozzetto.plugin.job import Job
-    from bozzetto.scene.picture import picture
     from bozzetto.scene.png import write_png
 
     bench = workbench()
@@ -251,7 +263,7 @@ def _samples(options: argparse.Namespace) -> int:
                 target = stem.with_name(f"{stem.name}.{ending}")
                 if ending == "png":
                     make_folder(target)
-                    write_png(target, picture(bench.scene(document, Job())))
+                    write_png(target, _picture_of(bench, document))
                 else:
                     hand_over(bench, document, target)
                 print(f"wrote {target}")

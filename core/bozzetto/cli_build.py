@@ -73,14 +73,19 @@ def _build_one(
     wants_report: bool,
 ) -> dict[str, Any]:
     from bozzetto.document.model import Document
-    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.exchange.importing import is_picture, read_drawing, read_picture
     from bozzetto.plugin.job import Job
 
-    drawing = read_drawing(source)
+    picture = read_picture(source) if is_picture(source) else None
+    drawing = read_drawing(source) if picture is None else None
     try:
-        model = bench.from_drawing(modeler_id, drawing, values)
+        if picture is not None:
+            model = bench.from_picture(modeler_id, picture, values)
+        else:
+            model = bench.from_drawing(modeler_id, drawing, values)
         report: dict[str, Any] = bench.report(model, Job()) if wants_report else {}
-        hand_over(bench, Document((model,), camera=drawing.camera), target)
+        camera = None if drawing is None else drawing.camera
+        hand_over(bench, Document((model,), camera=camera), target)
     except UserError as problem:
         raise UserError(problem.message + _places(problem, drawing)) from problem
     return report
@@ -88,7 +93,7 @@ def _build_one(
 
 def _places(problem: UserError, drawing: Any) -> str:
     """Where a mistake lies, in the coordinates of the drawing's file: nothing lights up here."""
-    if not problem.places:
+    if not problem.places or drawing is None:
         return ""
     import numpy as np
 

@@ -288,6 +288,19 @@ class Workbench:
         self.registry.guard.check_state(model.modeler, modeler.state_type, state)
         return replace(model, state=state)
 
+    def from_picture(
+        self,
+        modeler_id: str,
+        picture: Picture,
+        values: Mapping[str, object],
+        context: Context | None = None,
+    ) -> Model:
+        """A new model that works on a picture; see `with_picture`."""
+        context = context or Context()
+        model = self.create(modeler_id, context, name=picture.name)
+        model = self.with_picture(model, picture, context)
+        return self.set_parameters(model, values) if values else model
+
     # -- looking --
 
     def view_advice(self, model: Model, camera: Camera) -> ViewAdvice | None:
@@ -312,6 +325,15 @@ class Workbench:
             better=None if better is None else better.moved(model.placement),
             scene=scene_in_world(advice.scene, model),
         )
+
+    def advice_scene(self, document: Document, camera: Camera) -> Scene:
+        """What hangs on a view of the models that can be seen; lay it over their scene."""
+        layers: list[Layer] = []
+        for model in document:
+            if model.visible and not self.is_foreign(model):
+                advice = self.view_advice(model, camera)
+                layers.extend(advice.scene.layers if advice is not None else ())
+        return Scene(tuple(layers))
 
     # -- solving --
 

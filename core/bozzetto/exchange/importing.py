@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,21 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.files import read_bytes
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES
+from bozzetto.exchange.named_pictures import pictures_named_in
 from bozzetto.exchange.polygons import welded
 from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Shapes, Solid
 from bozzetto.ink.drawing import Drawing
+from bozzetto.scene.stored_picture import Picture
 
-__all__ = ["read_drawing", "read_image", "read_mesh"]
+__all__ = ["is_picture", "read_drawing", "read_image", "read_mesh", "read_picture"]
+
+
+def is_picture(path: str | os.PathLike[str]) -> bool:
+    """Whether a file's ending is that of a picture; the file is not looked into."""
+    ending = PurePath(path).suffix.lower()
+    return any(ending in one.endings for one in readers("image"))
 
 
 def read_mesh(path: str | os.PathLike[str]) -> Shapes:
@@ -70,18 +78,22 @@ def _as_closed(mesh: Mesh) -> Mesh | None:
 
 
 def read_drawing(path: str | os.PathLike[str]) -> Drawing:
-    """Read ink JSON, InkML or SVG.
+    """Read ink JSON, InkML or SVG, with the pictures that the file names.
 
     Raises
     ------
     UserError, FormatError
-        As in `read_mesh`.
+        As in `read_mesh`, and if a picture is missing.
     """
     chosen = _format_of(path, "ink")
     drawing: Drawing = _parsed(
         path, chosen, "read_drawing", read_bytes(path, MAX_INK_BYTES), PurePath(path).stem
     )
-    return drawing
+    try:
+        pictures = pictures_named_in(drawing.extra, Path(path).parent)
+    except UserError as error:
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+    return replace(drawing, pictures=pictures) if pictures else drawing
 
 
 def read_image(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
@@ -97,11 +109,25 @@ def read_image(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     UserError, FormatError
         As in `read_mesh`.
     """
+    return _content_and_pixels(path)[1]
+
+
+def read_picture(path: str | os.PathLike[str]) -> Picture:
+    """Read a picture as modelers keep it: packed, called like the file without its ending.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    content, pixels = _content_and_pixels(path)
+    return Picture.of_file(content, pixels, PurePath(path).stem)
+
+
+def _content_and_pixels(path: str | os.PathLike[str]) -> tuple[bytes, NDArray[np.uint8]]:
     chosen = _format_of(path, "image")
-    pixels: NDArray[np.uint8] = _parsed(
-        path, chosen, "read_pixels", read_bytes(path, MAX_MESH_BYTES)
-    )
-    return pixels
+    content = read_bytes(path, MAX_MESH_BYTES)
+    return content, _parsed(path, chosen, "read_pixels", content)
 
 
 def _format_of(path: str | os.PathLike[str], kind: Kind) -> Format:

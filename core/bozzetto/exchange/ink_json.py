@@ -5,6 +5,9 @@
 digits. A stroke that was drawn through another camera than the sheet's carries its own
 ``camera`` and ``canvas``.
 ``steps`` say how the strokes were used; see `exchange.ink_steps`.
+
+An object with none of these keys is a drawing without ink: facts for the modeler that knows
+them, such as the marks on a sketch.
 """
 
 from __future__ import annotations
@@ -71,7 +74,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     Returns
     -------
     Drawing
-        What the file says beyond canvas, camera and strokes is in `Drawing.extra`.
+        What the file says beyond canvas, camera and strokes is in `Drawing.extra`. One that
+        says nothing of these has no strokes, and the camera of an empty sheet.
 
     Raises
     ------
@@ -79,6 +83,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         Names the place.
     """
     top = _decoded(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
+    if top and not any(key in top for key in KNOWN):
+        return Drawing(Strokes(), Camera(), name, _extra(top))
     if NEEDED[0] not in top or _decoded(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
     for key in NEEDED[1:]:
@@ -94,9 +100,12 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         strokes.append(_stroke(text, number, camera, canvas))
         samples += len(strokes[-1])
         at_most(samples, MAX_SAMPLES, "samples")
-    extra = {key: _decoded(top[key], Any, key[:40]) for key in top if key not in KNOWN}
     steps = read_steps(top["steps"], canvas, len(strokes)) if "steps" in top else ()
-    return Drawing(Strokes(strokes), camera, name, extra, steps)
+    return Drawing(Strokes(strokes), camera, name, _extra(top), steps)
+
+
+def _extra(top: dict[str, msgspec.Raw]) -> dict[str, Any]:
+    return {key: _decoded(top[key], Any, key[:40]) for key in top if key not in KNOWN}
 
 
 def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:

@@ -12,7 +12,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points
 from bozzetto.view.standard import standard_view
 
-__all__ = ["picture", "thumbnail"]
+__all__ = ["framed", "picture", "thumbnail"]
 
 MARGIN = 0.06
 """Part of a picture left free on each side of what is shown."""
@@ -61,16 +61,31 @@ def picture(
     """
     scene = _without_handles(scene)
     if camera is None:
-        camera = Camera(viewport=(max(size[0], 1), max(size[1], 1)))
-        camera = fit_points(standard_view(camera, view), scene.points(), MARGIN)
+        camera = framed(scene, view, size)
     return render(
         scene, camera, palette, size=size, scale=scale, shading=shading, background=background
     )
 
 
-def thumbnail(scene: Scene, size: int = 256, palette: Palette = LIGHT) -> NDArray[np.uint8]:
+def framed(
+    scene: Scene, view: str = "three-quarter", size: tuple[int, int] = (1200, 900)
+) -> Camera:
+    """The camera of a `picture`: a standard view that frames all but what is for the hand.
+
+    Raises
+    ------
+    UserError
+        If the view has no such name.
+    """
+    camera = standard_view(Camera(viewport=(max(size[0], 1), max(size[1], 1))), view)
+    return fit_points(camera, _without_handles(scene).points(), MARGIN)
+
+
+def thumbnail(
+    scene: Scene, size: int = 256, palette: Palette = LIGHT, camera: Camera | None = None
+) -> NDArray[np.uint8]:
     """A square picture of a scene in the three-quarter view, shape (size, size, 4)."""
-    return picture(scene, palette=palette, size=(size, size))
+    return picture(scene, camera=camera, palette=palette, size=(size, size))
 
 
 def _without_handles(scene: Scene) -> Scene:
