@@ -1,1 +1,16 @@
 """The car modeler: from a sketch and a few marks to a styled body that CAD opens exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from bozzetto.plugin import Modeler, hookimpl
+
+
+@hookimpl
+def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
+    """The one modeler of this plugin."""
+    from bozzetto_car.modeler import Car
+
+    return [Car()]

@@ -1,0 +1,75 @@
+"""Commands: what can be done to a car at one word."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Command, Context
+from bozzetto_car.state import CarState, Treatment
+from bozzetto_car.template import twin
+
+__all__ = ["all_commands"]
+
+
+def all_commands() -> tuple[Command, ...]:
+    """All of them, in the order in which they are listed."""
+    return (
+        Command(
+            "exchange-sides", "Exchange left and right",
+            "The marks of this sketch belong to the other side of the car.",
+            _exchanged, enabled=_has_marks,
+        ),
+        Command(
+            "anneal", "Smooth lines",
+            "Lines take the least bending through their nodes.", _anneal,
+        ),
+        Command(
+            "reduce", "Reduce tangents",
+            "Tangents become no longer than the chord allows, so that no edge runs back.", _reduce,
+        ),
+        Command(
+            "pull-out", "Pull panels out",
+            "Side panels and the corners of nose and tail bulge by their default measure.",
+            _pull_out,
+        ),
+        Command(
+            "undo-edits", "Take back all edits",
+            "The body becomes again what the marks make of the template.", _no_edits,
+            enabled=lambda state: bool(state.edits),
+        ),
+    )  # fmt: skip
+
+
+def _has_marks(state: CarState) -> bool:
+    return state.sketch is not None and bool(state.sketch.marks)
+
+
+def _exchanged(state: CarState, context: Context) -> CarState:
+    sketch = state.sketch
+    if sketch is None or not sketch.marks:
+        raise UserError("There are no marks to exchange. Choose a sketch that has some.")
+    marks = tuple(replace(mark, node=twin(mark.node)) for mark in sketch.marks)
+    skipped = tuple(twin(node) for node in sketch.skipped)
+    shows = "R" if sketch.shows == "L" else "L"
+    return state.with_node(replace(sketch, marks=marks, skipped=skipped, shows=shows))
+
+
+def _anneal(state: CarState, context: Context) -> CarState:
+    return _treated(state, Treatment(dimensions=state.dimensions, kind="anneal"))
+
+
+def _reduce(state: CarState, context: Context) -> CarState:
+    return _treated(state, Treatment(dimensions=state.dimensions, kind="reduce"))
+
+
+def _pull_out(state: CarState, context: Context) -> CarState:
+    return _treated(state, Treatment(dimensions=state.dimensions, kind="pull out"))
+
+
+def _treated(state: CarState, edit: Treatment) -> CarState:
+    return replace(state, edits=(*state.edits, edit))
+
+
+def _no_edits(state: CarState, context: Context) -> CarState:
+    return replace(state, edits=())

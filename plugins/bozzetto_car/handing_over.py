@@ -1,0 +1,30 @@
+"""What a car hands over: the skin, its edges, and the styling curves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bozzetto.geometry import Curve, Shapes
+from bozzetto_car.body import Body
+from bozzetto_car.state import CarState
+from bozzetto_car.styling import styling_curves
+
+__all__ = ["curves_of", "shapes_of"]
+
+ONE_SPAN = np.repeat((0.0, 1.0), 4)
+"""Knots of a cubic of one span."""
+
+
+def shapes_of(state: CarState, body: Body) -> Shapes:
+    """The skin as one shell, unless it is switched off, and the visible styling curves."""
+    skin = (body.patchwork,) if state.body else ()
+    return Shapes(curves=styling_curves(state, body), patchworks=skin)
+
+
+def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:
+    """The edges of the body and the visible styling curves."""
+    edges = tuple(
+        Curve(3, ONE_SPAN, points, name=name)
+        for name, points in zip(body.template.edge_names, body.network.control_points, strict=True)
+    )
+    return (*edges, *styling_curves(state, body))

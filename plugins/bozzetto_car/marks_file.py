@@ -1,0 +1,230 @@
+"""Marks from a file: what `bozzetto build car` reads, plain JSON values (`docs/car.md`).
+
+Numbers and names come from anywhere, so nothing is taken over that was not looked at, and every
+refusal names the key.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.scene import Picture
+from bozzetto_car.body import body_of
+from bozzetto_car.report import SHORT
+from bozzetto_car.stand import flat_stand
+from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
+from bozzetto_car.styling import laid
+from bozzetto_car.template_file import TEMPLATES
+
+__all__ = ["car_from_facts", "is_car_file"]
+
+Array = NDArray[np.float64]
+
+MOST_SKETCHES: Final = 8
+"""Views of one file."""
+
+MOST_NAMES: Final = 400
+"""Marks or strokes of one view."""
+
+MOST_PLACES: Final = 20_000
+"""Places of one stroke."""
+
+FARTHEST: Final = 1e6
+"""Farthest place, px."""
+
+KINDS: Final = ("auto", "perspective", "orthographic")
+
+VIEW_KEYS: Final = {"kind", "marks", "strokes", "image", "name", "cropped"}
+
+
+def is_car_file(facts: Mapping[str, Any]) -> bool:
+    """Whether facts of a file are marks of a car."""
+    return "views" in facts
+
+
+def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) -> CarState:
+    """The car of a file.
+
+    Parameters
+    ----------
+    facts : mapping
+        ``"template"``: ``"sedan"``, ``"hatchback"``, ``"minivan"`` or a template of one's own
+        (an object); ``"views"``: a list of objects with ``"marks"``: ``{node: [u, v]}``,
+        ``"kind"``, ``"cropped"``, ``"strokes"``: ``{edge: [[u, v], …]}``, ``"image"``,
+        ``"name"``; ``"image"``: ``{"width", "height", "file"}`` for views that have none;
+        ``"dimensions"``: ``{"LN", "WD", "HG", "FO", "WB"}``, mm; ``"styling"``: a list of
+        ``{"view", "points", "name"}``.
+    pictures : mapping of str to Picture
+        By the names of their files.
+
+    Raises
+    ------
+    UserError
+        If something is missing, or of the wrong kind or size; the message names the key.
+    """
+    views = _list(facts.get("views"), "views", MOST_SKETCHES)
+    if not views:
+        raise UserError("“views” is empty. Give at least one view with its marks.")
+    state = replace(CarState(), **_template(facts.get("template", "sedan")))
+    edits: list[TracedEdges] = []
+    for number, told in enumerate(views):
+        where = f"views[{number}]"
+        view = _object(told, where)
+        unknown = sorted(set(view) - VIEW_KEYS)
+        if unknown:
+            raise UserError(f"{where} has a key “{unknown[0]}”. Known are {_row(VIEW_KEYS)}.")
+        sketch = _sketch(view, facts.get("image"), where, number, pictures)
+        state = state.with_node(replace(sketch, id=state.unused_id()))
+        edits += _strokes(view.get("strokes", {}), state.sketches[-1], f"{where}.strokes")
+    state = replace(state, edits=tuple(edits), selected=state.sketches[0].id)
+    state = replace(state, **_dimensions(facts.get("dimensions", {})))
+    for number, told in enumerate(_list(facts.get("styling", []), "styling", MOST_NAMES)):
+        state = _styled(state, _object(told, f"styling[{number}]"), f"styling[{number}]")
+    return state
+
+
+def _template(told: object) -> dict[str, str]:
+    if isinstance(told, Mapping):
+        return {"own": json.dumps(told)}
+    if told not in TEMPLATES:
+        raise UserError(f"“template” is one of {', '.join(TEMPLATES)}, or a template itself.")
+    return {"template": str(told)}
+
+
+def _sketch(
+    view: Mapping[str, Any],
+    common: object,
+    where: str,
+    number: int,
+    pictures: Mapping[str, Picture],
+) -> Sketch:
+    given = view.get("image", common)
+    image = _object(given, f"{where}.image" if "image" in view else "image")
+    width, height = (
+        _number(image.get(key), f"image.{key}", 1.0, FARTHEST) for key in ("width", "height")
+    )
+    kind = view.get("kind", "auto")
+    if kind not in KINDS:
+        raise UserError(f"{where}.kind is one of {', '.join(KINDS)}.")
+    cropped = view.get("cropped", False)
+    if not isinstance(cropped, bool):
+        raise UserError(f"{where}.cropped is true or false.")
+    name = view.get("name", f"Sketch {number + 1}")
+    if not isinstance(name, str) or not 1 <= len(name) <= 200:
+        raise UserError(f"{where}.name is a text of 1 to 200 characters.")
+    marks = _marks(view.get("marks"), f"{where}.marks")
+    picture = pictures.get(str(image.get("file", "")))
+    sketch = Sketch(
+        name=name, picture=picture, width=width, height=height, marks=marks, kind=kind,
+        cropped=cropped,
+    )  # fmt: skip
+    rights = sum(mark.node.endswith(".R") for mark in marks)
+    lefts = sum(mark.node.endswith(".L") for mark in marks)
+    return replace(sketch, shows="R" if rights > lefts else "L")
+
+
+def _marks(told: object, where: str) -> tuple[Mark, ...]:
+    marks = _object(told, where)
+    if len(marks) > MOST_NAMES:
+        raise UserError(f"{where} has more than {MOST_NAMES} marks.")
+    made = []
+    for node, place in marks.items():
+        if not isinstance(node, str) or not 1 <= len(node) <= 40:
+            raise UserError(f"{where} has a mark without the name of a node, such as C1.")
+        u, v = _place(place, f"{where}.{node}")
+        made.append(Mark(node, u, v))
+    return tuple(made)
+
+
+def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
+    """Strokes along edges, as if they had been drawn on the sketch."""
+    strokes = _object(told, where)
+    if len(strokes) > MOST_NAMES:
+        raise UserError(f"{where} has more than {MOST_NAMES} strokes.")
+    camera = flat_stand(sketch.size).camera
+    made = []
+    for edge, places in strokes.items():
+        points = _places(places, f"{where}.{edge}")
+        stroke = Stroke(points[:, 0], points[:, 1], camera, tool="imported")
+        made.append(TracedEdges(strokes=Strokes((stroke,)), sketch=sketch.id, edge=str(edge)))
+    return made
+
+
+def _dimensions(told: object) -> dict[str, float]:
+    given = _object(told, "dimensions")
+    long = {short: name for name, short in SHORT.items()}
+    made = {}
+    for key, value in given.items():
+        if key not in long:
+            raise UserError(f"There is no dimension “{str(key)[:40]}”. Give {_row(long)}.")
+        made[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
+    return made
+
+
+def _styled(state: CarState, told: Mapping[str, Any], where: str) -> CarState:
+    """With a styling curve drawn on one of the sketches."""
+    view = told.get("view", 0)
+    sketches = state.sketches
+    if isinstance(view, bool) or not isinstance(view, int) or not 0 <= view < len(sketches):
+        raise UserError(f"{where}.view is the number of a view, from 0 to {len(sketches) - 1}.")
+    name = told.get("name", state.unused_name("Styling curve"))
+    if not isinstance(name, str) or not 1 <= len(name) <= 200:
+        raise UserError(f"{where}.name is a text of 1 to 200 characters.")
+    points = _places(told.get("points"), f"{where}.points")
+    body = body_of(state)
+    stand = body.stands[sketches[view].id]
+    patches, on, places = laid(body, points - stand.shift, stand.camera)
+    curve = StylingCurve(id=state.unused_id(), name=name, patches=patches, on=on, places=places)
+    return replace(state, nodes=(*state.nodes, curve))
+
+
+# -- plain values ----------------------------------------------------------------------------------
+
+
+def _row(words: object) -> str:
+    return ", ".join(sorted(str(word) for word in words))  # type: ignore[attr-defined]
+
+
+def _object(told: object, where: str) -> Mapping[str, Any]:
+    if not isinstance(told, Mapping):
+        raise UserError(f"“{where}” is missing, or no object {{…}}.")
+    return told
+
+
+def _list(told: object, where: str, most: int) -> Sequence[Any]:
+    if not isinstance(told, list | tuple):
+        raise UserError(f"“{where}” is missing, or no list […].")
+    if len(told) > most:
+        raise UserError(f"“{where}” has more than {most} entries.")
+    return told
+
+
+def _number(told: object, where: str, least: float, most: float) -> float:
+    number = isinstance(told, int | float) and not isinstance(told, bool)
+    if not number or not math.isfinite(told) or not least <= told <= most:  # type: ignore[arg-type, operator]
+        raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
+    return float(told)  # type: ignore[arg-type]
+
+
+def _place(told: object, where: str) -> tuple[float, float]:
+    pair = _list(told, where, 2)
+    if len(pair) != 2:
+        raise UserError(f"“{where}” is a place [u, v] in pixels.")
+    u, v = (_number(part, where, -FARTHEST, FARTHEST) for part in pair)
+    return u, v
+
+
+def _places(told: object, where: str) -> Array:
+    row = _list(told, where, MOST_PLACES)
+    if len(row) < 2:
+        raise UserError(f"“{where}” needs two places at least.")
+    return np.array([_place(place, where) for place in row], float)

@@ -1,0 +1,134 @@
+"""The car modeler's place in the program: marks on sketches in; a body of exact surfaces out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Curve, Shapes
+from bozzetto.ink import Drawing
+from bozzetto.plugin import Command, Context, Job, Tool, ViewAdvice
+from bozzetto.scene import Picture, Scene
+from bozzetto.view import Camera
+from bozzetto_car.body import Body, body_of
+from bozzetto_car.commands import all_commands
+from bozzetto_car.handing_over import curves_of, shapes_of
+from bozzetto_car.looking import advice_on
+from bozzetto_car.marks_file import car_from_facts, is_car_file
+from bozzetto_car.report import report_of
+from bozzetto_car.showing import scene_of
+from bozzetto_car.state import CarState, Group, Sketch, StylingCurve
+from bozzetto_car.tools import all_tools
+
+__all__ = ["Car"]
+
+NO_MARKS: Final = (
+    "This file holds no marks of a car. Give a file with “views”, or drop a picture and mark it."
+)
+
+
+class Car:
+    """A template takes the shape of a marked sketch (Kara & Shimada 2008)."""
+
+    id = "bozzetto.car"
+    title = "Car"
+    state_type = CarState
+    state_version = 1
+    part_types = (Sketch, StylingCurve, Group)
+
+    def create(self, context: Context) -> CarState:
+        """The template as it stands, or the car of a file's marks."""
+        if is_car_file(context.facts):
+            return car_from_facts(context.facts, context.pictures)
+        return CarState()
+
+    def tools(self) -> Sequence[Tool[CarState]]:
+        """What the pen can do, most used first."""
+        return all_tools()
+
+    def commands(self) -> Sequence[Command]:
+        """What can be done at one word."""
+        return all_commands()
+
+    def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
+        """The car of a file's marks.
+
+        Raises
+        ------
+        UserError
+            If there are none, or they make no sense; the message names the key.
+        """
+        if not is_car_file(context.facts):
+            raise UserError(NO_MARKS)
+        return self.create(context)
+
+    def with_picture(self, state: CarState, picture: Picture, context: Context) -> CarState:
+        """With one more sketch, chosen; or with the picture of the chosen one that had none."""
+        chosen = next((s for s in state.sketches if s.id == state.selected), None)
+        if chosen is not None and chosen.picture is None:
+            return state.with_node(replace(chosen, picture=picture))
+        sketch = Sketch(
+            id=state.unused_id(),
+            name=state.unused_name("Sketch"),
+            picture=picture,
+            width=float(picture.width),
+            height=float(picture.height),
+        )
+        return replace(state.with_node(sketch), asked="")
+
+    def solve(self, state: CarState, job: Job) -> Body:
+        """Cameras, shape and surfaces: see `solving` and `body`."""
+        job.checkpoint(0.0, "Cameras and shape")
+        return body_of(state)
+
+    def scene(self, state: CarState, result: Body | None) -> Scene:
+        """The sketch, the body over it, and what can be taken hold of."""
+        return scene_of(state, result)
+
+    def shapes(self, state: CarState, result: Body) -> Shapes:
+        """The skin of bicubic patches, exact, and the styling curves."""
+        return shapes_of(state, result)
+
+    def curves(self, state: CarState, result: Body) -> tuple[Curve, ...]:
+        """Edges and styling curves, for other models to hold on to."""
+        return curves_of(state, result)
+
+    def report(self, state: CarState, result: Body) -> Mapping[str, Any]:
+        """Nodes, cameras, residuals, constraints, creases, dimensions."""
+        return report_of(state, result)
+
+    def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:
+        """Whether one looks through the sketch, and the way back to it."""
+        return advice_on(state, body_of(state), camera)
+
+    # -- parts --
+
+    def parts(self, state: CarState) -> tuple[Sketch | StylingCurve | Group, ...]:
+        """The sketches and styling curves."""
+        return state.nodes
+
+    def selected_part(self, state: CarState) -> str:
+        """The one that is chosen."""
+        return state.selected
+
+    def is_group(self, part: Sketch | StylingCurve | Group) -> bool:
+        """Whether it holds others."""
+        return isinstance(part, Group)
+
+    def with_parts(
+        self, state: CarState, parts: tuple[Sketch | StylingCurve | Group, ...], selected: str
+    ) -> CarState:
+        """The same state with other nodes."""
+        return replace(state, nodes=parts, selected=selected)
+
+    def new_group(self, state: CarState) -> Group:
+        """An empty group."""
+        return Group(id=state.unused_id(), name=state.unused_name("Group"))
+
+    # -- documents --
+
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Nothing to do: this is the first version."""
+        return state

@@ -1,0 +1,156 @@
+"""What is told about a car: plain values, mm and px."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.view import Camera
+from bozzetto.view.calibration import direct_linear_transform
+from bozzetto_car.body import Body
+from bozzetto_car.certainty import certainty, further_views
+from bozzetto_car.solving import Placed, counted_marks
+from bozzetto_car.stand import Stand
+from bozzetto_car.state import CarState
+
+__all__ = ["report_of"]
+
+
+def report_of(state: CarState, body: Body) -> dict[str, Any]:
+    """Nodes, cameras, what every mark is missed by, constraints, creases and dimensions.
+
+    Returns
+    -------
+    dict
+        ``"template"``; ``"nodes"``: ``{name: [x, y, z]}``, mm; ``"views"``: for every sketch
+        ``"name"``, ``"solved"``, ``"camera"`` (`_camera`), ``"residual_px"`` and
+        ``"leave_one_out_px"`` by node, ``"disagreeing"``; ``"constraints"``: the least slack of
+        each soundness constraint that is switched on, mm; ``"crease_deg"`` by edge;
+        ``"dimensions"``: ``LN``, ``WD``, ``HG``, ``FO``, ``WB``, mm; ``"known"``: by node
+        ``"seen"``, ``"mirrored"`` or ``"guessed"``; ``"next_view"``: the further sketch that
+        would tell most; ``"warnings"``.
+    """
+    template, solved = body.template, body.solved
+    positions = body.network.positions
+    variables = template.reduced(positions)
+    angles = zip(template.edge_names, body.creases, strict=True)
+    told: dict[str, Any] = {
+        "template": template.id,
+        "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
+        "views": [_view(p, body.stands[key], body) for key, p in solved.placed.items()],
+        "constraints": solved.soundness.least(variables),
+        "crease_deg": {name: float(angle) for name, angle in angles if np.isfinite(angle)},
+        "dimensions": _dimensions(body),
+        "unit": "mm",
+    }
+    if solved.joint is not None:
+        known = certainty(template, solved.cost, solved.joint)
+        told["known"] = dict(zip(template.names, known.sources, strict=True))
+        views = further_views(template, solved.cost, solved.joint)
+        if views:
+            told["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
+                                 "after_mm": views[0].after}  # fmt: skip
+    told["warnings"] = list(_warnings(state, body, told["constraints"]))
+    return told
+
+
+SHORT = {
+    "length": "LN",
+    "width": "WD",
+    "height": "HG",
+    "front_overhang": "FO",
+    "wheelbase": "WB",
+}
+"""The names of dimensions in files."""
+
+
+def _dimensions(body: Body) -> dict[str, float]:
+    return {SHORT[name]: value for name, value in asdict(body.dimensions).items()}
+
+
+def _view(placed: Placed, stand: Stand, body: Body) -> dict[str, Any]:
+    nodes, marks = counted_marks(placed, body.template)
+    told: dict[str, Any] = {
+        "name": placed.sketch.name,
+        "solved": placed.is_known,
+        "marks": len(placed.sketch.marks),
+    }
+    if not placed.is_known:
+        return told | {"camera": None, "residual_px": {}, "leave_one_out_px": {},
+                       "problem": placed.problem}  # fmt: skip
+    every = [(m.node, (m.u, m.v)) for m in placed.sketch.marks if m.node in body.template.node]
+    at = stand.pixels(body.network.positions[[body.template.node[name] for name, _ in every]])
+    off = np.linalg.norm(at - [place for _, place in every], axis=1)
+    told |= {
+        "camera": _camera(stand),
+        "residual_px": {name: float(px) for (name, _), px in zip(every, off, strict=True)},
+        "leave_one_out_px": dict(placed.left_out or {}),
+        "disagreeing": list(placed.disagreeing),
+    }
+    try:
+        direct = direct_linear_transform(body.template.positions[nodes], marks)
+    except UserError:
+        return told
+    return told | {"direct_linear_transform": direct.matrix.tolist()}
+
+
+def _camera(stand: Stand) -> dict[str, Any]:
+    """A camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
+    camera = stand.camera
+    told: dict[str, Any] = {
+        "kind": camera.kind,
+        "eye": list(camera.eye),
+        "target": list(camera.target),
+        "up": list(camera.up),
+        "canvas": list(camera.viewport),
+        "shift": list(stand.shift),
+        "matrix": _matrix(camera, stand.shift),
+    }
+    if camera.kind == "perspective":
+        return told | {"fov_y": camera.fov_y}
+    return told | {"height": camera.height}
+
+
+def _matrix(camera: Camera, shift: tuple[float, float]) -> list[list[float]]:
+    """M with (u w, v w, w) = M (x, y, z, 1)."""
+    right, up, forward = camera.axes
+    eye = np.asarray(camera.eye)
+    width, height = camera.viewport
+    middle = np.add((0.5 * width, 0.5 * height), shift)
+    if camera.kind == "orthographic":
+        last, scale = np.array([0.0, 0.0, 0.0, 1.0]), height / camera.height
+    else:
+        last = np.append(forward, -forward @ eye)
+        scale = 0.5 * height / np.tan(np.radians(0.5 * camera.fov_y))
+    first = scale * np.append(right, -right @ eye) + middle[0] * last
+    second = -scale * np.append(up, -up @ eye) + middle[1] * last
+    return [first.tolist(), second.tolist(), last.tolist()]
+
+
+def _warnings(state: CarState, body: Body, slacks: dict[str, float]) -> Iterator[str]:
+    solved = body.solved
+    if not solved.placed:
+        yield "There is no sketch. The car is the template as it stands."
+    for placed in solved.placed.values():
+        name = placed.sketch.name
+        if placed.problem:
+            yield f"{name}: {placed.problem}"
+        if placed.exchanged:
+            yield f"{name}: left and right seem to be exchanged. Exchange them and look again."
+        for node in placed.disagreeing:
+            off = (placed.left_out or {}).get(node, 0.0)
+            yield f"{name}: the mark {node} disagrees by {off:.0f} px and was set aside."
+        unknown = [m.node for m in placed.sketch.marks if m.node not in body.template.node]
+        if unknown:
+            yield f"{name}: the template has no node {', '.join(unknown)}."
+    for trouble in body.troubles:
+        yield f"Edit {trouble.number + 1} was left out: {trouble.message}"
+    if body.dimensions_problem:
+        yield f"The dimensions were not set: {body.dimensions_problem}"
+    for name, slack in slacks.items():
+        if slack < -1e-9:
+            yield f"Not sound any more: {name} ({slack:.1f} mm)."

@@ -1,0 +1,16 @@
+"""What the pen can do to a car."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from bozzetto.plugin import Tool
+from bozzetto_car.state import CarState
+from bozzetto_car.tools.mark import MarkPoints
+
+__all__ = ["all_tools"]
+
+
+def all_tools() -> Sequence[Tool[CarState]]:
+    """All tools, most used first."""
+    return (MarkPoints(),)
