@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.standard import standard_view
 from bozzetto_app.canvas.backends import choose_backend
 from bozzetto_app.canvas.software import SoftwareViewport
+from tests.core.scene.shapes import sphere
 
 SIZE = (400, 300)
 
@@ -104,6 +106,27 @@ def test_colours_are_those_of_the_software_renderer(make, box_scene, shading, pa
         difference = np.abs(at(shown, CAMERA, point) - at(expected, CAMERA, point))
         assert difference.max() < 14, point  # hollows are darker in software
     assert np.abs(shown - expected).mean() < 4
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+@pytest.mark.parametrize("opacity", [1.0, 0.5])
+def test_a_polished_ball_is_that_of_the_software_renderer(make, palette, kind, opacity):
+    viewport = make()
+    camera = replace(CAMERA, kind=kind)
+    viewport.set_palette(palette)
+    viewport.set_camera(camera)
+    ball = Shaded(sphere(70.0, 64, normals=True), "accent", opacity, finish="zebra")
+    scene = Scene((Layer("ball", (ball,)),))
+    viewport.set_scene(scene)
+    shown = pixels(viewport.grab())
+    expected = render(scene, camera, palette, size=SIZE)[..., :3].astype(float)
+    on_it = np.abs(expected - palette.paper).max(2) > 20
+    assert on_it.mean() > 0.1
+    assert np.abs(shown - expected)[on_it].mean() < 8
+    matte = Scene((Layer("ball", (replace(ball, finish="clay"),)),))
+    viewport.set_scene(matte)
+    assert np.abs(shown - pixels(viewport.grab()))[on_it].mean() > 25
 
 
 def test_a_line_behind_a_box_is_faint_and_beside_it_dark(make, box_scene):
