@@ -32,7 +32,7 @@ BENDS: Final = np.array(
     [
         (28, 84, 150), (58, 134, 188), (134, 188, 216), (190, 212, 224),
         (214, 213, 210),
-        (240, 205, 184), (236, 157, 122), (206, 88, 70), (164, 24, 42),
+        (234, 196, 174), (236, 157, 122), (206, 88, 70), (164, 24, 42),
     ],
     float,
 )  # fmt: skip
@@ -41,9 +41,9 @@ middle that stands out from light paper. Both arms grow darker evenly, so that g
 how much a place bends, though not to which side."""
 
 SOURCE_COLORS: Final[dict[Source, tuple[int, int, int]]] = {
-    "seen": (62, 150, 140),
-    "mirrored": (136, 168, 200),
-    "guessed": (214, 182, 130),
+    "seen": (52, 146, 136),
+    "mirrored": (142, 174, 208),
+    "guessed": (212, 186, 142),
 }
 """Colours of nodes that have a mark, those whose mirror image has one, and the others: lighter
 and greyer the less is known."""
