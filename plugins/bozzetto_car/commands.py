@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
-from bozzetto_car.state import CarState, Treatment
+from bozzetto_car.state import CarState, Side, Treatment
 from bozzetto_car.template import twin
 
 __all__ = ["all_commands"]
@@ -51,7 +51,7 @@ def _exchanged(state: CarState, context: Context) -> CarState:
         raise UserError("There are no marks to exchange. Choose a sketch that has some.")
     marks = tuple(replace(mark, node=twin(mark.node)) for mark in sketch.marks)
     skipped = tuple(twin(node) for node in sketch.skipped)
-    shows = "R" if sketch.shows == "L" else "L"
+    shows: Side = "R" if sketch.shows == "L" else "L"
     return state.with_node(replace(sketch, marks=marks, skipped=skipped, shows=shows))
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from bozzetto.geometry import Curve, Shapes
 from bozzetto_car.body import Body
 from bozzetto_car.state import CarState
-from bozzetto_car.styling import styling_curves
 
 __all__ = ["curves_of", "shapes_of"]
 
@@ -16,15 +15,25 @@ ONE_SPAN = np.repeat((0.0, 1.0), 4)
 
 
 def shapes_of(state: CarState, body: Body) -> Shapes:
-    """The skin as one shell, unless it is switched off, and the visible styling curves."""
-    skin = (body.patchwork,) if state.body else ()
+    """The skin as one shell, unless it is switched off, and the visible styling curves.
+
+    A car that nobody has begun hands over nothing: the template is nobody's design.
+    """
+    skin = (body.patchwork,) if state.body and state.is_begun else ()
     return Shapes(curves=styling_curves(state, body), patchworks=skin)
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:
     """The edges of the body and the visible styling curves."""
+    if not state.is_begun:
+        return ()
     edges = tuple(
         Curve(3, ONE_SPAN, points, name=name)
         for name, points in zip(body.template.edge_names, body.network.control_points, strict=True)
     )
     return (*edges, *styling_curves(state, body))
+
+
+def styling_curves(state: CarState, body: Body) -> tuple[Curve, ...]:
+    """The visible styling curves."""
+    return ()

@@ -7,8 +7,7 @@ refusal names the key.
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -74,7 +73,7 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
     views = _list(facts.get("views"), "views", MOST_SKETCHES)
     if not views:
         raise UserError("“views” is empty. Give at least one view with its marks.")
-    state = replace(CarState(), **_template(facts.get("template", "sedan")))
+    state = _of_template(facts.get("template", "sedan"))
     edits: list[TracedEdges] = []
     for number, told in enumerate(views):
         where = f"views[{number}]"
@@ -86,18 +85,19 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         state = state.with_node(replace(sketch, id=state.unused_id()))
         edits += _strokes(view.get("strokes", {}), state.sketches[-1], f"{where}.strokes")
     state = replace(state, edits=tuple(edits), selected=state.sketches[0].id)
-    state = replace(state, **_dimensions(facts.get("dimensions", {})))
+    state = _dimensioned(state, facts.get("dimensions", {}))
     for number, told in enumerate(_list(facts.get("styling", []), "styling", MOST_NAMES)):
         state = _styled(state, _object(told, f"styling[{number}]"), f"styling[{number}]")
     return state
 
 
-def _template(told: object) -> dict[str, str]:
+def _of_template(told: object) -> CarState:
     if isinstance(told, Mapping):
-        return {"own": json.dumps(told)}
-    if told not in TEMPLATES:
+        return CarState(own=json.dumps(told))
+    known = next((name for name in TEMPLATES if name == told), None)
+    if known is None:
         raise UserError(f"“template” is one of {', '.join(TEMPLATES)}, or a template itself.")
-    return {"template": str(told)}
+    return CarState(template=known)
 
 
 def _sketch(
@@ -159,15 +159,21 @@ def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     return made
 
 
-def _dimensions(told: object) -> dict[str, float]:
-    given = _object(told, "dimensions")
+def _dimensioned(state: CarState, told: object) -> CarState:
     long = {short: name for name, short in SHORT.items()}
-    made = {}
-    for key, value in given.items():
+    values: dict[str, float] = {}
+    for key, value in _object(told, "dimensions").items():
         if key not in long:
             raise UserError(f"There is no dimension “{str(key)[:40]}”. Give {_row(long)}.")
-        made[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
-    return made
+        values[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
+    return replace(
+        state,
+        length=values.get("length", 0.0),
+        width=values.get("width", 0.0),
+        height=values.get("height", 0.0),
+        front_overhang=values.get("front_overhang", 0.0),
+        wheelbase=values.get("wheelbase", 0.0),
+    )
 
 
 def _styled(state: CarState, told: Mapping[str, Any], where: str) -> CarState:
@@ -190,8 +196,8 @@ def _styled(state: CarState, told: Mapping[str, Any], where: str) -> CarState:
 # -- plain values ----------------------------------------------------------------------------------
 
 
-def _row(words: object) -> str:
-    return ", ".join(sorted(str(word) for word in words))  # type: ignore[attr-defined]
+def _row(words: Iterable[str]) -> str:
+    return ", ".join(sorted(words))
 
 
 def _object(told: object, where: str) -> Mapping[str, Any]:
@@ -209,10 +215,9 @@ def _list(told: object, where: str, most: int) -> Sequence[Any]:
 
 
 def _number(told: object, where: str, least: float, most: float) -> float:
-    number = isinstance(told, int | float) and not isinstance(told, bool)
-    if not number or not math.isfinite(told) or not least <= told <= most:  # type: ignore[arg-type, operator]
-        raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
-    return float(told)  # type: ignore[arg-type]
+    if isinstance(told, int | float) and not isinstance(told, bool) and least <= told <= most:
+        return float(told)  # a NaN is in no range
+    raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
 
 
 def _place(told: object, where: str) -> tuple[float, float]:

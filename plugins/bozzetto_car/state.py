@@ -19,6 +19,7 @@ from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto.scene import Picture
 from bozzetto_car.deformation import TRACE
 from bozzetto_car.dimensions import LONGEST, Dimensions
+from bozzetto_car.template_file import Bundled
 
 __all__ = [
     "BentEdge",
@@ -274,7 +275,7 @@ class CarState:
     without: tuple[str, ...] = ()
     own: str = ""
     template: Annotated[
-        Literal["sedan", "hatchback", "minivan"],
+        Bundled,
         Parameter(
             "Template",
             help="The car that takes the shape of the sketch.",
@@ -349,6 +350,11 @@ class CarState:
     ] = False  # fmt: skip
 
     # -- parts --
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether there is anything that the template has not of itself."""
+        return bool(self.nodes or self.edits)
 
     @property
     def sketches(self) -> tuple[Sketch, ...]:

@@ -13,7 +13,7 @@ from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 
@@ -29,9 +29,11 @@ from bozzetto_car.template_records import (
     read_records,
 )
 
-__all__ = ["TEMPLATES", "bundled", "faults_in", "load_template", "read_template"]
+__all__ = ["TEMPLATES", "Bundled", "bundled", "faults_in", "load_template", "read_template"]
 
-TEMPLATES: Final = ("sedan", "hatchback", "minivan")
+Bundled = Literal["sedan", "hatchback", "minivan"]
+
+TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
 """The templates that come with the modeler."""
 
 MOST_FAULTS: Final = 3
