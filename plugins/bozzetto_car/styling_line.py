@@ -1,0 +1,111 @@
+"""The line that a person meant by strokes on the sheet: smooth, and with its ends where they were.
+
+Kara & Shimada (CAD 2008) smooth styling strokes in the image before they are laid on the body, by
+Savitzky and Golay's filter (1964): each place becomes that of the cubic that fits its
+neighbourhood best, so bends keep their form where a mean would cut them short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.ink.resample import arc_length, distinct, resample
+from bozzetto.ink.settle import fading, settle
+from bozzetto.ink.sheet import places_on_sheet
+
+__all__ = ["STEP", "drawn_line", "smoothed_line"]
+
+Array = NDArray[np.float64]
+
+STEP: Final = 3.0
+"""Distance of the places of a line, px."""
+
+FINE: Final = 1.0
+"""Distance of the places on which a stroke is smoothed, px."""
+
+MOST: Final = 6000
+"""Most places on which a stroke is smoothed; they are farther apart on a longer one."""
+
+DEGREE: Final = 3
+"""Of the polynomials that smooth."""
+
+SHARE: Final = 0.06
+"""Half of the window that smooths, per length of the stroke."""
+
+WINDOW: Final = (6.0, 40.0)
+"""Least and greatest half of the window, px."""
+
+SHORTEST: Final = 6.0
+"""Length, px, below which a stroke is a dot."""
+
+
+def drawn_line(strokes: Sequence[Stroke]) -> Array:
+    """One line of all strokes of a gesture; several are settled, older ones fading.
+
+    Parameters
+    ----------
+    strokes : sequence of Stroke
+        Of one view; at least one.
+
+    Returns
+    -------
+    (n, 2) float
+        Places `STEP` apart, px, in the sense of the first stroke.
+
+    Raises
+    ------
+    UserError
+        If there is nothing but dots.
+    """
+    ink = [(s, s.points) for s in strokes if arc_length(s.points)[-1] >= SHORTEST]
+    if len(ink) < 2:
+        return smoothed_line(ink[0][1] if ink else strokes[0].points)
+    found = settle([points for _, points in ink], fading([stroke for stroke, _ in ink]))
+    first, line = ink[0][1], found.points
+    if (first[-1] - first[0]) @ (line[-1] - line[0]) < 0.0:
+        line = line[::-1]
+    return smoothed_line(line)
+
+
+def smoothed_line(points: ArrayLike) -> Array:
+    """A stroke without the tremor of the hand.
+
+    The window is a share of the arc length, whatever the sampling rate. Beyond its ends the
+    stroke is continued by its point reflection, which keeps the ends where they are.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+        px.
+
+    Returns
+    -------
+    (m, 2) float
+        Places at equal steps of about `STEP`, px.
+
+    Raises
+    ------
+    UserError
+        If the stroke is a dot or leaves the sheet beyond all bounds.
+    """
+    from scipy.signal import savgol_filter
+
+    place = places_on_sheet(points, "stroke")
+    place = place[distinct(place)]
+    length = float(arc_length(place)[-1])
+    if length < SHORTEST:
+        raise UserError("The stroke is a dot. Draw the whole line on the body.")
+    fine = resample(place, spacing=max(FINE, length / MOST))
+    step = length / (len(fine) - 1)
+    half = min(round(float(np.clip(SHARE * length, *WINDOW)) / step), len(fine) - 1)
+    if 2 * half > DEGREE:
+        before, after = 2.0 * fine[0] - fine[half:0:-1], 2.0 * fine[-1] - fine[-2 : -half - 2 : -1]
+        whole = np.vstack((before, fine, after))
+        fine = savgol_filter(whole, 2 * half + 1, DEGREE, axis=0)[half:-half]
+    return resample(fine, spacing=STEP)
