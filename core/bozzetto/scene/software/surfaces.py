@@ -161,7 +161,8 @@ def _draw_opaque(
         return
     normal = _spread_normals(seen, buffer)
     cavity = None
-    if shading in ("clay", "curvature"):
+    matte = not all(is_polished(item, shading) for item in items)
+    if matte and shading in ("clay", "curvature"):
         cavity = cavities(buffer, sight, normal, fineness).ravel()[seen.pixel]
     rgb = _colors_of(seen, soup, items, tinted, sight, palette, shading, cavity)
     line = contours(buffer, sight, normal, fineness).ravel()[seen.pixel]

@@ -88,25 +88,30 @@ def stripes(seen: Fragments, sight: Sight) -> Floats:
     seen : Fragments
     sight : Sight
     """
-    climb = np.clip(sight.axes[:, 2].astype(np.float32) @ _mirrored(seen, sight), -1.0, 1.0)
-    height = np.arcsin(climb) * np.float32(TUBES / np.pi)
+    height = np.arcsin(_climb(seen, sight)) * np.float32(TUBES / np.pi)
     width = np.maximum(_over_pixel(height, seen.pixel, sight), np.float32(SOFTNESS))
     middle, half = height + np.float32(0.25), np.float32(0.5) * width
     return np.asarray((_integral(middle + half) - _integral(middle - half)) / width)
 
 
-def _mirrored(seen: Fragments, sight: Sight) -> Floats:
-    """Where mirrored lines of sight go: unit vectors right, up and forward, (3, n)."""
-    toward = np.zeros_like(seen.normal)
-    toward[2] = 1.0
-    if sight.perspective:
-        y, x = np.divmod(seen.pixel, sight.width)
-        toward[0] = (sight.middle[0] - (x + 0.5)) / sight.focal
-        toward[1] = ((y + 0.5) - sight.middle[1]) / sight.focal
-        toward /= np.sqrt(np.einsum("kn,kn->n", toward, toward))
-    mirrored = np.float32(2) * np.einsum("kn,kn->n", seen.normal, toward) * seen.normal - toward
-    mirrored[2] *= -1.0
-    return np.asarray(mirrored, np.float32)
+def _climb(seen: Fragments, sight: Sight) -> Floats:
+    """Sine of the angle by which mirrored lines of sight climb, (n,).
+
+    With the unit vectors n across the surface and s towards the eye, the line of sight goes on
+    along 2 (n·s) n − s.
+    """
+    across, up, near = seen.normal
+    right_climbs, up_climbs, near_climbs = np.array((1, 1, -1) * sight.axes[:, 2], np.float32)
+    outward = right_climbs * across + up_climbs * up + near_climbs * near
+    if not sight.perspective:
+        return np.asarray(np.clip(2.0 * near * outward - near_climbs, -1.0, 1.0))
+    y, x = np.divmod(seen.pixel, sight.width)
+    right = ((sight.middle[0] - 0.5 - x) / sight.focal).astype(np.float32)
+    rise = ((y + 0.5 - sight.middle[1]) / sight.focal).astype(np.float32)
+    cosine = across * right + up * rise + near
+    eye = right_climbs * right + up_climbs * rise + near_climbs
+    length = np.sqrt(right * right + rise * rise + np.float32(1))
+    return np.asarray(np.clip((2.0 * cosine * outward - eye) / length, -1.0, 1.0))
 
 
 def _integral(height: Floats) -> Floats:
@@ -122,9 +127,8 @@ def _over_pixel(values: Floats, pixel: NDArray[np.intp], sight: Sight) -> Floats
     pattern jumps, and that edge shall stay sharp.
     """
     full = np.full((sight.height + 2, sight.width + 2), np.nan, np.float32)
-    y, x = np.divmod(pixel, sight.width)
-    full[y + 1, x + 1] = values
-    down, across = np.abs(np.diff(full, axis=0)), np.abs(np.diff(full, axis=1))
-    rows = np.fmin(down[y, x + 1], down[y + 1, x + 1])
-    columns = np.fmin(across[y + 1, x], across[y + 1, x + 1])
-    return np.asarray(np.nan_to_num(rows, nan=0.0) + np.nan_to_num(columns, nan=0.0))
+    full[1:-1, 1:-1].put(pixel, values)
+    down = np.abs(np.diff(full[:, 1:-1], axis=0))
+    across = np.abs(np.diff(full[1:-1], axis=1))
+    rows, columns = np.fmin(down[:-1], down[1:]), np.fmin(across[:, :-1], across[:, 1:])
+    return np.asarray(np.nan_to_num(rows.take(pixel)) + np.nan_to_num(columns.take(pixel)))
