@@ -283,12 +283,15 @@ class Scene:
     def points(self) -> NDArray[np.float64]:
         """What has to be in the picture when the scene is framed, shape (n, 3), mm.
 
-        The vertices of meshes, the points of lines and marks, the corners of images. Beyond
-        `MOST_FRAMED` they are thinned out evenly.
+        The vertices of meshes, the points of lines and marks; of a scene that has neither, the
+        corners of images. What belongs to a tool does not count, for it comes and goes with it.
+        Beyond `MOST_FRAMED` points are thinned out evenly.
         """
+        items = [item for layer in self.layers if not layer.tool for item in layer.items]
+        drawn = [item for item in items if not isinstance(item, Image)]
         parts = [
             item.mesh.vertices if isinstance(item, Shaded) else _extent(item)
-            for _, item in self.items()
+            for item in (drawn if any(len(_extent(item)) for item in drawn) else items)
         ]
         count = sum(len(part) for part in parts)
         step = 1 + count // MOST_FRAMED
