@@ -41,6 +41,8 @@ class Advising(QObject):
     ----------
     advice : ViewAdvice or None
         In the world; None where the modeler gives none.
+    about : Model or None
+        The model that it is about; None for one that is still to be drawn.
 
     Signals
     -------
@@ -54,6 +56,8 @@ class Advising(QObject):
         super().__init__(session)
         self._session = session
         self.advice: ViewAdvice | None = None
+        self.about: Model | None = None
+        self._seen = session.camera
         self._asked: Question = None
         self._silent: set[str] = set()
         self._empty: dict[str, Model] = {}
@@ -74,6 +78,14 @@ class Advising(QObject):
     def scene(self) -> Scene:
         """What the advice shows on the sheet."""
         return Scene() if self.advice is None else self.advice.scene
+
+    def holds_eye(self, camera: Camera) -> bool:
+        """Whether a view stands where a picture was drawn from; see `ViewAdvice.pinned`.
+
+        It does so as long as the eye is where the advice was given, before the next comes.
+        """
+        pinned = self.advice is not None and self.advice.pinned
+        return pinned and camera.kind == self._seen.kind and camera.eye == self._seen.eye
 
     def look(self) -> None:
         """See whether there is a new view, model or modeler; ask when it is time."""
@@ -115,6 +127,7 @@ class Advising(QObject):
             if advice is None:
                 self._silent.add(modeler)
             if self._session.active_modeler == modeler:
+                self.about, self._seen = model, camera
                 self._take(advice)
 
         def failed(problem: BaseException) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from bozzetto.errors import UserError
@@ -59,6 +60,25 @@ class FileQuestions:
         path = self._chosen(tr("Files", "Import"), kinds)
         if path is not None:
             self._session.files.import_file(path)
+
+    def ask_underlay(self) -> None:
+        """A picture to lay under the sheet."""
+        from bozzetto.exchange.formats import readers
+
+        endings = " ".join(f"*{ending}" for one in readers("image") for ending in one.endings)
+        kinds = tr("Files", "Pictures ({endings})").format(endings=endings)
+        path = self._chosen(tr("Files", "Place a picture under the sheet"), kinds)
+        if path is not None:
+            self._session.picturing.take_file(path, under=True)
+
+    def paste(self, *, under: bool = False) -> None:
+        """Take the picture or the files that were copied elsewhere."""
+        from bozzetto_app.canvas.drop import take
+
+        if not take(self._session, QGuiApplication.clipboard().mimeData(), under=under):
+            self._session.complain(
+                UserError(tr("Files", "There is no picture to paste. Copy one first."))
+            )
 
     def ask_save(self, then: Callable[[], None] = lambda: None) -> None:
         """Save where the document lies, or ask for a place."""

@@ -54,7 +54,16 @@ def _file(window: Window) -> Iterator[Action]:
         "import",
         ("Ctrl+I",),
         menu,
-        tip=tr("File", "Drawings, meshes and pictures to trace"),
+        tip=tr("File", "Drawings, meshes, and pictures to work on or to trace"),
+    )
+    yield Action(
+        "file.underlay",
+        tr("File", "Place as &underlay…"),
+        files.ask_underlay,
+        "",
+        (),
+        menu,
+        tip=tr("File", "A picture under the sheet, to be traced; so does Shift with a drop"),
     )
     yield Action(
         "file.save",
@@ -90,7 +99,7 @@ def _file(window: Window) -> Iterator[Action]:
 
 
 def _edit(window: Window) -> Iterator[Action]:
-    session = window.session
+    session, files = window.session, window.files
     menu = (tr("Menu", "&Edit"),)
     yield Action(
         "edit.undo",
@@ -109,6 +118,16 @@ def _edit(window: Window) -> Iterator[Action]:
         ("Ctrl+Shift+Z", "Ctrl+Y"),
         menu,
         enabled=lambda: session.history.redo_label is not None,
+    )
+    yield Action("edit.paste", tr("Edit", "&Paste"), files.paste, "", ("Ctrl+V",), menu)
+    yield Action(
+        "edit.paste_under",
+        tr("Edit", "Paste as underla&y"),
+        partial(files.paste, under=True),
+        "",
+        ("Ctrl+Shift+V",),
+        menu,
+        tip=tr("Edit", "The copied picture, under the sheet"),
     )
     yield Action(
         "edit.commit",

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.lock import FileLock, Locked, document_lock_path
-from bozzetto.document.model import Document, Model, Underlay, new_id
+from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.guard import PluginFault
@@ -46,9 +46,6 @@ PATIENCE = 2.0
 
 READ_LIMIT = 60.0
 """Seconds that reading or exporting may go on without progress before it counts as hung."""
-
-UNDERLAY_WIDTH = 200.0
-"""Width at which a picture to trace is laid on the sheet, mm."""
 
 
 def recent_files() -> list[Path]:
@@ -294,31 +291,39 @@ class Files(QObject):
 
     def import_file(self, path: Path) -> None:
         """Bring a drawing, a mesh or a picture onto the sheet."""
+        from bozzetto.exchange.importing import is_picture
+
         session = self._session
-        modeler = session.active_modeler
+        if is_picture(path):
+            session.picturing.take_file(path)
+            return
+        active = session.active_modeler
         context, history = session.context(), session.history
 
-        def work(job: Job) -> Model | Underlay:
+        def work(job: Job) -> tuple[Model, bool]:
             from bozzetto.exchange.formats import find, readers
-            from bozzetto.exchange.importing import read_drawing, read_image, read_mesh
+            from bozzetto.exchange.importing import read_drawing, read_mesh
 
-            holds = find(path, readers()).holds
-            if "image" in holds:
-                return _laid_on_sheet(read_image(path), path.stem)
-            if "mesh" in holds:
-                return session.workbench.from_shapes(MESH_MODELER, read_mesh(path), path.stem)
+            bench = session.workbench
+            if "mesh" in find(path, readers()).holds:
+                return bench.from_shapes(MESH_MODELER, read_mesh(path), path.stem), False
+            drawing = read_drawing(path)
+            facts_only = not len(drawing.strokes)
+            modeler = (facts_only and session.registry.told_by(drawing.extra)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
-            drawing = read_drawing(path)
-            here = replace(context, camera=drawing.camera)
-            return session.workbench.from_drawing(modeler, drawing, {}, here)
+            here = context if facts_only else replace(context, camera=drawing.camera)
+            return bench.from_drawing(modeler, drawing, {}, here), bool(drawing.pictures)
 
-        def done(answer: Model | Underlay) -> None:
+        def done(answer: tuple[Model, bool]) -> None:
             if session.history is not history:
                 return
-            if isinstance(answer, Model):
+            model, pictured = answer
+            if not pictured:
                 self.imported.emit()
-            session.take_in(answer, tr("Files", "Import {name}", name=path.name))
+            session.take_drawn(tr("Files", "Import {name}", name=path.name), model, is_new=True)
+            if pictured:
+                session.picturing.taken.emit(model.id)
 
         self._reads.submit(Request(work, done, session.complain))
 
@@ -356,17 +361,3 @@ def _hanging_on_view(bench: Workbench, document: Document, camera: Camera) -> Sc
     asking.start()
     asking.join(PATIENCE)
     return found[0] if found else Scene()
-
-
-def _laid_on_sheet(pixels: Any, name: str) -> Underlay:
-    """A picture in the plane y = 0, standing on the ground, centred."""
-    height, width = pixels.shape[:2]
-    tall = UNDERLAY_WIDTH * height / width
-    return Underlay(
-        new_id(),
-        name,
-        pixels,
-        corner=(-UNDERLAY_WIDTH / 2, 0.0, tall),
-        across=(UNDERLAY_WIDTH, 0.0, 0.0),
-        down=(0.0, 0.0, -tall),
-    )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from PySide6.QtCore import QObject
@@ -120,11 +120,24 @@ class Inking(QObject):
 
     # -- other gestures --
 
+    def tap_moved(self, tap: Tap) -> None:
+        """Show what a tap that is still being aimed would make."""
+        self._awaited = ""
+        self._pen_is_down = True
+        self._preview(tap)
+
     def tapped(self, tap: Tap) -> None:
-        """A short touch with a tool that takes taps."""
+        """A short touch with a tool that takes taps, or the end of one that was aimed."""
+        aimed, self._pen_is_down = self._pen_is_down, False
         if self._may_edit():
             tool = self._session.toolbox.tool_for("tap")
-            self._submit(lambda: tap, tool, self._session.complain)
+
+            def failed(problem: BaseException) -> None:
+                if aimed:
+                    self._show_nothing()
+                self._session.complain(problem)
+
+            self._submit(lambda: tap, tool, failed)
 
     def handle_moved(self, drag: Drag) -> None:
         """Show what a handle dragged so far would make."""
@@ -171,7 +184,10 @@ class Inking(QObject):
     def _preview(self, gesture: Gesture) -> None:
         session = self._session
         modeler = session.active_modeler
-        tool = session.toolbox.tool_for("drag" if isinstance(gesture, Drag) else "ink")
+        kind: Literal["ink", "tap", "drag"] = "ink"
+        if not isinstance(gesture, Ink):
+            kind = "drag" if isinstance(gesture, Drag) else "tap"
+        tool = session.toolbox.tool_for(kind)
         if not modeler or not tool or (modeler, tool) in self._unpreviewable:
             return
         context, target = session.context(), self.target(modeler)

@@ -75,6 +75,10 @@ class PenCalls:
         """A short touch with a tool that takes taps."""
         self.inking.tapped(Tap(x, y, self.camera, shift, ctrl))
 
+    def tap_moved(self, x: float, y: float, *, shift: bool = False, ctrl: bool = False) -> None:
+        """Show what a tap would make if the pen were lifted here."""
+        self.inking.tap_moved(Tap(x, y, self.camera, shift, ctrl))
+
     def handle_moved(
         self, handle: str, path: Stroke, *, shift: bool = False, ctrl: bool = False
     ) -> None:

@@ -7,7 +7,7 @@ document themselves. Everything that enters a plugin runs in a worker
 their own: `looking` the view, `toolbox` the modelers and tools, `pen_calls` and
 `inking` the gestures, `editing` the objects and `part_editing` what they are made of,
 `commanding` the modelers' commands, `advising` what they say of the view, `using` shapes as
-input, `showing` the pictures, `files` the disk.
+input, `picturing` sketches that come in, `showing` the pictures, `files` the disk.
 """
 
 from __future__ import annotations
@@ -19,9 +19,8 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document import edit
 from bozzetto.document.history import History
-from bozzetto.document.model import Document, Model, Underlay
+from bozzetto.document.model import Document, Model
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
@@ -37,6 +36,7 @@ from bozzetto_app.inking import Inking
 from bozzetto_app.looking import Looking, Shading
 from bozzetto_app.part_editing import PartEditing
 from bozzetto_app.pen_calls import PenCalls
+from bozzetto_app.picturing import Picturing
 from bozzetto_app.saying import Notice, notice_of
 from bozzetto_app.showing import Showing
 from bozzetto_app.toolbox import Toolbox, ToolInfo
@@ -122,6 +122,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.inking = Inking(self)
         self.files = Files(self)
         self.using = Using(self)
+        self.picturing = Picturing(self)
         self.advising = Advising(self)
         self.commanding = Commanding(self)
         self.expecting = Expecting(self)
@@ -132,7 +133,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
         self.showing.busy_changed.connect(self._look_who_is_busy)
-        for part in (self.files, self.using):
+        for part in (self.files, self.using, self.picturing):
             part.progressed.connect(self.progressed)
             part.busy_changed.connect(self._look_who_is_busy)
         self.view_style_changed.connect(self._style_changed)
@@ -228,6 +229,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             self.advising,
             self.expecting,
             self.using,
+            self.picturing,
             self.showing,
             self.files,
         )
@@ -271,13 +273,6 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.await_final(model.id)
         self.commit(label, self.document.with_model(model))
         self.select(model.id)
-
-    def take_in(self, thing: Model | Underlay, label: str) -> None:
-        """Put something from a file into the document, and select it."""
-        if isinstance(thing, Underlay):
-            self.edit(edit.add_underlay, thing)
-        else:
-            self.take_drawn(label, thing, is_new=True)
 
     def undo(self) -> None:
         """Take back the newest pending stroke, or else the last step."""
@@ -392,6 +387,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.cancel()
         self.files.cancel()
         self.using.cancel()
+        self.picturing.cancel()
         self.tell(tr("Session", "Stopped. Nothing was changed."))
 
     def cancel_all(self) -> None:
@@ -399,10 +395,12 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.cancel()
         self.files.cancel()
         self.using.cancel()
+        self.picturing.cancel()
         self.inking.restart(self.pending)
 
     def _look_who_is_busy(self) -> None:
-        busy = self.showing.busy or self.files.busy or self.using.busy
+        parts = (self.showing, self.files, self.using, self.picturing)
+        busy = any(part.busy for part in parts)
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)

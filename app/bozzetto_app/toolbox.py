@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from PySide6.QtCore import QObject
 
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import TellsNext
+from bozzetto.plugin.modeler import Aims, TellsNext
 from bozzetto_app.jobs import Channel, Request
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ class ToolInfo:
     gesture: Literal["ink", "tap", "drag"]
     tells_next: bool = False
     """Whether it says itself what to do next; see `TellsNext`."""
+    aims: bool = False
+    """Whether its places must be met exactly; see `Aims`."""
 
 
 class Toolbox(QObject):
@@ -78,6 +80,7 @@ class Toolbox(QObject):
                     tool.hint,
                     tool.gesture,
                     isinstance(tool, TellsNext),
+                    isinstance(tool, Aims) and tool.aims,
                 )
                 for tool in session.workbench.tools(modeler_id)
             )

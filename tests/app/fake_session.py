@@ -33,6 +33,7 @@ class ToolInfo:
     hint: str
     gesture: str = "ink"
     tells_next: bool = False
+    aims: bool = False
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bozzetto.document import edit
 from bozzetto.geometry import Mesh
 from bozzetto.plugin.testing import Pen
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
@@ -203,7 +204,7 @@ def test_the_context_brings_the_picture_that_is_traced(session):
 
     assert session.context().underlay is None
     picture = replace(underlay(), visible=True)
-    session.take_in(picture, "trace")
+    session.edit(edit.add_underlay, picture)
     assert session.context().underlay.pixels is picture.pixels
     session.set_underlay_visible(picture.id, False)
     assert session.context().underlay is None

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 
+from bozzetto.document import edit
 from bozzetto.document.model import Underlay
 from bozzetto.errors import UserError
 from bozzetto.exchange.solid_check import bounds_volume
@@ -287,7 +288,7 @@ def test_refused_edits_say_why_and_change_nothing(session, draw):
 def test_underlays_fade_as_one_step_and_leave(session):
     pixels = np.full((4, 6, 4), 255, np.uint8)
     place = {"corner": (0.0, 0.0, 0.0), "across": (6.0, 0.0, 0.0), "down": (0.0, 0.0, -4.0)}
-    session.take_in(Underlay("u1", "Sketch", pixels, **place), "Import")
+    session.edit(edit.add_underlay, Underlay("u1", "Sketch", pixels, **place))
     for opacity in (0.4, 0.3, 0.2):
         session.set_underlay_opacity("u1", opacity, dragging=True)
     session.end_drag()

@@ -35,7 +35,18 @@ class Silent(QObject):
     """Advice on the view that is never given."""
 
     changed = Signal()
-    advice = None
+    advice = about = None
+    scene = Scene()
+
+    def holds_eye(self, camera: Camera) -> bool:
+        """Whether a picture was drawn from there: there is none."""
+        return False
+
+
+class Unpictured(QObject):
+    """No pictures come in."""
+
+    taken = Signal(str)
 
 
 class Quiet(QObject):
@@ -56,6 +67,7 @@ class Quiet(QObject):
         self.pending = self.tools = ()
         self.active_tool, self.shading, self.selected = "", "clay", None
         self.advising = Silent(self)
+        self.picturing = Unpictured(self)
         self.show_grid = False
 
     def set_camera(self, camera: Camera) -> None:

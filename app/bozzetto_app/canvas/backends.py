@@ -71,6 +71,10 @@ class ViewportBackend(Protocol):
         """The picture as it is now, at full resolution; waits for it."""
         ...
 
+    def shown(self) -> QImage:
+        """The picture that is on the screen, at once; it may lag a moment behind."""
+        ...
+
     def describe(self) -> str:
         """Who draws, for the About dialog."""
         ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -31,10 +32,11 @@ from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import fit_points, with_kind
 from bozzetto.view.standard import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
-from bozzetto_app.canvas.drop import dropped_files, take_file
+from bozzetto_app.canvas.drop import carries_something, take
 from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
 from bozzetto_app.canvas.ink_overlay import InkOverlay
+from bozzetto_app.canvas.loupe import Loupe
 from bozzetto_app.canvas.pen import ProximityWatch
 from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.samples import PressureCurve
@@ -103,6 +105,7 @@ class Canvas(QWidget):
         self._session = session
         self._colors = palette
         self._tilted = False
+        self._pictured = ""
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
@@ -110,6 +113,7 @@ class Canvas(QWidget):
         self._hint = SheetHint(self)
         self._cube = ViewCube(self)
         self.light = ViewLight(self)
+        self._loupe = Loupe(lambda: self.viewports.current.shown(), self)
         self._menu = RadialMenu(self)
         self.hand = Hand(session, self._overlay)
         self.motion = ViewMotion(session, self)
@@ -122,15 +126,18 @@ class Canvas(QWidget):
             application.installEventFilter(self._proximity)
 
         session.scene_changed.connect(self._show_scene)
-        session.live_changed.connect(self.viewports.show_live)
+        session.live_changed.connect(self._show_live)
         session.camera_changed.connect(self._show_camera)
         session.pending_changed.connect(self._show_pending)
         session.view_style_changed.connect(self.viewports.show_style)
         session.noticed.connect(self._notice)
         session.settled.connect(self._settled)
         session.advising.changed.connect(self._show_advice)
+        session.picturing.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._hint.fade)
+        self.hand.aimed.connect(self._aim)
+        self.hand.aim_ended.connect(self._loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(self._menu.point)
@@ -155,7 +162,7 @@ class Canvas(QWidget):
         """Use the colours of a theme."""
         self._colors = palette
         self.viewports.set_palette(palette)
-        for part in (self._overlay, self._hint, self._cube, self.light, self._menu):
+        for part in (self._overlay, self._hint, self._cube, self.light, self._loupe, self._menu):
             part.set_colors(palette)
 
     def read_settings(self) -> None:
@@ -197,7 +204,7 @@ class Canvas(QWidget):
     def look(self, name: str) -> None:
         """Go to a standard view by its name: "front", "three-quarter" and so on."""
         self.motion.finish()
-        self.animate_to(standard_view(self._session.camera, name))
+        self.animate_to(standard_view(self._own_view(), name))
 
     def toggle_projection(self) -> None:
         """Change between perspective and parallel projection."""
@@ -230,21 +237,35 @@ class Canvas(QWidget):
     def _frame(self, scene: Scene) -> None:
         self.motion.finish()
         points = scene.points()
-        camera: Camera = self._session.camera
+        camera = self._own_view()
         if len(points) and np.ptp(points, axis=0).max() == 0.0:
             points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
         self.animate_to(fit_points(camera, points))
 
+    def _own_view(self) -> Camera:
+        """The view now; one that stood where a picture was drawn from as an ordinary view.
+
+        There the opening angle was the picture's, and zooming has changed it: from elsewhere
+        nothing would look right with it. The scale stays.
+        """
+        camera: Camera = self._session.camera
+        if camera.kind == "orthographic" or not self._session.advising.holds_eye(camera):
+            return camera
+        flat = with_kind(camera, "orthographic")
+        return with_kind(replace(flat, fov_y=Camera().fov_y), "perspective")
+
     def _look_from(self, direction: Point) -> None:
         self.motion.finish()
         x, y, z = direction
-        self.animate_to(look_along(self._session.camera, (-x, -y, -z)))
+        self.animate_to(look_along(self._own_view(), (-x, -y, -z)))
 
     def _turn(self, camera: Camera) -> None:
         self.motion.finish()
         self._session.set_camera(camera)
 
     def _settled(self, model_id: str) -> None:
+        if self._session.advising.holds_eye(self._session.camera) or self._pictured == model_id:
+            return
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if self._tilts and not self._tilted and idle and not self._is_of_lines(model_id):
             self._tilted = True
@@ -274,8 +295,25 @@ class Canvas(QWidget):
 
     def _show_scene(self) -> None:
         self.viewports.show_scene()
+        if self._loupe.isVisible():
+            self._loupe.show_scene(self._all_shown(), self._session.camera)
         self.hand.scene_or_view_changed()
         self._prepare_picking(self._session.scene, self._session.camera)
+
+    def _show_live(self) -> None:
+        self.viewports.show_live()
+        if self._loupe.isVisible():
+            self._loupe.show_scene(self._all_shown(), self._session.camera)
+
+    def _aim(self, place: QPointF) -> None:
+        """A place that must be met exactly is being sought."""
+        if not self._loupe.isVisible():
+            self._hint.fade()
+            self._loupe.show_scene(self._all_shown(), self._session.camera)
+        self._loupe.point(place.x(), place.y())
+
+    def _all_shown(self) -> Scene:
+        return self._session.scene.under(self._session.live_scene)
 
     def _prepare_picking(self, scene: Scene, camera: Camera) -> None:
         """Cast a first ray beside the window: it sorts large meshes, which takes a moment."""
@@ -301,7 +339,17 @@ class Canvas(QWidget):
         self._overlay.set_pending(strokes, self._session.camera)
 
     def _show_advice(self) -> None:
-        self.light.show_advice(self._session.advising.advice)
+        advising = self._session.advising
+        self.light.show_advice(advising.advice)
+        self.hand.scene_or_view_changed()
+        model = self._session.selected_model if self._pictured else None
+        if model is not None and model.id == self._pictured and model is advising.about:
+            self._pictured = ""
+            self.turn_to_better()
+
+    def _got_picture(self, model_id: str) -> None:
+        """A sketch came in: go to where it is seen, once the modeler says where that is."""
+        self._pictured = model_id
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:
@@ -379,10 +427,10 @@ class Canvas(QWidget):
         super().focusOutEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        if dropped_files(event.mimeData()):
+        if carries_something(event.mimeData()):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         event.acceptProposedAction()
-        for path in dropped_files(event.mimeData()):
-            take_file(self._session, path)
+        under = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        take(self._session, event.mimeData(), under=under)

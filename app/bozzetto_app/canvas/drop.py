@@ -1,4 +1,4 @@
-"""Files that are dropped on the sheet."""
+"""Files and pictures that are dropped on the sheet, or pasted."""
 
 from __future__ import annotations
 
@@ -6,19 +6,55 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QMimeData
+from PySide6.QtGui import QImage
 
+from bozzetto.exchange.importing import is_picture
 from bozzetto_app.files import DOCUMENT_ENDING
+from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["dropped_files", "take_file"]
+__all__ = ["carries_something", "dropped_files", "take", "take_file"]
 
 
 def dropped_files(data: QMimeData) -> list[Path]:
     """The files on this machine that a drag carries."""
     paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
     return [path for path in paths if path.is_file()]
+
+
+def carries_something(data: QMimeData) -> bool:
+    """Whether there is a file or a picture in a drag, or on the clipboard."""
+    return bool(dropped_files(data)) or data.hasImage()
+
+
+def take(session: Session, data: QMimeData, *, under: bool = False) -> bool:
+    """Take what was dropped or pasted.
+
+    Parameters
+    ----------
+    session : Session
+    data : QMimeData
+        A drag out of a browser may carry the picture itself and no file.
+    under : bool
+        Whether pictures are to lie under the sheet in any case.
+
+    Returns
+    -------
+    bool
+        Whether there was anything to take.
+    """
+    paths = dropped_files(data)
+    for path in paths:
+        if under and is_picture(path):
+            session.picturing.take_file(path, under=True)
+        else:
+            take_file(session, path)
+    image = data.imageData() if not paths and data.hasImage() else None
+    if isinstance(image, QImage):
+        session.picturing.take_image(image, tr("Session", "Picture"), under=under)
+    return bool(paths) or isinstance(image, QImage)
 
 
 def take_file(session: Session, path: Path) -> None:

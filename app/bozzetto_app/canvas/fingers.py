@@ -34,16 +34,19 @@ class Fingers:
         self._pivot = pivot
         self._middle, self._spread = middle_and_spread(places)
 
-    def moved(self, places: Sequence[QPointF], camera: Camera) -> Camera:
+    def moved(
+        self, places: Sequence[QPointF], camera: Camera, *, eye_fixed: bool = False
+    ) -> Camera:
         """The view after as many fingers moved on: one orbits, more pan and zoom."""
         before, spread_before = self._middle, self._spread
         self._middle, self._spread = middle_and_spread(places)
         dx, dy = self._middle[0] - before[0], self._middle[1] - before[1]
         if self.count == 1:
             return orbit(camera, dx, dy, self._pivot)
-        camera = pan(camera, dx, dy, self._pivot)
+        camera = pan(camera, dx, dy, self._pivot, eye_fixed=eye_fixed)
         if min(self._spread, spread_before) > LEAST_SPREAD:
-            camera = zoom(camera, self._spread / spread_before, self._middle)
+            factor = self._spread / spread_before
+            camera = zoom(camera, factor, self._middle, eye_fixed=eye_fixed)
         return camera
 
 

@@ -1,9 +1,10 @@
 """What a hand means: the state machine between presses and strokes, without Qt.
 
-One gesture at a time. A press decides what the gesture is (ink, an eraser, a tap, the drag
-of a handle, the menu, or a turn of the view); until its own pointer lifts or the gesture is
-cancelled, nothing else can begin, so that a palm, a second button or a synthesised mouse
-event never makes a second stroke. Only the pen may interrupt, and only a turn of the view.
+One gesture at a time. A press decides what the gesture is (ink, an eraser, a tap, a tap that
+is aimed, the drag of a handle, the menu, or a turn of the view); until its own pointer lifts or
+the gesture is cancelled, nothing else can begin, so that a palm, a second button or a
+synthesised mouse event never makes a second stroke. Only the pen may interrupt, and only a turn
+of the view.
 """
 
 from __future__ import annotations
@@ -51,6 +52,7 @@ class Mode(Enum):
     INKING = auto()
     ERASING = auto()
     TAPPING = auto()
+    AIMING = auto()
     DRAGGING = auto()
     NAVIGATING = auto()
     CHOOSING = auto()
@@ -132,6 +134,8 @@ class Press:
         Id of the handle under the pointer, "" for none.
     takes : {"ink", "tap", "drag"}
         What the active tool wants.
+    aims : bool
+        Whether its taps are where the pointer lifts, however long that takes.
     """
 
     pointer: Pointer
@@ -143,6 +147,7 @@ class Press:
     eraser: bool = False
     handle: str = ""
     takes: Literal["ink", "tap", "drag"] = "ink"
+    aims: bool = False
 
 
 @dataclass
@@ -158,12 +163,15 @@ class GestureMachine:
         What began the gesture.
     travel : float
         Farthest distance from the press so far, pixels.
+    place : (x, y)
+        Where its pointer was seen last.
     """
 
     mode: Mode = Mode.IDLE
     motion: Motion = Motion.ORBIT
     press: Press | None = None
     travel: float = 0.0
+    place: tuple[float, float] = (0.0, 0.0)
     _pen_near: bool = field(default=False, repr=False)
     _pen_seen: float = field(default=-math.inf, repr=False)
 
@@ -201,6 +209,7 @@ class GestureMachine:
         if mode is Mode.IDLE:
             return False
         self.mode, self.press, self.travel = mode, press, 0.0
+        self.place = press.x, press.y
         if mode is Mode.NAVIGATING:
             self.motion = press.keys.motion
         return True
@@ -208,6 +217,7 @@ class GestureMachine:
     def move(self, x: float, y: float) -> None:
         """Follow the pointer that made the gesture."""
         if self.press is not None:
+            self.place = x, y
             distance = math.hypot(x - self.press.x, y - self.press.y)
             if distance > self.travel:
                 self.travel = distance
@@ -233,6 +243,8 @@ class GestureMachine:
             return Outcome.STROKE
         if mode is Mode.DRAGGING:
             return Outcome.DROP
+        if mode is Mode.AIMING:
+            return Outcome.TAP
         if mode is Mode.TAPPING and travel < TAP_TRAVEL and lasted < TAP_TIME:
             return Outcome.TAP
         if mode is Mode.CHOOSING:
@@ -260,4 +272,6 @@ class GestureMachine:
             return Mode.ERASING
         if press.handle:
             return Mode.DRAGGING
-        return Mode.INKING if press.takes == "ink" else Mode.TAPPING
+        if press.takes == "ink":
+            return Mode.INKING
+        return Mode.AIMING if press.aims else Mode.TAPPING

@@ -8,6 +8,8 @@ every `Layer.revision`.
 from __future__ import annotations
 
 import logging
+import math
+from time import perf_counter
 from typing import Any, Final
 
 import numpy as np
@@ -54,6 +56,9 @@ in pixel sizes at their depth, as in the software renderer."""
 
 CONTOUR: Final = 0.8
 """Share of ink in the contour line; the rest is clay."""
+
+READ_BACK_INTERVAL: Final = 0.15
+"""Least time between two pictures read back for the loupe, seconds: each takes milliseconds."""
 
 NEAR_ENOUGH: Final = 4
 """Difference of a colour read back from the one painted that still proves that it works."""
@@ -123,6 +128,8 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._is_proved = False
         self._blank = False
         self._broken = False
+        self._read_back = QImage()
+        self._read_back_at = -math.inf
         self._marks = MarksSheet(self)
 
     # -- ViewportBackend ----------------------------------------------------------------------
@@ -170,6 +177,13 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         paint_marks(painter, self._scene.under(self._live), self._seen(), self._palette)
         painter.end()
         return image
+
+    def shown(self) -> QImage:
+        """The picture that is on the screen, read back now and then."""
+        now = perf_counter()
+        if now - self._read_back_at > READ_BACK_INTERVAL:
+            self._read_back, self._read_back_at = self.grab(), now
+        return self._read_back
 
     def describe(self) -> str:
         """Who draws."""

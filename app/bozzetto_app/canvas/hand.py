@@ -44,6 +44,7 @@ from bozzetto_app.canvas.samples import PressureCurve, RawSample, SampleColumns
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
+    from bozzetto_app.toolbox import ToolInfo
 
 __all__ = ["Hand"]
 
@@ -77,6 +78,8 @@ class Hand(QObject):
         Something goes down: the view must be at rest when this returns.
     menu_pressed, menu_moved : QPointF; menu_released : bool
         The menu button; whether its release was a flick.
+    aimed : QPointF; aim_ended
+        A place is being sought that must be met exactly; no longer.
     ink_began, mode_changed
     """
 
@@ -84,6 +87,8 @@ class Hand(QObject):
     menu_pressed = Signal(QPointF)
     menu_moved = Signal(QPointF)
     menu_released = Signal(bool)
+    aimed = Signal(QPointF)
+    aim_ended = Signal()
     ink_began = Signal()
     mode_changed = Signal()
 
@@ -99,6 +104,7 @@ class Hand(QObject):
         self._camera: Camera = session.camera
         self._pivot: NDArray[np.float64] = np.zeros(3)
         self._recording = False
+        self._seeking = False
         self._fresh: list[RawSample] = []
         self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
         self._tool: StrokeTool = "pen"
@@ -189,7 +195,9 @@ class Hand(QObject):
         place = event.position()
         factor = ZOOM_PER_NOTCH ** (turned / NOTCH)
         at = self._under(place.x(), place.y())
-        self._session.set_camera(zoom(self._session.camera, factor, at=at))
+        camera: Camera = self._session.camera
+        held = self._session.advising.holds_eye(camera)
+        self._session.set_camera(zoom(camera, factor, at=at, eye_fixed=held))
 
     # -- fingers ------------------------------------------------------------------------------
 
@@ -215,7 +223,9 @@ class Hand(QObject):
             (x, y), _ = middle_and_spread(places)
             self._fingers = Fingers(places, self._under(x, y))
         else:
-            self._session.set_camera(self._fingers.moved(places, self._session.camera))
+            camera: Camera = self._session.camera
+            held = self._session.advising.holds_eye(camera)
+            self._session.set_camera(self._fingers.moved(places, camera, eye_fixed=held))
 
     # -- gestures -----------------------------------------------------------------------------
 
@@ -224,7 +234,7 @@ class Hand(QObject):
         mode = self.machine.cancel()
         if mode is Mode.NAVIGATING:
             self._session.set_camera(self._camera)
-        if mode.records:
+        if mode.records or mode is Mode.AIMING:
             self._forget()
             self._session.pen_cancelled()
         self.mode_changed.emit()
@@ -249,7 +259,7 @@ class Hand(QObject):
         eraser: bool = False,
     ) -> None:
         self.pressed.emit()
-        takes = self._takes()
+        takes, aims = self._takes(), self._aims()
         found = self._handle_under(sample.x, sample.y)
         press = Press(
             pointer,
@@ -261,6 +271,7 @@ class Hand(QObject):
             eraser,
             found[0].id if found is not None else "",
             takes,
+            aims,
         )
         if not self.machine.begin(press):
             return
@@ -271,6 +282,7 @@ class Hand(QObject):
             self._tool = "mouse" if pointer == "mouse" else "eraser" if eraser else "pen"
             self._columns = SampleColumns(self.curve, has_pressure=pointer == "pen")
             self._recording = True
+            self._seeking = aims and mode is Mode.DRAGGING
             self._reported = -math.inf
             if mode is not Mode.DRAGGING:
                 self._overlay.begin(erasing=mode is Mode.ERASING)
@@ -279,6 +291,10 @@ class Hand(QObject):
             self._drain()
         elif mode is Mode.NAVIGATING:
             self._pivot = self._under(sample.x, sample.y)
+        elif mode is Mode.AIMING:
+            self._seeking = True
+            self._reported = -math.inf
+            self._seek()
         elif mode is Mode.CHOOSING:
             self.menu_pressed.emit(QPointF(sample.x, sample.y))
         if mode is not Mode.DRAGGING:
@@ -302,6 +318,8 @@ class Hand(QObject):
         self.machine.move(place.x(), place.y())
         if mode is Mode.NAVIGATING:
             self._turn(place.x(), place.y())
+        elif mode is Mode.AIMING:
+            self._seek()
         elif mode is Mode.CHOOSING:
             self.menu_moved.emit(place)
 
@@ -328,7 +346,7 @@ class Hand(QObject):
     def _conclude(self, pointer: Pointer, button: Button) -> None:
         if self._recording:
             self._drain()
-        press, columns = self.machine.press, self._columns
+        press, columns, place = self.machine.press, self._columns, self.machine.place
         outcome = self.machine.release(pointer, button, perf_counter())
         stroke = self._stroke(columns) if columns is not None and self._recording else None
         was_recording = self._recording
@@ -341,7 +359,8 @@ class Hand(QObject):
                 press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
             )
         elif outcome is Outcome.TAP and press is not None:
-            self._session.tapped(press.x, press.y, shift=press.keys.shift, ctrl=press.keys.ctrl)
+            x, y = place if press.aims else (press.x, press.y)
+            self._session.tapped(x, y, shift=press.keys.shift, ctrl=press.keys.ctrl)
         elif outcome in (Outcome.FLICK, Outcome.MENU):
             self.menu_released.emit(outcome is Outcome.FLICK)
         elif was_recording:
@@ -355,6 +374,9 @@ class Hand(QObject):
         self._soon.stop()
         self._later.stop()
         self._due = False
+        if self._seeking:
+            self._seeking = False
+            self.aim_ended.emit()
         if not keep_wet:
             self._overlay.clear_wet()
 
@@ -374,6 +396,16 @@ class Hand(QObject):
             painted.append((raw.x, raw.y, pressure))
         if self.machine.mode is not Mode.DRAGGING:
             self._overlay.extend(painted)
+        elif self._seeking:
+            self.aimed.emit(QPointF(*self.machine.place))
+        self._report_in_time()
+
+    def _seek(self) -> None:
+        """Follow a tap that is aimed."""
+        self.aimed.emit(QPointF(*self.machine.place))
+        self._report_in_time()
+
+    def _report_in_time(self) -> None:
         wait = REPORT_INTERVAL - (perf_counter() - self._reported)
         if wait <= 0:
             self._report()
@@ -381,12 +413,18 @@ class Hand(QObject):
             self._later.start(math.ceil(1000.0 * wait))
 
     def _report(self) -> None:
-        """Tell the session how the stroke stands, at most 30 times a second."""
+        """Tell the session how the gesture stands, at most 30 times a second."""
         press, columns = self.machine.press, self._columns
-        if columns is None or press is None or not len(columns):
+        if press is None:
             return
         self._reported = perf_counter()
         self._later.stop()
+        if self.machine.mode is Mode.AIMING:
+            keys = press.keys
+            self._session.tap_moved(*self.machine.place, shift=keys.shift, ctrl=keys.ctrl)
+            return
+        if columns is None or not len(columns):
+            return
         stroke = self._stroke(columns)
         if self.machine.mode is Mode.DRAGGING:
             self._session.handle_moved(
@@ -411,12 +449,14 @@ class Hand(QObject):
         if press is None:
             return
         dx, dy = x - press.x, y - press.y
+        held = self._session.advising.holds_eye(self._camera)
         if self.machine.motion is Motion.ORBIT:
             camera = orbit(self._camera, dx, dy, self._pivot)
         elif self.machine.motion is Motion.PAN:
-            camera = pan(self._camera, dx, dy, self._pivot)
+            camera = pan(self._camera, dx, dy, self._pivot, eye_fixed=held)
         else:
-            camera = zoom(self._camera, math.exp(-ZOOM_PER_PIXEL * dy), at=self._pivot)
+            factor = math.exp(-ZOOM_PER_PIXEL * dy)
+            camera = zoom(self._camera, factor, at=self._pivot, eye_fixed=held)
         self._session.set_camera(camera)
 
     def _under(self, x: float, y: float) -> NDArray[np.float64]:
@@ -442,14 +482,21 @@ class Hand(QObject):
 
     def _handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
         if self._targets is None:
-            self._targets = HandleTargets(self._session.scene, self._session.camera)
+            shown = self._session.scene.under(self._session.advising.scene)
+            self._targets = HandleTargets(shown, self._session.camera)
         reach = INKING_REACH if self._takes() == "ink" else HANDLE_REACH
         return self._targets.under(x, y, reach)
 
     def _takes(self) -> Literal["ink", "tap", "drag"]:
         """What the active tool wants."""
+        tool = self._tool_in_hand()
+        return "ink" if tool is None else tool.gesture
+
+    def _aims(self) -> bool:
+        """Whether the active tool wants places that are met exactly."""
+        tool = self._tool_in_hand()
+        return tool is not None and tool.aims
+
+    def _tool_in_hand(self) -> ToolInfo | None:
         active = self._session.active_tool
-        for tool in self._session.tools:
-            if tool.id == active:
-                return tool.gesture
-        return "ink"
+        return next((tool for tool in self._session.tools if tool.id == active), None)

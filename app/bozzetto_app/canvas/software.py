@@ -115,6 +115,10 @@ class SoftwareViewport(QWidget):
         scale = self.devicePixelRatioF()
         return to_image(self._work(scale)(Job()), scale)
 
+    def shown(self) -> QImage:
+        """The newest frame."""
+        return self._frame
+
     def describe(self) -> str:
         """Who draws."""
         return "Software renderer (NumPy)"

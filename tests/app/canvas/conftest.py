@@ -22,6 +22,7 @@ Cap = QInputDevice.Capability
 class FakeTool:
     id: str
     gesture: str
+    aims: bool = False
 
 
 class FakeAdvising(QObject):
@@ -32,10 +33,31 @@ class FakeAdvising(QObject):
     def __init__(self):
         super().__init__()
         self.advice = None
+        self.about = None
+        self.scene = Scene()
+
+    def holds_eye(self, camera):
+        return self.advice is not None and self.advice.pinned
 
     def say(self, advice):
         self.advice = advice
         self.changed.emit()
+
+
+class FakePicturing(QObject):
+    """Notes which pictures come."""
+
+    taken = Signal(str)
+
+    def __init__(self, calls):
+        super().__init__()
+        self.calls = calls
+
+    def take_file(self, path, *, under=False):
+        self.calls.append(("take_file", path, under))
+
+    def take_image(self, image, name, *, under=False):
+        self.calls.append(("take_image", image, under))
 
 
 class FakeSession(QObject):
@@ -61,8 +83,9 @@ class FakeSession(QObject):
         self.shading = "clay"
         self.show_grid = False
         self.show_ghost_ink = True
-        self.selected = None
+        self.selected = self.selected_model = None
         self.calls = []
+        self.picturing = FakePicturing(self.calls)
 
     def set_camera(self, camera):
         self.camera = camera
@@ -90,6 +113,9 @@ class FakeSession(QObject):
 
     def tapped(self, x, y, *, shift, ctrl):
         self.calls.append(("tapped", x, y, shift, ctrl))
+
+    def tap_moved(self, x, y, *, shift, ctrl):
+        self.calls.append(("tap_moved", x, y, shift, ctrl))
 
     def handle_moved(self, handle, path, *, shift, ctrl):
         self.calls.append(("handle_moved", handle, path, shift, ctrl))
