@@ -196,6 +196,7 @@ def sound_advice(advice: Any) -> ViewAdvice:
     _text(advice.message, "ViewAdvice.message")
     _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
     _expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
+    _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
     sound_scene(advice.scene)
     return advice
 

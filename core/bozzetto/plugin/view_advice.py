@@ -30,6 +30,9 @@ class ViewAdvice:
         The view stands where a picture was drawn from. Moving and zooming then turn the
         camera about its eye and change its opening angle, so that the picture and what is
         laid over it stay together; turning the view leaves the place as usual.
+    follow : bool
+        What the view showed has another camera now: the view goes to `better` at once, unless a
+        hand is turning it.
     """
 
     level: Literal["good", "warn", "refuse"]
@@ -37,6 +40,7 @@ class ViewAdvice:
     better: Camera | None = None
     scene: Scene = field(default_factory=Scene)
     pinned: bool = False
+    follow: bool = False
 
 
 @runtime_checkable
