@@ -228,7 +228,7 @@ class Loupe(QWidget):
 
     def _paint_lines(self, painter: QPainter, item: Lines) -> None:
         places = self._in_loupe(item.points)
-        near: NDArray[np.bool_] = np.isfinite(places).all(axis=1)
+        near = np.asarray(np.isfinite(places).all(axis=1))
         if not near.any():
             return
         color = QColor(*self._palette.color(item.color))

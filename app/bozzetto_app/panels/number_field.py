@@ -76,6 +76,9 @@ class NumberField(QDoubleSpinBox):
         Shown behind the number.
     whole : bool
         Only whole numbers.
+    zero : str
+        Words in the place of 0, greyed; an empty field is 0 then, and a drag does not begin
+        there, for what is not given has no neighbours.
 
     Signals
     -------
@@ -98,9 +101,12 @@ class NumberField(QDoubleSpinBox):
         step: float | None = None,
         unit: str = "",
         whole: bool = False,
+        zero: str = "",
     ) -> None:
         super().__init__(parent)
         self._whole = whole
+        self._zero = zero
+        self._unit = "" if not unit else unit if unit in ("°", "%") else f" {unit}"
         self._step = step or sensible_step(minimum, maximum, whole=whole)
         self._grabbed: tuple[QPointF, float] | None = None
         self._dragging = False
@@ -111,7 +117,7 @@ class NumberField(QDoubleSpinBox):
             -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
         )
         self.setSingleStep(self._step)
-        self.setSuffix("" if not unit else unit if unit in ("°", "%") else f" {unit}")
+        self.setSuffix(self._unit)
         self.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.setKeyboardTracking(False)
@@ -122,11 +128,15 @@ class NumberField(QDoubleSpinBox):
         self.lineEdit().installEventFilter(self)
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
         self.lineEdit().setAccessibleName(name)
+        if zero:
+            self.lineEdit().setPlaceholderText(zero)
+            self.valueChanged.connect(self._suit_unit)
+            self._suit_unit()
 
     # -- how numbers are written and read --
 
     def textFromValue(self, value: float) -> str:
-        return format_number(value, self._step)
+        return "" if self._zero and value == 0.0 else format_number(value, self._step)
 
     def valueFromText(self, text: str) -> float:
         try:
@@ -145,10 +155,16 @@ class NumberField(QDoubleSpinBox):
         return self.textFromValue(self.value()) + self.suffix()
 
     def _read(self, text: str) -> float:
-        bare = text.removesuffix(self.suffix()).removesuffix(self.suffix().strip())
+        bare = text.removesuffix(self._unit).removesuffix(self._unit.strip())
+        if self._zero and not bare.strip():
+            return 0.0
         exact = compute(bare)
         number = float(round(exact)) if self._whole else float(exact)
         return min(max(number, self.minimum()), self.maximum())
+
+    def _suit_unit(self) -> None:
+        """No unit behind words."""
+        self.setSuffix("" if self.value() == 0.0 else self._unit)
 
     def set_silently(self, value: float) -> None:
         """Show a value that came from elsewhere, unless the person is busy with the field."""
@@ -250,7 +266,7 @@ class NumberField(QDoubleSpinBox):
         assert self._grabbed is not None
         origin, start = self._grabbed
         moved = event.globalPosition().x() - origin.x()
-        if not self._dragging and abs(moved) < DRAG_START:
+        if (not self._dragging and abs(moved) < DRAG_START) or (self._zero and start == 0.0):
             return True
         self._dragging = True
         steps = math.trunc(moved / PIXELS_PER_STEP)

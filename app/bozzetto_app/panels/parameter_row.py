@@ -104,6 +104,8 @@ class ParameterRow(QWidget):
             return color_name(value)
         if self.field.kind == "text":
             return tr("Parameters", "nothing") if not value else f"“{value}”"
+        if self.field.parameter.zero and value == 0:
+            return self.field.parameter.zero
         return f"{format_number(value, self._step())} {self.field.parameter.unit}".strip()
 
     def _restore(self) -> None:
@@ -131,6 +133,7 @@ class ParameterRow(QWidget):
             step=self._step(),
             unit=asked.unit,
             whole=self.field.kind == "integer",
+            zero=asked.zero,
         )
         number.setFixedWidth(NUMBER_WIDTH)
         number.setToolTip(asked.help)
@@ -138,7 +141,8 @@ class ParameterRow(QWidget):
         number.drag_ended.connect(self.drag_ended)
         self._line.addWidget(number)
         self.words.setBuddy(number)
-        if asked.minimum is None or asked.maximum is None:
+        # On a slider, what is not given would be one end, beside the least that can be.
+        if asked.minimum is None or asked.maximum is None or asked.zero:
             self._show = number.set_silently
             return
         slider = Slider(

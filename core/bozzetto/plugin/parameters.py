@@ -62,6 +62,10 @@ class Parameter:
     zero: str = ""
 
     def __post_init__(self) -> None:
+        low, high = self.minimum, self.maximum
+        reached = (low is None or low <= 0) and (high is None or high >= 0)
+        if not isinstance(self.zero, str) or (self.zero and not reached):
+            raise TypeError(f"{self.label!r}: zero is the words for 0, which must be in the range")
         pairs = self.choices if isinstance(self.choices, tuple) else (None,)
         if not all(isinstance(pair, tuple) and len(pair) == 2 for pair in pairs):
             raise TypeError(

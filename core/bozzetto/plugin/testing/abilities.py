@@ -1,6 +1,7 @@
-"""The contract of what a modeler may do besides: commands, view advice, curves, shapes read.
+"""The contract of what a modeler may do besides.
 
-Each check passes where the modeler does not do it; see `checks` for the others.
+Commands, view advice, curves, shapes and pictures taken, taps that are aimed: each check passes
+where the modeler does not do it; see `checks` for the others.
 """
 
 from __future__ import annotations
@@ -14,14 +15,17 @@ from bozzetto.document.codec import state_digest
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
+from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import OffersCurves, ReadsShapes, TellsNext
+from bozzetto.plugin.modeler import Aims, OffersCurves, ReadsShapes, TellsNext
 from bozzetto.plugin.testing.sameness import same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_cameras
 from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.scene.stored_picture import Picture
 from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import pan, zoom
 
 __all__ = ["ABILITIES"]
 
@@ -54,7 +58,7 @@ def check_commands(subject: Subject) -> None:
 
 
 def check_view_advice(subject: Subject) -> None:
-    """Advice can be given of every view, and what is called better is not worse."""
+    """Advice can be given of every view; better is not worse, and pinned views stay pinned."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             if not isinstance(shell.registry.modeler(subject.modeler), AdvisesView):
@@ -68,6 +72,20 @@ def check_view_advice(subject: Subject) -> None:
                         WORSE[better.level] <= WORSE[advice.level],
                         f"the view that is called better is {better.level!r}, not {advice.level!r}",
                     )
+                    _check_pinned(shell, advice.better, better)
+                _check_pinned(shell, camera, advice)
+
+
+def _check_pinned(shell: Shell, camera: Camera, advice: ViewAdvice) -> None:
+    if advice.pinned:
+        for moved in (
+            pan(camera, 40.0, -30.0, eye_fixed=True),
+            zoom(camera, 2.0, eye_fixed=True),
+        ):
+            ensure(
+                _advice(shell, moved).pinned,
+                "a view that is pinned must stay so while it is moved and zoomed about its eye",
+            )
 
 
 def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
@@ -115,6 +133,55 @@ def check_read_shapes(subject: Subject) -> None:
                 ensure(bool(problem.message.strip()), "a UserError needs words")
 
 
+def check_pictures(subject: Subject) -> None:
+    """Pictures of any kind are taken and can be stored, or are refused in plain words."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            if not shell.workbench.takes_pictures(subject.modeler):
+                return
+            for picture in _pictures():
+                digest = state_digest(shell.state)
+                before = shell.state
+                try:
+                    shell.place(picture)
+                    shell.workbench.model_scene(shell.model, shell.solve(PREVIEW))
+                except UserError as problem:
+                    ensure(bool(problem.message.strip()), "a UserError needs words")
+                ensure(state_digest(before) == digest, "with_picture changed its argument")
+            digest = state_digest(shell.state)
+            shell.reopen()
+            ensure(state_digest(shell.state) == digest, "a state with pictures comes back another")
+
+
+def _pictures() -> tuple[Picture, ...]:
+    """A sketch, one that is a single pixel, a strip, and one of which nothing is to be seen."""
+    paper = np.full((120, 160, 4), 240, np.uint8)
+    paper[..., 3] = 255
+    paper[40:80, 30:130, :3] = 60
+    return (
+        Picture.of(paper, "sketch"),
+        Picture.of(paper[:1, :1], "one pixel"),
+        Picture.of(np.repeat(paper[:2], 8, axis=1), "strip"),
+        Picture.of(np.zeros((9, 9, 4), np.uint8), "nothing"),
+    )
+
+
+def check_aims(subject: Subject) -> None:
+    """Tools that aim take no ink, and preview a tap wherever it is."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            for tool in shell.tools():
+                if not (isinstance(tool, Aims) and tool.aims):
+                    continue
+                ensure(tool.gesture != "ink", f"the tool {tool.id} aims, so it cannot take ink")
+                for camera in odd_cameras():
+                    for x, y in ((600.0, 450.0), (-50.0, 2000.0)):
+                        try:
+                            shell.preview(Tap(x, y, camera), tool=tool)
+                        except UserError as problem:
+                            raise Broken(f"preview of {tool.id} raised ({problem})") from problem
+
+
 def _given() -> tuple[Shapes, ...]:
     """A solid, a straight curve, a rational circle and a skeleton, each alone."""
     corners = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], np.float32)
@@ -145,5 +212,7 @@ ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_next_hint,
     check_curves,
     check_read_shapes,
+    check_pictures,
+    check_aims,
 )
 """What `checks.CHECKS` asks besides."""

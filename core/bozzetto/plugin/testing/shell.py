@@ -21,6 +21,7 @@ from bozzetto.plugin.modeler import Tool
 from bozzetto.plugin.registry import Registry
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
+from bozzetto.scene.stored_picture import Picture
 from bozzetto.view.camera import Camera
 from bozzetto.workbench import Workbench
 
@@ -159,6 +160,11 @@ class Shell:
         model = self.workbench.from_models(modeler_id, [self.model], Job())
         self._model_id = model.id
         return self._keep("use", model)
+
+    def place(self, picture: Picture) -> Model:
+        """Give the model a picture to work on, as if it had been dropped on the sheet."""
+        made = self.workbench.with_picture(self.model, picture, self.context())
+        return self._keep("Add sketch", made)
 
     def set(self, **values: object) -> Model:
         """Change parameters."""
