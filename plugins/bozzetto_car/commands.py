@@ -7,7 +7,6 @@ from dataclasses import replace
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
 from bozzetto_car.state import CarState, Side, Treatment
-from bozzetto_car.template import twin
 
 __all__ = ["all_commands"]
 
@@ -15,6 +14,7 @@ __all__ = ["all_commands"]
 def all_commands() -> tuple[Command, ...]:
     """All of them, in the order in which they are listed."""
     return (
+        *marking_commands(),
         Command(
             "exchange-sides", "Exchange left and right",
             "The marks of this sketch belong to the other side of the car.",
@@ -49,10 +49,7 @@ def _exchanged(state: CarState, context: Context) -> CarState:
     sketch = state.sketch
     if sketch is None or not sketch.marks:
         raise UserError("There are no marks to exchange. Choose a sketch that has some.")
-    marks = tuple(replace(mark, node=twin(mark.node)) for mark in sketch.marks)
-    skipped = tuple(twin(node) for node in sketch.skipped)
-    shows: Side = "R" if sketch.shows == "L" else "L"
-    return state.with_node(replace(sketch, marks=marks, skipped=skipped, shows=shows))
+    return state.with_node(with_sides_exchanged(sketch))
 
 
 def _anneal(state: CarState, context: Context) -> CarState:

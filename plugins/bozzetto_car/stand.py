@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.scene import Image, Picture
 from bozzetto.view import Camera
+from bozzetto.view.about_eye import FOV_LIMITS
+from bozzetto.view.frames import triple
 
 __all__ = ["Stand", "flat_stand"]
 
@@ -118,8 +120,48 @@ class Stand:
         return replace(self.camera, fov_y=fov, viewport=viewport)
 
     def window(self, camera: Camera) -> Array:
-        """The picture's pixels (2, 2) at the top left and bottom right corner of a view."""
-        return self.seen_at(camera, [(0.0, 0.0), camera.viewport])
+        """What a view shows of the picture.
+
+        Returns
+        -------
+        (2, 2) float
+            The picture's pixels in the middle of the view and in the middle of its upper edge.
+        """
+        width, height = camera.viewport
+        return self.seen_at(camera, [(0.5 * width, 0.5 * height), (0.5 * width, 0.0)])
+
+    def windowed(self, viewport: tuple[float, float], window: ArrayLike) -> Camera:
+        """The view that shows a window of the picture, turned and zoomed about the eye.
+
+        Parameters
+        ----------
+        viewport : (width, height)
+            Of the canvas, px.
+        window : (2, 2) array_like
+            As of `window`, perhaps through another camera.
+        """
+        own = self.camera
+        middle, upper = self.lifted(window)
+        if own.kind == "orthographic":
+            move = middle - np.asarray(own.target)
+            move -= (move @ own.axes[2]) * own.axes[2]
+            return replace(
+                own,
+                eye=triple(np.asarray(own.eye) + move),
+                target=triple(np.asarray(own.target) + move),
+                height=2.0 * float(np.linalg.norm(upper - middle)),
+                viewport=viewport,
+            )
+        sight, edge = middle - np.asarray(own.eye), upper - np.asarray(own.eye)
+        across = float(np.linalg.norm(np.cross(sight, edge)))
+        opening = float(2.0 * np.degrees(np.arctan2(across, sight @ edge)))
+        ahead = own.distance / float(np.linalg.norm(sight)) * sight
+        return replace(
+            own,
+            target=triple(np.asarray(own.eye) + ahead),
+            fov_y=float(np.clip(opening, *FOV_LIMITS)),
+            viewport=viewport,
+        )
 
 
 def flat_stand(size: tuple[float, float]) -> Stand:

@@ -2,22 +2,42 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Literal
+from collections.abc import Sequence
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Drag, Gesture, Tap
+from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
 from bozzetto.scene import Scene
-from bozzetto_car.asking import asked_of
-from bozzetto_car.body import body_of
-from bozzetto_car.showing_marks import MARK, MARK_TOOL
+from bozzetto.view import Camera
+from bozzetto_car.asking import ALL_MARKED, asked_of, hint_of
+from bozzetto_car.body import Body, body_of
+from bozzetto_car.looking import note_stand, stand_seen
+from bozzetto_car.marking import marked, sketch_in_work, without_marks
+from bozzetto_car.showing_marks import MARK, MARK_TOOL, preview_of
+from bozzetto_car.solving import solved, template_of
 from bozzetto_car.state import CarState, Mark
 
 __all__ = ["MarkPoints"]
 
+Array = NDArray[np.float64]
+
+FARTHEST: Final = 5.0
+"""Farthest place beside the picture that can be marked, in its diagonals from its middle."""
+
+REACH: Final = 2.0
+"""Distance from a mark, in tolerances of the pen, at which an eraser meets it."""
+
+NOT_THROUGH: Final = (
+    "Marks are set where the sketch is seen as it was drawn. Go back to it with T, then touch "
+    "the point."
+)
+
 
 class MarkPoints:
-    """A tap marks the node that is asked for; a drag moves a mark."""
+    """A tap marks the node that is asked for; a drag moves a mark; the eraser takes marks away."""
 
     id = MARK_TOOL
     title = "Mark points"
@@ -26,37 +46,93 @@ class MarkPoints:
     gesture: Literal["ink", "tap", "drag"] = "drag"
     aims = True
 
+    def next_hint(self, state: CarState) -> str:
+        """Which point to touch, in the template's words."""
+        return hint_of(state, solved(state))
+
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """Nothing yet."""
-        return Scene()
+        """The car as the mark would have it, on the picture."""
+        if isinstance(gesture, Ink):
+            return Scene()
+        try:
+            before = body_of(state)
+            mark = _mark(state, before, gesture)
+            moved = marked(state, mark.node, (mark.u, mark.v), before.template)
+            after = body_of(moved, before=state)
+        except UserError:
+            return Scene()
+        return preview_of(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
 
     def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
-        """Set or move a mark.
+        """Set, move or take away marks.
 
         Raises
         ------
         UserError
-            If there is nothing to mark.
+            If there is nothing to mark, or the sketch is not seen as it was drawn.
         """
-        sketch = state.sketch
-        if sketch is None:
-            raise UserError("There is no sketch to mark. Drop a picture on the sheet first.")
         body = body_of(state)
-        stand = body.stands[sketch.id]
-        if isinstance(gesture, Drag):
-            place = gesture.path.points[-1]
-            node = gesture.handle.removeprefix(MARK)
-        elif isinstance(gesture, Tap):
-            place = (gesture.x, gesture.y)
-            asked = asked_of(state, body.solved)
-            if asked is None:
-                raise UserError("All points are marked. Drag a mark to move it.")
-            node = asked.node
-        else:
-            raise UserError("Touch the point that is asked for.")
-        u, v = stand.seen_at(gesture.camera, [place])[0].tolist()
-        mark = Mark(node, u, v)
-        kept = tuple(mark if old.node == node else old for old in sketch.marks)
+        if isinstance(gesture, Ink):
+            return _erased(state, body, gesture, context.pen.tolerance)
+        mark = _mark(state, body, gesture)
+        return marked(state, mark.node, (mark.u, mark.v), template_of(state))
+
+
+def _mark(state: CarState, body: Body, gesture: Tap | Drag) -> Mark:
+    """The mark that a gesture sets."""
+    sketch = sketch_in_work(state)
+    if isinstance(gesture, Drag):
+        node = gesture.handle.removeprefix(MARK)
+        at = gesture.path.points[-1]
         if sketch.mark_of(node) is None:
-            kept = (*kept, mark)
-        return replace(state.with_node(replace(sketch, marks=kept)), asked="")
+            raise UserError("Touch the point that is asked for, or drag a mark.")
+    else:
+        asked = asked_of(state, body.solved)
+        if asked is None:
+            raise UserError(ALL_MARKED)
+        node, at = asked.node, np.array([gesture.x, gesture.y])
+    ((u, v),) = _pixels(state, body, gesture.camera, [at]).tolist()
+    return Mark(node, u, v)
+
+
+def _pixels(state: CarState, body: Body, camera: Camera, places: Sequence[Array]) -> Array:
+    """Pixels of the picture at places of a view through it.
+
+    Raises
+    ------
+    UserError
+        If the view is from elsewhere, or a place is far beside the picture.
+    """
+    sketch = sketch_in_work(state)
+    seen = stand_seen(sketch, body, camera)
+    if seen is None:
+        raise UserError(NOT_THROUGH)
+    note_stand(sketch, body.stands[sketch.id])
+    pixels = seen.seen_at(camera, places)
+    off = np.abs(pixels - 0.5 * np.array(sketch.size)).max(initial=0.0)
+    if not off <= FARTHEST * np.hypot(*sketch.size):
+        raise UserError("That is far beside the picture. Touch a place on it or next to it.")
+    return pixels
+
+
+def _same_mark(mark: Mark, marks: tuple[Mark, ...]) -> Mark:
+    """A mark as it is called once it is set: sides may have been exchanged by it."""
+    return next(one for one in marks if (one.u, one.v) == (mark.u, mark.v))
+
+
+def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarState:
+    """Without the marks that an eraser ran over."""
+    sketch = sketch_in_work(state)
+    if any(stroke.tool != "eraser" for stroke in gesture.strokes):
+        raise UserError("Touch the point that is asked for.")
+    stand = body.stands[sketch.id]
+    places = stand.lifted([(mark.u, mark.v) for mark in sketch.marks])
+    met = set()
+    for stroke in gesture.strokes:
+        seen = stroke.camera.project(places)[0]
+        near = np.linalg.norm(seen[:, None] - stroke.points, axis=2).min(axis=1)
+        touched = np.flatnonzero(near <= REACH * tolerance)
+        met |= {sketch.marks[number].node for number in touched.tolist()}
+    if not met:
+        raise UserError("There is no mark under the eraser. Rub over a mark to take it away.")
+    return without_marks(state, met)
