@@ -12,7 +12,7 @@ that is how cars differ most. The paper's cost is there as a mode, smoothed a li
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Self
 
 import numpy as np
@@ -104,6 +104,15 @@ class Cost:
         hand = loose * (tight / loose) ** trace
         stray = max(STRAY[0], STRAY[1] / hand)
         return cls(hand, stray, DEVIATION, np.inf, COUPLING, PROPORTION)
+
+    def within(self, spread: float) -> Self:
+        """The cost for cars that differ from the template by a share of what it expects."""
+        return replace(
+            self,
+            deviation=self.deviation * spread,
+            coupling=self.coupling * spread,
+            proportion=self.proportion * spread,
+        )
 
     @classmethod
     def paper(cls, template: Template) -> Self:

@@ -88,6 +88,10 @@ class MarkedView:
         """The same marks seen by another camera."""
         return replace(self, camera=camera, shift=shift)
 
+    def only(self, counted: NDArray[np.bool_]) -> MarkedView:
+        """The same with some of its marks, (k,)."""
+        return replace(self, nodes=self.nodes[counted], marks=self.marks[counted])
+
 
 class Residuals(NamedTuple):
     """What a sketch misses, and how that changes.

@@ -20,9 +20,10 @@ from bozzetto.geometry.coons import coons_nets
 from bozzetto.geometry.patch import extent
 from bozzetto.plugin import Memory, switched_on
 from bozzetto.view.calibration import Resection, resect
-from bozzetto_car.deformation import Cost
+from bozzetto_car.deformation import TRACE, Cost
 from bozzetto_car.dimensions import Overlap
 from bozzetto_car.edges import Network
+from bozzetto_car.evidence import weighed
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.soundness import Soundness
@@ -31,25 +32,19 @@ from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template import MIRROR, Template
 from bozzetto_car.template_file import bundled, read_template
 
-__all__ = ["Placed", "Solved", "counted_marks", "solved", "template_of"]
+__all__ = ["FEWEST", "Placed", "Solved", "counted_marks", "solved", "template_of"]
 
 Array = NDArray[np.float64]
 
 FEWEST: Final = 6
 """Marks from which the camera of a sketch can be found."""
 
-SURPRISING: Final = 6.0
-"""Standard deviations by which a mark must be off what is expected without it to be set aside."""
-
-FAR_OFF: Final = 0.01
-"""And by how much of the picture's diagonal: 14 px of 1200 × 800."""
-
-MOST_ASIDE: Final = 3
-"""Most marks of a car that are set aside; of more, none tells which are right."""
-
 EXCHANGED: Final = 10.0
 """By how much the car seen in a mirror must fit better for its sides to be exchanged (Bayesian
 information criterion; beyond doubt)."""
+
+NEAR_EYE: Final = 0.05
+"""Depth of a node before the eye, in mean depths of the car, below which no sketch can show it."""
 
 REMEMBERED: Final = 32
 """Solves that are remembered."""
@@ -195,26 +190,29 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     if before is not None and before.joint is not None and before.template is template:
         start = before.joint.variables
     locked = state.dimensions if state.lock and state.dimensions.given() else None
-    aside: dict[str, tuple[str, ...]] = {
-        key: () if before is None or key not in before.placed else before.placed[key].disagreeing
-        for key in solid
-    }
-    while True:
-        views = [_view(placed[key], template, aside[key], before) for key in solid]
-        joint = solve(
-            template, views, cost, soundness, start=start, locked=locked,
-            overlap=_overlap(template) if locked else Overlap(),
-            hold_cameras=state.cost == "paper",
-        )  # fmt: skip
-        worst = _contradicted(joint, views, template)
-        if worst is None or sum(map(len, aside.values())) >= MOST_ASIDE:
-            break
-        number, name = worst
-        aside[solid[number]] = (*aside[solid[number]], name)
-        start = joint.variables
+    views = [_view(placed[key], template) for key in solid]
+    last = {} if before is None else before.placed
+    were_aside = [
+        _among(view, template, last[key].disagreeing if key in last else ())
+        for key, view in zip(solid, views, strict=True)
+    ]
+    told = weighed(template, views, were_aside)
+    views = [
+        _resumed(placed[key], view.only(flags), before)
+        for key, view, flags in zip(solid, views, told.counted, strict=True)
+    ]
+    if state.cost != "paper":
+        cost = cost.within(_spread(told.spread, state.trace))
+    joint = solve(
+        template, views, cost, soundness, start=start, locked=locked,
+        overlap=_overlap(template) if locked else Overlap(),
+        hold_cameras=state.cost == "paper",
+    )  # fmt: skip
     positions = template.whole(joint.variables)
-    for number, key in enumerate(solid):
-        placed[key] = _told(placed[key], joint, number, template, positions, aside[key])
+    for number, (key, flags) in enumerate(zip(solid, told.counted, strict=True)):
+        nodes = counted_marks(placed[key], template)[0][~flags].tolist()
+        aside = (*placed[key].disagreeing, *(template.names[node] for node in nodes))
+        placed[key] = _told(placed[key], joint, number, template, positions, aside)
     return Solved(template, cost, soundness, positions, joint, placed, solid)
 
 
@@ -238,7 +236,10 @@ def _resected(sketch: Sketch, template: Template, before: Solved | None) -> Plac
         return Placed(sketch, flat_stand(sketch.size), problem=problem.message)
     stand = Stand.behind(found.camera, found.shift, template.positions)
     exchanged = before is None and _is_exchanged(sketch, template, nodes, places, found)
-    return Placed(sketch, stand, found, exchanged=exchanged)
+    depth = found.camera.view_space(template.positions)[:, 2]
+    unseen = nodes[depth[nodes] < NEAR_EYE * depth.mean()].tolist()
+    aside = tuple(template.names[node] for node in unseen)
+    return Placed(sketch, stand, found, disagreeing=aside, exchanged=exchanged)
 
 
 def _is_exchanged(
@@ -257,19 +258,20 @@ def _is_exchanged(
     return min(other.scores.values()) < min(found.scores.values()) - EXCHANGED
 
 
-def _view(
-    placed: Placed, template: Template, aside: tuple[str, ...], before: Solved | None
-) -> MarkedView:
-    """A sketch as the solve takes it: the marks that count, and a camera to start from."""
+def _view(placed: Placed, template: Template) -> MarkedView:
+    """A sketch with all of its marks and the camera as the template has it."""
     found = placed.resection
     assert found is not None
-    camera, shift = found.camera, found.shift
-    if before is not None and placed.sketch.id in before.solid:
-        start = before.placed[placed.sketch.id].stand
-        if start.camera.kind == camera.kind:
-            camera, shift = start.camera, start.shift
-    nodes, marks = counted_marks(replace(placed, disagreeing=aside), template)
-    return MarkedView(camera, nodes, marks, shift, placed.sketch.cropped)
+    nodes, marks = counted_marks(placed, template)
+    return MarkedView(found.camera, nodes, marks, found.shift, placed.sketch.cropped)
+
+
+def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedView:
+    """A sketch with the camera of the last solve, which is nearer."""
+    if before is None or placed.sketch.id not in before.solid:
+        return view
+    start = before.placed[placed.sketch.id].stand
+    return view.turned(start.camera, start.shift) if start.camera.kind == view.camera.kind else view
 
 
 def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp], Array]:
@@ -283,20 +285,18 @@ def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp],
     return nodes, np.array([(mark.u, mark.v) for mark in marks], float).reshape(-1, 2)
 
 
-def _contradicted(
-    joint: Joint, views: list[MarkedView], template: Template
-) -> tuple[int, str] | None:
-    """The sketch and the node of the mark that surprises most, if it must be wrong."""
-    worst, found = SURPRISING, None
-    for number, (view, other) in enumerate(zip(views, joint.left_out, strict=True)):
-        if len(view.nodes) <= FEWEST:
-            continue  # so few marks fit whatever they are told
-        far = FAR_OFF * np.hypot(*view.camera.viewport)
-        surprise = np.where(other.missed > far, other.surprise, 0.0)
-        if surprise.max() > worst:
-            worst = float(surprise.max())
-            found = number, template.names[view.nodes[int(surprise.argmax())]]
-    return found
+def _spread(found: float, trace: float) -> float:
+    """How far a car may be from the template, as a share of what the cost expects.
+
+    Who wants the marks traced more exactly than by default does not want to be told that they
+    tremble.
+    """
+    return float(found ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
+
+
+def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Which marks of a sketch, (k,), are those of the nodes that are named."""
+    return np.array([template.names[node] in names for node in view.nodes.tolist()], bool)
 
 
 def _told(
