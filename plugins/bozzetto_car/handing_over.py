@@ -6,7 +6,9 @@ import numpy as np
 
 from bozzetto.geometry import Curve, Shapes
 from bozzetto_car.body import Body
+from bozzetto_car.showing_styling import shown_styling
 from bozzetto_car.state import CarState
+from bozzetto_car.styling_shapes import as_curves
 
 __all__ = ["curves_of", "shapes_of"]
 
@@ -35,5 +37,6 @@ def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:
 
 
 def styling_curves(state: CarState, body: Body) -> tuple[Curve, ...]:
-    """The visible styling curves."""
-    return ()
+    """The styling curves that are shown, and their mirror images where they have some."""
+    shown = shown_styling(state)
+    return tuple(line for c in shown for line in as_curves(c, body.nets, body.template))

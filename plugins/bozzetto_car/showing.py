@@ -19,6 +19,7 @@ from bozzetto_car.certainty import Source, certainty
 from bozzetto_car.edges import joints
 from bozzetto_car.finishes import SOURCE_COLORS, certainty_colors, curvature_colors
 from bozzetto_car.showing_marks import mark_layers
+from bozzetto_car.showing_styling import styling_items
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.wheel_shape import wheel_meshes
 
@@ -55,6 +56,7 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
             Layer("network", tuple(_edges(state, body))),
             Layer("nodes", tuple(_nodes(state, body))),
         ]
+    layers.append(Layer("styling", styling_items(state, body)))
     layers += mark_layers(state, body)
     return Scene(tuple(layer for layer in layers if layer.items))
 
