@@ -12,36 +12,38 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.coons import coons_nets
-from bozzetto.geometry.crease import crease_angles, locked
+from bozzetto.geometry.crease import crease_angles
 from bozzetto.geometry.patch import extent
 from bozzetto.geometry.patchwork import Patchwork
 from bozzetto.plugin import Memory
+from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.chains import annealed, reduced
+from bozzetto_car.chains import annealed, ratio_locked, reduced
 from bozzetto_car.default_shape import pulled_out
 from bozzetto_car.dimensions import Dimensions, measured
-from bozzetto_car.edges import (
-    Network,
-    edge_called,
-    joints,
-    node_called,
-    with_positions,
-    with_tangents,
-)
-from bozzetto_car.reshaping import Reshaping, reshaped
+from bozzetto_car.dragging import bent
+from bozzetto_car.edges import Network, edge_called, node_called, with_positions
 from bozzetto_car.solving import Solved, counted_marks, solved
 from bozzetto_car.stand import Stand
-from bozzetto_car.state import BentEdge, CarState, MovedNode, TracedEdges, Treatment
+from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
+from bozzetto_car.stretching import brought_back, reshaping_of, stretched
 from bozzetto_car.template import Template
 from bozzetto_car.tracing import traced
 
-__all__ = ["Body", "Trouble", "body_of", "sides_of_patches"]
+__all__ = ["Body", "Trouble", "body_of", "drawn_through", "in_world_of", "unstretched_body_of"]
 
 Array = NDArray[np.float64]
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
 
 REMEMBERED: Final = 64
 """Bodies that are remembered: the last few, each after every edit."""
+
+DRAWN: Final = 1e2
+"""How much firmer an edge is that was drawn or bent by hand, when lengths of tangents are evened
+out for smooth surfaces, than one that is as it came from the marks."""
+
+IN_HAND: Final = 1e4
+"""The same of the edge that was drawn last: it stays where the pen has put it."""
 
 
 @dataclass(frozen=True)
@@ -68,22 +70,21 @@ class Body:
     network : Network
     solved : Solved
         What it came from.
-    stands : dict of str to Stand
-        By the id of the sketch, as this body is seen through its camera.
-    world, as_drawn : Dimensions
-        Those that it was brought to, and those that it had before; none if it was not.
+    drawn : frozenset of int
+        Edges that were drawn or bent by hand.
     troubles : tuple of Trouble
         Edits that were left out.
+    world : Dimensions
+        Those that it was brought to; none if it is as it was drawn.
     dimensions_problem : str
         Why the dimensions that are wanted cannot be had; "" if they can.
     """
 
     network: Network
     solved: Solved
-    stands: Mapping[str, Stand]
-    world: Dimensions = Dimensions()
-    as_drawn: Dimensions = Dimensions()
+    drawn: frozenset[int] = frozenset()
     troubles: tuple[Trouble, ...] = ()
+    world: Dimensions = Dimensions()
     dimensions_problem: str = ""
 
     @property
@@ -92,9 +93,15 @@ class Body:
         return self.network.template
 
     @cached_property
+    def stands(self) -> Mapping[str, Stand]:
+        """By the id of the sketch, as this body is seen through its camera."""
+        stands = {key: placed.stand for key, placed in self.solved.placed.items()}
+        return stands | _seen_again(self) if self.world.given() else stands
+
+    @cached_property
     def nets(self) -> Array:
         """Control nets of the patches, (k, 4, 4, 3) mm."""
-        return coons_nets(self.network.control_points, sides_of_patches(self.template))
+        return coons_nets(self.network.control_points, self.template.sides)
 
     @cached_property
     def patchwork(self) -> Patchwork:
@@ -103,7 +110,7 @@ class Body:
         return Patchwork(
             self.nets,
             self.network.control_points,
-            sides_of_patches(self.template),
+            self.template.sides.astype(np.int32),
             self.template.title,
             patch_names=names,
         )
@@ -111,18 +118,13 @@ class Body:
     @cached_property
     def creases(self) -> Array:
         """Degrees along each edge, (m,); NaN on the rim."""
-        sides = sides_of_patches(self.template)
-        return crease_angles(self.nets, sides, len(self.template.edges))
+        return crease_angles(self.nets, self.template.sides, len(self.template.edges))
 
     @cached_property
     def dimensions(self) -> Dimensions:
         """As measured on the surface, mm."""
-        return measured(extent(self.nets), *_wheels(self.network)[:, 0])
-
-
-def sides_of_patches(template: Template) -> NDArray[np.int32]:
-    """The signed edges round each patch, (k, 4)."""
-    return np.array([patch.edges for patch in template.patches], np.int32)
+        front, rear = self.network.positions[self.template.wheels[:, 0], 0]
+        return measured(extent(self.nets), front, rear)
 
 
 _bodies: Memory[Body] = Memory(REMEMBERED)
@@ -142,16 +144,21 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     UserError
         As of `solved`. An edit or a dimension that cannot be is left out, and told.
     """
+    body, wanted = unstretched_body_of(state, before), state.dimensions
+    if not wanted.given():
+        return body
+    return _bodies.recall((body, wanted), partial(_finished, body, wanted))
+
+
+def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:
+    """The body of a car as it is drawn, before it is brought to its dimensions."""
     base = solved(state, before)
-    key = (base, state.default_shape, state.annealed, state.smooth)
-    body = _bodies.recall(key, lambda: _deformed(base, state))
+    shape = (base, state.default_shape, state.annealed, state.smooth)
+    body = _bodies.recall(shape, lambda: _deformed(base, state))
     for number, edit in enumerate(state.edits):
-        body = _bodies.recall(
-            (*key, state.edits[: number + 1]), partial(_edited, body, edit, number, state.smooth)
-        )
-    return _bodies.recall(
-        (*key, state.edits, state.dimensions), partial(_finished, body, state.dimensions)
-    )
+        work = partial(_edited, body, edit, number, state.smooth)
+        body = _bodies.recall((body, edit, number, state.smooth), work)
+    return body
 
 
 # -- deformation -----------------------------------------------------------------------------------
@@ -164,102 +171,110 @@ def _deformed(base: Solved, state: CarState) -> Body:
         network = annealed(network)
     if state.default_shape and base.joint is not None:
         network = pulled_out(network)
-    stands = {key: placed.stand for key, placed in base.placed.items()}
-    return Body(_smooth(network) if state.smooth else network, base, stands)
-
-
-def _smooth(network: Network) -> Network:
-    """With tangents as long as smooth surfaces need them; see `crease.locked`."""
-    template = network.template
-    # Of each joint the two edges, each as it leaves the node.
-    row = tuple(
-        (_leaving(*joint.before), _leaving(*joint.after)) for joint in joints(template)
-    )  # fmt: skip
-    points = locked(network.control_points, sides_of_patches(template), row)
-    return Network.from_control_points(template, network.positions, points)
-
-
-def _leaving(edge: int, end: int) -> int:
-    return ~edge if end else edge
+    return Body(ratio_locked(network) if state.smooth else network, base)
 
 
 # -- edits -----------------------------------------------------------------------------------------
 
 
+def in_world_of(body: Body, edit: BodyEdit) -> Network:
+    """The network of a body, as it was drawn, in the dimensions of the time of an edit.
+
+    Raises
+    ------
+    UserError
+        If it cannot have them any more.
+    """
+    map_ = reshaping_of(body.network, edit.dimensions)
+    return body.network if map_ is None else stretched(body.network, map_)
+
+
+def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
+    """The samples of a stroke (k, 2), px, and the camera through which they are seen.
+
+    Raises
+    ------
+    UserError
+        If the sketch that it was drawn on is gone.
+    """
+    stroke = edit.strokes[0]
+    if not edit.sketch:
+        return stroke.points, stroke.camera
+    placed = body.solved.placed.get(edit.sketch)
+    if placed is None or not placed.is_known:
+        raise UserError(
+            "The sketch on which an edge was traced is gone, or its camera is not known. Show the "
+            "sketch and mark more points, or trace the edge again."
+        )
+    return stroke.points - placed.stand.shift, placed.stand.camera
+
+
 def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
     """A body after one more edit; the same, and why, where it cannot be made."""
     try:
-        there = _brought(body, edit.dimensions)
-        network = _changed(there, edit)
+        map_ = reshaping_of(body.network, edit.dimensions)
+        there = body.network if map_ is None else stretched(body.network, map_)
+        network, edges = _changed(there, edit, body)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
-    return replace(there, network=_smooth(network) if smooth else network)
+    in_hand = _with_images(body.template, edges)
+    if smooth:
+        network = ratio_locked(network, _firmness(body, in_hand))
+    if map_ is not None:
+        network = brought_back(body.network, there, network, map_)
+    return replace(body, network=network, drawn=body.drawn | in_hand)
 
 
-def _changed(body: Body, edit: Edit) -> Network:
-    network, template = body.network, body.template
+def _changed(network: Network, edit: Edit, body: Body) -> tuple[Network, tuple[int, ...]]:
+    """A network after an edit, and the edges that were drawn with it."""
+    template = network.template
     if isinstance(edit, TracedEdges):
-        stroke = edit.strokes[0]
-        camera, points = stroke.camera, stroke.points
-        if edit.sketch:
-            stand = body.stands.get(edit.sketch)
-            if stand is None:
-                raise UserError("The sketch on which an edge was traced is gone.")
-            camera, points = stand.camera, points - stand.shift
-        return traced(network, points, camera, nodes_follow=edit.nodes_follow).network
+        points, camera = drawn_through(body, edit)
+        edges = tuple(edge_called(template, name) for name in edit.edges)
+        made = traced(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
+        return made.network, tuple(max(edge, ~edge) for edge in made.run.edges)
     if isinstance(edit, MovedNode):
         node = node_called(template, edit.node)
-        return with_positions(network, {node: network.positions[node] + edit.by})
+        return with_positions(network, {node: network.positions[node] + edit.by}), ()
     if isinstance(edit, BentEdge):
-        return with_tangents(network, {(edge_called(template, edit.edge), edit.end): edit.tangent})
+        edge = edge_called(template, edit.edge)
+        return bent(network, edge, edit.end, edit.tangent), (edge,)
     if edit.kind == "anneal":
-        return annealed(network)
-    return reduced(network) if edit.kind == "reduce" else pulled_out(network)
+        return annealed(network), ()
+    return (reduced(network) if edit.kind == "reduce" else pulled_out(network)), ()
+
+
+def _with_images(template: Template, edges: tuple[int, ...]) -> frozenset[int]:
+    image = template.mirrored_edges
+    return frozenset(own for edge in edges for own in (edge, max(image[edge], ~image[edge])))
+
+
+def _firmness(body: Body, in_hand: frozenset[int]) -> Array:
+    firm = np.ones(len(body.template.edges))
+    firm[list(body.drawn)] = DRAWN
+    firm[list(in_hand)] = IN_HAND
+    return firm
 
 
 # -- dimensions ------------------------------------------------------------------------------------
 
 
 def _finished(body: Body, wanted: Dimensions) -> Body:
-    """The body with the dimensions that are wanted, and where its sketches stand then."""
+    """The body with the dimensions that are wanted."""
     try:
-        made = _brought(body, wanted)
+        map_ = reshaping_of(body.network, wanted)
     except UserError as problem:
         return replace(body, dimensions_problem=problem.message)
-    return made if made is body else replace(made, stands=_seen_again(made))
-
-
-def _brought(body: Body, wanted: Dimensions) -> Body:
-    """A body brought to dimensions, or back to those as drawn if none are given."""
-    if not wanted.given():
-        if not body.world.given():
-            return body
-        return replace(body, network=_stretched(body, body.as_drawn), world=Dimensions())
-    as_drawn = body.as_drawn if body.world.given() else body.dimensions
-    return replace(body, network=_stretched(body, wanted), world=wanted, as_drawn=as_drawn)
-
-
-def _stretched(body: Body, wanted: Dimensions) -> Network:
-    """Its network with other dimensions."""
-    network, template = body.network, body.template
-    sides = sides_of_patches(template)
-
-    def box_after(map_: Reshaping) -> Array:
-        return extent(coons_nets(map_.points(network.control_points), sides))
-
-    made = reshaped(wanted, extent(body.nets), _wheels(network)[:, 0], box_after)
-    if made is None:
-        return network
-    positions = made.nodes(template, network.positions)
-    points = made.points(network.control_points)
-    return Network.from_control_points(template, positions, points)
+    if map_ is None:
+        return body
+    return replace(body, network=stretched(body.network, map_), world=wanted)
 
 
 def _seen_again(body: Body) -> dict[str, Stand]:
     """Where sketches stand that were drawn of this body before it was stretched."""
-    stands, solved_ = dict(body.stands), body.solved
-    for key in solved_.solid:
-        placed = solved_.placed[key]
+    stands: dict[str, Stand] = {}
+    for key in body.solved.solid:
+        placed = body.solved.placed[key]
         nodes, marks = counted_marks(placed, body.template)
         try:
             found = resect(
@@ -270,8 +285,3 @@ def _seen_again(body: Body) -> dict[str, Stand]:
             continue  # marks that say too little of another body: it is seen as the one before
         stands[key] = Stand.behind(found.camera, found.shift, body.network.positions)
     return stands
-
-
-def _wheels(network: Network) -> Array:
-    """Centres of the right wheels, front and rear, (2, 3) mm."""
-    return np.asarray(network.positions[network.template.wheels[:, 0]])

@@ -1,5 +1,8 @@
 """Chains of edges made smooth: one direction at each joint, least bending, shorter tangents.
 
+Where smooth chains cross an edge at both of its ends the surfaces beside it can be smooth, too,
+if tangents have the lengths for it (`ratio_locked`).
+
 All functions here change tangents and nothing else: nodes stay where marks or a person have put
 them. Kara & Shimada (2008) let both tangents at a joint take the mean of their directions,
 weighted by their lengths, and keep these lengths.
@@ -12,12 +15,13 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from bozzetto_car.edges import HANDLE, Joint, Network, joints, with_tangents
+from bozzetto.geometry.crease import locked
+from bozzetto_car.edges import HANDLE, Joint, Network, as_hermite, joints, with_tangents
 from bozzetto_car.template import Chain
 
-__all__ = ["annealed", "reduced", "smoothed"]
+__all__ = ["annealed", "ratio_locked", "reduced", "smoothed"]
 
 Array = NDArray[np.float64]
 
@@ -96,6 +100,32 @@ def _direction(
         mean = before if lengths[0] >= lengths[1] else after
     length = np.linalg.norm(mean)
     return np.asarray(mean / length if length > 0.0 else mean)
+
+
+def ratio_locked(network: Network, firmness: ArrayLike | None = None) -> Network:
+    """Tangents as long as they must be for surfaces to be smooth; see `crease.locked`.
+
+    Directions stay, and so does to the last bit what is right already.
+
+    Parameters
+    ----------
+    network : Network
+        Its chains have one direction at each joint.
+    firmness : (m,) array_like, optional
+        The weight of a change of each edge, the same for mirror images.
+    """
+    template = network.template
+    row = tuple((_leaving(*j.before), _leaving(*j.after)) for j in joints(template))
+    old = network.control_points
+    points = locked(old, template.sides, row, firmness)
+    changed = (points[:, 1:3] != old[:, 1:3]).any(axis=2)
+    tangents = np.where(changed[..., None], as_hermite(points)[1], network.tangents)
+    return Network(template, network.positions, tangents) if changed.any() else network
+
+
+def _leaving(edge: int, end: int) -> int:
+    """An end of an edge as `crease` calls it: the edge as it leaves the node."""
+    return ~edge if end else edge
 
 
 def reduced(network: Network, edges: Collection[int] | None = None) -> Network:

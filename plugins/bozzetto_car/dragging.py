@@ -19,7 +19,7 @@ from bozzetto_car.chains import smoothed
 from bozzetto_car.edge_fit import UNSEEN, seen, seen_slopes
 from bozzetto_car.edges import HANDLE, Network, with_positions, with_tangents
 
-__all__ = ["dragged_place", "handle_dragged", "node_dragged"]
+__all__ = ["bent", "dragged_place", "handle_dragged", "node_dragged"]
 
 Array = NDArray[np.float64]
 
@@ -100,8 +100,8 @@ def handle_dragged(
 ) -> Network:
     """The handle of a tangent dragged to a pixel.
 
-    Where a chain is smooth at the node, the tangent on its other side takes the direction and
-    keeps its length. Mirror images follow. A handle on its own node keeps a rest of its length.
+    The neighbour in a smooth chain follows, see `bent`. A handle on its own node keeps a rest of
+    its length.
 
     Parameters
     ----------
@@ -128,8 +128,18 @@ def handle_dragged(
         old = network.tangents[edge, end]
         length = float(np.linalg.norm(old))
         tangent = old * (least / length) if length > 0.0 else old
+    return bent(network, edge, end, tangent)
+
+
+def bent(network: Network, edge: int, end: int, tangent: ArrayLike) -> Network:
+    """An edge with another tangent (3,), mm, at its start (0) or end (1).
+
+    Where a chain is smooth at the node, the tangent on its other side takes the direction and
+    keeps its length. Mirror images follow.
+    """
     changed = with_tangents(network, {(edge, end): tangent})
-    return smoothed(changed, leading=(edge,), nodes=(int(template.edges[edge, end]),))
+    node = int(network.template.edges[edge, end])
+    return smoothed(changed, leading=(edge,), nodes=(node,))
 
 
 def _check_in_front(place: Array, camera: Camera, what: str) -> None:

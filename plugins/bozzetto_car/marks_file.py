@@ -155,7 +155,7 @@ def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     for edge, places in strokes.items():
         points = _places(places, f"{where}.{edge}")
         stroke = Stroke(points[:, 0], points[:, 1], camera, tool="imported")
-        made.append(TracedEdges(strokes=Strokes((stroke,)), sketch=sketch.id, edge=str(edge)))
+        made.append(TracedEdges(strokes=Strokes((stroke,)), sketch=sketch.id, edges=(str(edge),)))
     return made
 
 

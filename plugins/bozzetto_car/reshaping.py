@@ -48,6 +48,11 @@ MOST_CORRECTIONS: Final = 12
 """Most corrections; the map is next to linear in what is wanted, so that each leaves about a
 hundredth of the error."""
 
+TABLE: Final = 97
+"""Places, from a length before the body to one behind it, from which the map is inverted."""
+
+INVERSIONS: Final = 6
+"""Steps of Newton's method from there; each doubles the digits that are right."""
 
 ALONG: Final = ("front_overhang", "wheelbase")
 """Dimensions that follow the length where they are not given."""
@@ -83,6 +88,54 @@ class Reshaping:
         moved[..., 1] = places[..., 1] * self.scale[1]
         moved[..., 2] = places[..., 2] * self.scale[2]
         return moved
+
+    def tangents(self, tangents: ArrayLike, places: ArrayLike) -> Array:
+        """Derivatives (…, 3) of curves at places (…, 3) of the body, after the map, mm.
+
+        All tangents at a place undergo the same linear map. So what was one direction stays
+        one, ratios of lengths stay, and with them smooth lines and surfaces do.
+        """
+        return np.asarray(tangents, float) * self._slopes(places)
+
+    def points_before(self, points: ArrayLike) -> Array:
+        """Where points of the reshaped body (…, 3) were before the map, mm."""
+        places = np.asarray(points, float)
+        before = np.empty(places.shape)
+        before[..., 0] = self._along_before(places[..., 0])
+        before[..., 1] = places[..., 1] / self.scale[1]
+        before[..., 2] = places[..., 2] / self.scale[2]
+        return before
+
+    def tangents_before(self, tangents: ArrayLike, places: ArrayLike) -> Array:
+        """What derivatives (…, 3) were before the map, at places (…, 3) before the map, mm."""
+        return np.asarray(tangents, float) / self._slopes(places)
+
+    def _slopes(self, places: ArrayLike) -> Array:
+        """Derivatives of the map along the three axes, (…, 3)."""
+        at = np.asarray(places, float)
+        slopes = np.empty(at.shape)
+        inside = np.clip((at[..., 0] - self.front) / self.length, 0.0, 1.0)
+        slopes[..., 0] = self.scale[0] * self._pace(inside)
+        slopes[..., 1:] = self.scale[1:]
+        return slopes
+
+    def _pace(self, share: Array) -> Array:
+        """Derivative of the polynomial along the car by the share of the length, 0 … 1."""
+        first, second = self.inner
+        rest = 1.0 - share
+        steps = first, second - first, 1.0 - second
+        return np.asarray(
+            3.0 * (steps[0] * rest**2 + 2.0 * steps[1] * share * rest + steps[2] * share**2)
+        )
+
+    def _along_before(self, x: Array) -> Array:
+        """The inverse of `along`: Newton's method from a table, for the map has no flat place."""
+        table = self.front + self.length * np.linspace(-1.0, 2.0, TABLE)
+        found = np.interp(x, self.along(table), table)
+        for _ in range(INVERSIONS):
+            share = np.clip((found - self.front) / self.length, 0.0, 1.0)
+            found = found + (x - self.along(found)) / (self.scale[0] * self._pace(share))
+        return np.asarray(found)
 
     def wheels(self, centres: ArrayLike) -> Array:
         """Move centres of wheels (…, 3), mm: their radius, hence their height, stays."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -71,7 +72,9 @@ class Run:
     distance: float
 
 
-def run_along(network: Network, stroke: ArrayLike, camera: Camera) -> Run:
+def run_along(
+    network: Network, stroke: ArrayLike, camera: Camera, edges: Sequence[int] = ()
+) -> Run:
     """Find the edges that a stroke traces.
 
     It may be a single edge, or a part of one, or several in a row along a chain or along the
@@ -84,11 +87,15 @@ def run_along(network: Network, stroke: ArrayLike, camera: Camera) -> Run:
     stroke : (k, 2) array_like
         px; in either direction.
     camera : Camera
+    edges : sequence of int, optional
+        The edges that are meant, in the order of the row that they make. The stroke speaks of
+        all of them then, and nothing is sought.
 
     Raises
     ------
     UserError
-        If the stroke is a dot, is not on the sheet, or runs along no edge.
+        If the stroke is a dot, is not on the sheet, or runs along no edge; or if the edges
+        that are meant do not follow each other.
     """
     points = places_on_sheet(stroke, "stroke")
     points = points[distinct(points)]
@@ -97,15 +104,16 @@ def run_along(network: Network, stroke: ArrayLike, camera: Camera) -> Run:
     curves = bernstein(np.linspace(0.0, 1.0, EDGE_PLACES + 1)) @ network.control_points
     paths = seen(camera, curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
     visible = [is_on_sheet(path) for path in paths]
-    rows = [row for row in _rows(network.template) if all(visible[max(e, ~e)] for e in row)]
+    known = [_in_row(network.template, edges)] if edges else _rows(network.template)
+    rows = [row for row in known if all(visible[max(e, ~e)] for e in row)]
     if not rows:
-        raise UserError("No edge of the car is in view. Turn or move the view until it is.")
+        what = "The edge that is meant is not" if edges else "No edge of the car is"
+        raise UserError(f"{what} in view. Turn or move the view until it is.")
     places = resample(points, count=STROKE_PLACES)
-    toward = facing(network.template, network.positions, camera)
-    faces = np.asarray(toward[network.template.edges].all(axis=1))
-    order = np.argsort([_cost(places, paths, row, faces) for row in rows])
-    found = [_passed(paths, rows[which], places) for which in order[:CANDIDATES]]
-    row = min(found, key=lambda row: _cost(places, paths, row, faces))
+    if edges:
+        row = _directed(paths, rows[0], places)
+    else:
+        row = _nearest_row(network, camera, paths, rows, places)
     distance = _distance(places, paths, row)
     shown = np.concatenate([path for path, good in zip(paths, visible, strict=True) if good])
     if distance > REACH * float(np.linalg.norm(np.ptp(shown, axis=0))):
@@ -113,6 +121,39 @@ def run_along(network: Network, stroke: ArrayLike, camera: Camera) -> Run:
     ends = [network.template.edges[max(e, ~e)][:: 1 if e >= 0 else -1].tolist() for e in row]
     nodes = (ends[0][0], *(end for _, end in ends))
     return Run(row, nodes, _parts(points, paths, row), distance)
+
+
+def _in_row(template: Template, edges: Sequence[int]) -> tuple[int, ...]:
+    """Edges that follow each other, each in the sense in which the row goes on."""
+    if len(edges) == 1:
+        return (edges[0],)
+    ends = template.edges[list(edges)].tolist()
+    row: list[int] = []
+    for number, (edge, (start, end)) in enumerate(zip(edges, ends, strict=True)):
+        # Towards the next edge, or, of the last one, away from the one before.
+        forward = end in ends[number + 1] if number + 1 < len(edges) else start in ends[number - 1]
+        row.append(edge if forward else ~edge)
+    heads = [end if own >= 0 else start for own, (start, end) in zip(row, ends, strict=True)]
+    tails = [start if own >= 0 else end for own, (start, end) in zip(row, ends, strict=True)]
+    if heads[:-1] != tails[1:]:
+        names = ", ".join(template.edge_names[edge] for edge in edges)
+        raise UserError(f"The edges {names} make no line. Name edges that follow each other.")
+    return tuple(row)
+
+
+def _nearest_row(
+    network: Network,
+    camera: Camera,
+    paths: Array,
+    rows: list[tuple[int, ...]],
+    places: Array,
+) -> tuple[int, ...]:
+    """The edges that a stroke goes along, in its direction, of the row that is meant."""
+    toward = facing(network.template, network.positions, camera)
+    faces = np.asarray(toward[network.template.edges].all(axis=1))
+    order = np.argsort([_cost(places, paths, row, faces) for row in rows])
+    found = [_passed(paths, rows[which], places) for which in order[:CANDIDATES]]
+    return min(found, key=lambda row: _cost(places, paths, row, faces))
 
 
 def _rows(template: Template) -> list[tuple[int, ...]]:
@@ -148,14 +189,25 @@ def _cost(places: Array, paths: Array, row: tuple[int, ...], faces: NDArray[np.b
     return distance + hidden * ((factor - 1.0) * distance + more)
 
 
-def _passed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...]:
-    """The edges of a row that a stroke goes along, in its direction."""
+def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Lengths along the picture of a row, and the places there that a stroke passes, in order."""
     path = _laid_out(paths, row)
     along = arc_length(path)
-    lengths = np.gradient(along)
-    feet = ordered_feet(places, float(arc_length(places)[-1]) / STROKE_PLACES, path, lengths)
+    step = float(arc_length(places)[-1]) / STROKE_PLACES
+    return along, ordered_feet(places, step, path, np.gradient(along))
+
+
+def _directed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...]:
+    """A row in the direction of a stroke."""
+    _, feet = _feet(paths, row, places)
+    return row if feet[0] <= feet[-1] else tuple(~edge for edge in row[::-1])
+
+
+def _passed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...]:
+    """The edges of a row that a stroke goes along, in its direction."""
+    along, feet = _feet(paths, row, places)
     if feet[0] > feet[-1]:
-        row, feet = tuple(~edge for edge in row[::-1]), len(path) - 1 - feet
+        row, feet = tuple(~edge for edge in row[::-1]), len(along) - 1 - feet
         along = along[-1] - along[::-1]
     nodes = along[::EDGE_PLACES]
     low, high = along[feet[0]], along[feet[-1]]

@@ -74,15 +74,16 @@ class TracedEdges(BodyEdit):
     sketch : str
         Id of the sketch that it was drawn on: its places are pixels of the picture then, and the
         camera is that of the sketch, as it comes to be known. "" for any other view.
-    edge : str
-        The edge that is meant, by its name; "" for the nearest ones.
+    edges : tuple of str
+        The edges that are meant, by their names, in the order of the row that they make; none
+        for the nearest ones.
     nodes_follow : bool
         Nodes go to the stroke, too.
     """
 
     strokes: Strokes = Strokes()
     sketch: str = ""
-    edge: str = ""
+    edges: tuple[str, ...] = ()
     nodes_follow: bool = False
 
 
@@ -259,6 +260,8 @@ class CarState:
         Id of the node that is chosen; "" for none.
     asked : str
         The node that is to be marked next, out of order; "" for the next one in order.
+    revealed : str
+        Name of the node or the edge whose tangents are shown to be dragged; "" for none.
     edits : tuple of BodyEdit
         In the order in which they were made.
     without : tuple of str
@@ -271,6 +274,7 @@ class CarState:
     nodes: tuple[Sketch | StylingCurve | Group, ...] = ()
     selected: str = ""
     asked: str = ""
+    revealed: str = ""
     edits: tuple[TracedEdges | MovedNode | BentEdge | Treatment, ...] = ()
     without: tuple[str, ...] = ()
     own: str = ""
@@ -334,6 +338,11 @@ class CarState:
         Parameter("Smooth surfaces", advanced=True,
                   help="Where smooth lines cross an edge, the surfaces meet smoothly, too."),
     ] = True  # fmt: skip
+    nodes_follow: Annotated[
+        bool,
+        Parameter("Nodes follow strokes", advanced=True,
+                  help="An edge that is traced takes its nodes to the stroke, too."),
+    ] = False  # fmt: skip
     cost: Annotated[
         Literal["balanced", "paper"],
         Parameter(

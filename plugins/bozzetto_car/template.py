@@ -231,6 +231,11 @@ class Template:
         return MappingProxyType(found)
 
     @cached_property
+    def sides(self) -> Index:
+        """The edges round each patch, (k, 4); ``~edge`` where one is run through backwards."""
+        return np.array([patch.edges for patch in self.patches], np.intp)
+
+    @cached_property
     def mirrored_edges(self) -> Index:
         """The mirror image of each edge, (m,); ``~edge`` where it runs the other way.
 

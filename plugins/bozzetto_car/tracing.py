@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -55,7 +55,12 @@ class Traced:
 
 
 def traced(
-    network: Network, stroke: ArrayLike, camera: Camera, *, nodes_follow: bool = False
+    network: Network,
+    stroke: ArrayLike,
+    camera: Camera,
+    *,
+    edges: Sequence[int] = (),
+    nodes_follow: bool = False,
 ) -> Traced:
     """Bend the edges that a stroke runs along until they are seen where it is.
 
@@ -69,6 +74,9 @@ def traced(
     stroke : (k, 2) array_like
         px; in either direction.
     camera : Camera
+    edges : sequence of int, optional
+        The edges that are meant, in the order of the row that they make; by default the
+        nearest ones.
     nodes_follow : bool
         Nodes that the stroke passes, or reaches with an end, go to it, parallel to the image
         plane. Otherwise no node moves.
@@ -78,7 +86,7 @@ def traced(
     UserError
         If the stroke runs along no edge, or along nothing but edges that are seen end-on.
     """
-    run = run_along(network, stroke, camera)
+    run = run_along(network, stroke, camera, edges)
     shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
     if not shown:
         names = ", ".join(network.template.edge_names[max(edge, ~edge)] for edge in run.edges)
@@ -88,15 +96,15 @@ def traced(
         )
     if nodes_follow:
         network = _with_nodes_on_stroke(network, run, camera)
-    edges = {_own(network, edge) for edge in shown}
-    free = {edge: _free_directions(network, edge) for edge in edges}
-    bent = smoothed(_bent(network, run, camera, free), leading=edges, nodes=run.nodes)
+    own = {_own(network, edge) for edge in shown}
+    free = {edge: _free_directions(network, edge) for edge in own}
+    bent = smoothed(_bent(network, run, camera, free), leading=own, nodes=run.nodes)
     # Where two traced edges meet smoothly both have given way. Their common direction is kept
     # from now on, and all the rest is fitted once more.
-    held = _held_directions(bent, edges)
+    held = _held_directions(bent, own)
     if held:
-        bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in edges})
-        bent = smoothed(bent, leading=edges, nodes=run.nodes)  # rounding, no more
+        bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
+        bent = smoothed(bent, leading=own, nodes=run.nodes)  # rounding, no more
     return Traced(bent, run, _deviations(bent, run, camera))
 
 

@@ -90,13 +90,19 @@ def joints_of_chain(chain: ArrayLike, *, closed: bool = False) -> tuple[Joint, .
     return tuple((~edge, next_) for edge, next_ in zip(row, after, strict=False))
 
 
-def locked(edges: ArrayLike, sides: ArrayLike, joints: tuple[Joint, ...]) -> Array:
+def locked(
+    edges: ArrayLike,
+    sides: ArrayLike,
+    joints: tuple[Joint, ...],
+    firmness: ArrayLike | None = None,
+) -> Array:
     """Edges with the lengths of their tangents evened out, so that joints make smooth surfaces.
 
     Joints in both ends of an edge that lies between their lines need one ratio of lengths, and
-    so do those in the ends of the next edge in line: each such row gets the geometric mean of
-    its ratios, which changes the logarithms of the lengths least in the sum of squares. Each
-    joint keeps the product of its two lengths, and all tangents keep their directions.
+    so do those in the ends of the next edge in line: each such row gets the one that changes the
+    logarithms of all lengths least, in the sum of squares. Where all edges are as firm, that is
+    the geometric mean of the ratios, and each joint keeps the product of its two lengths. All
+    tangents keep their directions.
 
     Parameters
     ----------
@@ -105,6 +111,9 @@ def locked(edges: ArrayLike, sides: ArrayLike, joints: tuple[Joint, ...]) -> Arr
     sides : (k, 4) array_like of int
     joints : tuple of (int, int)
         No end of an edge is in two of them.
+    firmness : (m,) array_like, optional
+        Weight, above 0, of the change of each edge: an edge that was drawn is firmer than one
+        that nobody has looked at.
 
     Returns
     -------
@@ -114,17 +123,28 @@ def locked(edges: ArrayLike, sides: ArrayLike, joints: tuple[Joint, ...]) -> Arr
     """
     made = np.array(edges, float)
     lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2)
+    firm = np.ones(len(made)) if firmness is None else np.asarray(firmness, float)
     for row in _rows(np.asarray(sides, np.intp), joints):
-        ratios = [sign * _ratio(lengths, joints[number]) for number, sign in row.items()]
+        pairs = {number: _firmness(firm, joints[number]) for number in row}
+        # A joint whose two lengths give way best to a change of their ratio resists it so much.
+        weights = {number: 2.0 * a * b / (a + b) for number, (a, b) in pairs.items()}
         # Exact sums do not depend on their order: both sides of a car get the same.
-        mean = math.fsum(ratios) / len(ratios)
+        mean = math.fsum(
+            weights[number] * sign * _ratio(lengths, joints[number]) for number, sign in row.items()
+        ) / math.fsum(weights.values())
         for number, sign in row.items():
-            change = 0.5 * (sign * mean - _ratio(lengths, joints[number]))
-            if abs(change) > 4.0 * np.finfo(float).eps:
-                one, other = joints[number]
-                _stretch(made, one, math.exp(-change))
-                _stretch(made, other, math.exp(change))
+            change = sign * mean - _ratio(lengths, joints[number])
+            if abs(change) > 8.0 * np.finfo(float).eps:
+                (one, other), (a, b) = joints[number], pairs[number]
+                _stretch(made, one, math.exp(-change * b / (a + b)))
+                _stretch(made, other, math.exp(change * a / (a + b)))
     return made
+
+
+def _firmness(firm: Array, joint: Joint) -> tuple[float, float]:
+    """Of the two edges of a joint."""
+    one, other = (float(firm[max(end, ~end)]) for end in joint)
+    return one, other
 
 
 def _ratio(lengths: Array, joint: Joint) -> float:
