@@ -1,23 +1,40 @@
 """Three cars of our own: nodes in places, and edges with tangents, that no template has.
 
-`truth` gives the network of a car; nothing of it stands in the marks files of the gallery.
+A wedge of a saloon whose roof runs down to a short tail, a tall round hatchback, and a long van
+that is one box. `truth` gives the network of a car and the cameras of its drawings; nothing of it
+stands in the marks files of the gallery, so that what is found from these can be judged by it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-from bozzetto_car.chains import annealed
 from bozzetto_car.default_shape import pulled_out
-from bozzetto_car.edges import Network, edge_called, with_tangents
+from bozzetto_car.edges import Network, joints, with_tangents
 from bozzetto_car.template import Template
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
+Way = tuple[Point, float, float]
+
+SIZE: Final = (1600, 1000)
+"""Of the drawings, px."""
+
+FILLED: Final = (0.77, 0.66)
+"""Shares of the width and of the height that a car takes up at most."""
+
+VIEWS: Mapping[str, tuple[tuple[float, float, float], ...]] = {
+    "sedan": ((40.0, 8.0, 8.0), (142.0, 13.0, 8.5)),
+    "hatchback": ((-36.0, 11.0, 7.0),),
+    "minivan": ((-90.0, 0.0, np.inf), (47.0, 10.0, 9.5)),
+}
+"""From where cars are drawn: azimuth (0 looks at the nose, 90 at the right side) and elevation,
+degrees, and distance, m; from infinity it is an orthographic drawing."""
 
 NODES: Mapping[str, Mapping[str, Point]] = {
     "sedan": {  # a wedge: low nose, long bonnet, the roof runs down to a short upswept tail
@@ -54,7 +71,46 @@ NODES: Mapping[str, Mapping[str, Point]] = {
         "WF": (1010, 860, 350), "WR": (4210, 875, 350),
     },
 }  # fmt: skip
-"""Right and middle nodes, mm."""
+"""Nodes on the right and in the middle, mm."""
+
+JOINTS: Mapping[str, Mapping[str, Way]] = {
+    "sedan": {},
+    "hatchback": {"S4": ((1.0, 0.0, -0.10), 800, 700)},
+    "minivan": {
+        "C3": ((1.0, 0.0, 0.30), 1100, 900), "R1": ((1.0, -0.06, 0.28), 1050, 900),
+        "C4": ((1.0, 0.0, 0.0), 1000, 1700), "R2": ((1.0, 0.0, 0.01), 950, 1500),
+        "C5": ((1.0, 0.0, -0.42), 900, 520), "R3": ((1.0, 0.0, -0.42), 900, 520),
+        "S4": ((1.0, 0.0, -0.08), 1100, 700),
+    },
+}  # fmt: skip
+"""Directions of chains at some nodes, and the lengths of the tangents before and after, mm."""
+
+CORNERS: Mapping[str, Mapping[str, Way]] = {
+    "sedan": {
+        "S1": ((0.75, 0.66, 0.05), 420, 700), "B1": ((0.8, 0.6, 0.0), 420, 700),
+        "S5": ((-0.8, 0.6, -0.05), 300, 420), "B5": ((-0.8, 0.6, 0.0), 420, 700),
+    },
+    "hatchback": {
+        "S1": ((0.75, 0.66, 0.05), 420, 650), "B1": ((0.8, 0.6, 0.0), 420, 650),
+        "S6": ((-0.85, 0.5, 0.15), 300, 600), "B5": ((-0.8, 0.6, 0.0), 420, 700),
+    },
+    "minivan": {
+        "S1": ((0.75, 0.66, 0.05), 420, 600), "B1": ((0.8, 0.6, 0.0), 420, 700),
+        "S6": ((-0.85, 0.5, 0.1), 300, 800), "B5": ((-0.8, 0.6, 0.0), 420, 700),
+    },
+}  # fmt: skip
+"""Directions from the middle outward round the corners of nose and tail, where the templates have
+creases; lengths of the tangents of the edge from the middle and of that along the side, mm."""
+
+
+def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
+    """The car that was drawn on a template's topology, and the cameras it was drawn through."""
+    network = turned(Network.of(template, placed(template)))
+    network = pulled_out(cornered(streamlined(network)))
+    return network, tuple(camera(network.positions, *view) for view in VIEWS[template.id])
+
+
+# -- shape -----------------------------------------------------------------------------------------
 
 
 def placed(template: Template) -> Array:
@@ -68,129 +124,91 @@ def placed(template: Template) -> Array:
 
 
 def turned(network: Network) -> Network:
-    """Tangents turned and stretched with the chords of their edges."""
+    """Tangents of the template turned and stretched with the chords of their edges."""
     template = network.template
     old = np.diff(template.positions[template.edges], axis=1)[:, 0]
     new = np.diff(network.ends, axis=1)[:, 0]
     tangents = {}
-    for edge, (a, b) in enumerate(zip(old, new, strict=True)):
-        grown = np.linalg.norm(b) / np.linalg.norm(a)
-        one, other = a / np.linalg.norm(a), b / np.linalg.norm(b)
-        half = one + other
+    for edge, (before, after) in enumerate(zip(old, new, strict=True)):
+        sizes = np.linalg.norm(before), np.linalg.norm(after)
+        to = after / sizes[1]
+        half = before / sizes[0] + to
         for end in (0, 1):
+            # Two half-turns, about the half-way line and the new chord, make the turn from the
+            # old chord to the new one.
             own = template.tangents[edge, end]
-            half_turn = 2.0 * half * (half @ own) / (half @ half) - own  # about the half-way line
-            flipped = 2.0 * other * (other @ half_turn) - half_turn
-            tangents[edge, end] = grown * flipped
+            over = 2.0 * half * (half @ own) / (half @ half) - own
+            tangents[edge, end] = sizes[1] / sizes[0] * (2.0 * to * (to @ over) - over)
     return with_tangents(network, tangents)
 
 
-def sped(network: Network) -> Network:
-    """Chains with the directions of Catmull and Rom's spline at their smooth nodes.
+def streamlined(network: Network) -> Network:
+    """Chains smooth at their nodes: as `JOINTS` has it, or with Catmull and Rom's directions.
 
-    Its parameter runs with the chords (Barry and Goldman 1988), so that no edge bulges where a
-    long one meets a short one.
+    The parameter of their spline runs with the chords (Barry and Goldman 1988), so that no edge
+    bulges where a long one meets a short one.
     """
+    template = network.template
     tangents = {}
-    for chain in network.template.chains:
-        for node in chain.smooth:
-            at = chain.nodes.index(node)
-            ways = np.diff(network.positions[list(chain.nodes[at - 1 : at + 2])], axis=0)
-            if ways[0, 1] * ways[1, 1] > 0.0 and node in network.template.centre:
-                continue  # over the middle: across the car, as it is
-            before, after = np.linalg.norm(ways, axis=1)
-            speed = (ways[0] / before * after + ways[1] / after * before) / (before + after)
-            for edge, end, length in (
-                (chain.edges[at - 1], 1, before), (chain.edges[at], 0, after)
-            ):  # fmt: skip
-                own, sense = (edge, 1.0) if edge >= 0 else (~edge, -1.0)
-                tangents[own, end if edge >= 0 else 1 - end] = sense * speed * length
+    for joint in joints(template):
+        half, _, side = template.names[joint.node].partition(".")
+        if joint.crosses or side == "L":
+            continue
+        if half in JOINTS[template.id]:
+            way, *lengths = JOINTS[template.id][half]
+            speed = np.array(way) / np.linalg.norm(way)
+        else:
+            back, ahead = joint.neighbours
+            ways = np.diff(network.positions[[back, joint.node, ahead]], axis=0)
+            lengths = np.linalg.norm(ways, axis=1).tolist()
+            speed = ways[0] / lengths[0] * lengths[1] + ways[1] / lengths[1] * lengths[0]
+            speed /= sum(lengths)
+        for end, sense, length in zip(
+            (joint.before, joint.after), joint.senses, lengths, strict=True
+        ):
+            tangents[end] = sense * length * speed
     return with_tangents(network, tangents)
-
-
-CORNERS: Mapping[str, Mapping[str, tuple[float, float, float, float, float]]] = {
-    "sedan": {
-        "S1": (0.75, 0.66, 0.05, 420, 700), "B1": (0.8, 0.6, 0.0, 420, 700),
-        "S5": (-0.8, 0.6, -0.05, 300, 420), "B5": (-0.8, 0.6, 0.0, 420, 700),
-    },
-    "hatchback": {
-        "S1": (0.75, 0.66, 0.05, 420, 650), "B1": (0.8, 0.6, 0.0, 420, 650),
-        "S6": (-0.85, 0.5, 0.15, 300, 600), "B5": (-0.8, 0.6, 0.0, 420, 700),
-    },
-    "minivan": {
-        "S1": (0.75, 0.66, 0.05, 420, 600), "B1": (0.8, 0.6, 0.0, 420, 700),
-        "S6": (-0.85, 0.5, 0.1, 300, 800), "B5": (-0.8, 0.6, 0.0, 420, 700),
-    },
-}  # fmt: skip
-"""Ways round the corners of nose and tail, from the middle outward, with the lengths of the tangents
-of both edges there, mm: so that the body goes round its corners without a crease."""
 
 
 def cornered(network: Network) -> Network:
-    """The corners of nose and tail turned smoothly."""
+    """The corners of nose and tail turned without a crease."""
     template = network.template
+    chained = {max(edge, ~edge) for chain in template.chains for edge in chain.edges}
     tangents = {}
-    for half, (x, y, z, inner, outer) in CORNERS[template.id].items():
+    for half, (way, inner, outer) in CORNERS[template.id].items():
         node = template.node[f"{half}.R"]
-        way = np.array([x, y, z]) / np.linalg.norm([x, y, z])
-        for edge, (start, end) in enumerate(template.edges.tolist()):
+        outward = np.array(way) / np.linalg.norm(way)
+        for edge in chained:
+            start, end = template.edges[edge]
             if node not in (start, end):
                 continue
-            other = end if node == start else start
-            if other in template.centre:
-                tangents[edge, 1 if node == end else 0] = way * inner * (1 if node == end else -1)
-            elif any(edge in (abs_edge(e) for e in chain.edges) for chain in template.chains):
-                tangents[edge, 0 if node == start else 1] = (
-                    way * outer * (1 if node == start else -1)
-                )
+            arrives = node == end
+            inside = (start if arrives else end) in template.centre
+            # Outward is along an edge that comes from the middle, and away from the corner.
+            sense = 1.0 if arrives == inside else -1.0
+            tangents[edge, int(arrives)] = sense * (inner if inside else outer) * outward
     return with_tangents(network, tangents)
 
 
-def abs_edge(edge): return max(edge, ~edge)
-WAYS = {
-    "sedan": {},
-    "hatchback": {
-        "S4": (1.0, 0.0, -0.10, 800, 700),
-    },
-    "minivan": {
-        "C3": (1.0, 0.0, 0.30, 1100, 900), "C4": (1.0, 0.0, 0.0, 1000, 1700), "C5": (1.0, 0.0, -0.42, 900, 520),
-        "R1": (1.0, -0.06, 0.28, 1050, 900), "R2": (1.0, 0.0, 0.01, 950, 1500), "R3": (1.0, 0.0, -0.42, 900, 520),
-        "S4": (1.0, 0.0, -0.08, 1100, 700),
-    },
-}
-def led(network: Network) -> Network:
-    template = network.template
-    tangents = {}
-    for chain in template.chains:
-        if chain.nodes[0] in template.centre or chain.name.endswith(".R"):
-            for node in chain.smooth:
-                half = template.names[node].partition(".")[0]
-                if half in WAYS[template.id] and chain.nodes[1] != node or half in WAYS[template.id] and len(chain.nodes) > 3:
-                    at = chain.nodes.index(node)
-                    x, y, z, before, after = WAYS[template.id][half]
-                    way = np.array([x, y, z]) / np.linalg.norm([x, y, z])
-                    for edge, end, length in ((chain.edges[at - 1], 1, before), (chain.edges[at], 0, after)):
-                        own, sense = (edge, 1.0) if edge >= 0 else (~edge, -1.0)
-                        tangents[own, end if edge >= 0 else 1 - end] = sense * way * length
-    return with_tangents(network, tangents)
-SIZE = (1600, 1000)
-FILLED = (0.77, 0.66)
-VIEWS = {
-    "sedan": ((40.0, 8.0, 8.0), (142.0, 13.0, 8.5)),
-    "hatchback": ((-36.0, 11.0, 7.0),),
-    "minivan": ((-90.0, 0.0, None), (47.0, 10.0, 9.5)),
-}
+# -- views -----------------------------------------------------------------------------------------
 
 
-def camera(car: Array, azimuth: float, elevation: float, away: float | None) -> Camera:
+def camera(car: Array, azimuth: float, elevation: float, away: float) -> Camera:
+    """A camera with the nodes of a car (n, 3) in the middle of its picture."""
     turn, rise = np.radians((azimuth, elevation))
     toward = np.array([-np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
     middle = 0.5 * (car.min(axis=0) + car.max(axis=0))
-    kind = "perspective" if away else "orthographic"
+    flat = not np.isfinite(away)
     opening, height = 30.0, 4000.0
     for _ in range(8):
-        eye = tuple((middle + 1000.0 * (away or 9.0) * toward).tolist())
-        made = Camera(kind, eye, tuple(middle.tolist()), fov_y=opening, height=height, viewport=SIZE)
+        made = Camera(
+            "orthographic" if flat else "perspective",
+            eye=tuple((middle + 1000.0 * (9.0 if flat else away) * toward).tolist()),
+            target=tuple(middle.tolist()),
+            fov_y=opening,
+            height=height,
+            viewport=SIZE,
+        )
         places = made.project(car)[0]
         low, high = places.min(axis=0), places.max(axis=0)
         off = (0.5 * (low + high) - 0.5 * np.array(SIZE)) / made.pixels_per_mm
@@ -199,9 +217,3 @@ def camera(car: Array, azimuth: float, elevation: float, away: float | None) -> 
         opening = 2.0 * np.degrees(np.arctan(np.tan(np.radians(0.5 * opening)) * share))
         height *= share
     return made
-
-
-def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
-    network = cornered(led(sped(turned(Network.of(template, placed(template))))))
-    network = pulled_out(network)
-    return network, tuple(camera(network.positions, *view) for view in VIEWS[template.id])

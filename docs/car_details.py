@@ -6,11 +6,11 @@ They are made for the right side; `both` adds the left one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
 
 import numpy as np
-from car_seen import TYRE, Car, circle
+from car_seen import TYRE, Car, Line, circle
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from shapely import LineString, Polygon
@@ -34,26 +34,7 @@ PILLAR = 62.0
 SPOKES = 5
 
 
-@dataclass(frozen=True)
-class Line:
-    """A line on a car.
-
-    Attributes
-    ----------
-    points : (k, 3) float
-        mm; NaN where it leaves the body.
-    role : str
-        How it is drawn.
-    on_body : bool
-        Whether it ends where a wheel arch is cut out.
-    """
-
-    points: Array
-    role: str
-    on_body: bool = True
-
-
-def both(lines: Iterator[Line]) -> list[Line]:
+def both(lines: Iterable[Line]) -> list[Line]:
     """Lines and their mirror images."""
     own = list(lines)
     return own + [Line(line.points * (1, -1, 1), line.role, line.on_body) for line in own]
@@ -110,7 +91,7 @@ def edge_points(car: Car, *names: str) -> Array:
     template = car.network.template
     at = np.linspace(0.0, 1.0, 40)[:, None]
     found = []
-    for start, end in zip(names, names[1:], strict=False):
+    for start, end in pairwise(names):
         edge = template.edge_between[template.node[start], template.node[end]]
         a, b, c, d = car.network.control_points[max(edge, ~edge)]
         line = (1 - at) ** 3 * a + 3 * (1 - at) ** 2 * at * b + 3 * (1 - at) * at**2 * c + at**3 * d
@@ -187,7 +168,7 @@ def mirrors(car: Car, toward: Array) -> list[Array]:
     """Outlines of the outside mirrors, as a camera in that direction sees them."""
     across = np.cross((0.0, 0.0, 1.0), toward)
     across /= np.linalg.norm(across)
-    foot = car.node("S2.R") + (260.0, 70.0, 112.0)
+    foot = car.node("S2.R") + np.array([260.0, 70.0, 112.0])
     shape = curve(MIRROR_SHAPE, 80, closed=True)
     found = []
     for side in (1.0, -1.0):
@@ -333,7 +314,7 @@ def spokes(wheel: Array) -> list[Array]:
     return found
 
 
-def wheel_lines(car: Car, wheel: Array) -> Iterator[Line]:
+def wheel_lines(wheel: Array) -> Iterator[Line]:
     """A wheel, from the tread to the hub; the hub is the wheel's centre."""
     radius = float(wheel[2])
     yield Line(circle(wheel, radius - 1.0, TYRE - 12.0), "tyre", False)
@@ -355,5 +336,3 @@ def arch_lines(car: Car) -> Iterator[Line]:
                 (wheel[0] + radius * np.cos(turn), wheel[2] + radius * np.sin(turn))
             )
             yield Line(from_side(car, flat), role)
-
-

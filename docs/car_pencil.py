@@ -55,7 +55,7 @@ class Sheet:
 
     # -- marker --
 
-    def fill(self, cover: Array, color: Color, strength: float, slant: float = 70.0) -> None:
+    def fill(self, cover: Array, color: Color, strength: float, slant: float = 62.0) -> None:
         """Marker over a mask.
 
         Parameters
@@ -132,7 +132,9 @@ class Sheet:
         press = 0.25 + 0.75 * np.sqrt(np.clip(ends, 0.0, 1.0))
         slow = np.sin(2.0 * np.pi * (share * length / rng.uniform(160, 420) + rng.uniform()))
         press = press * (0.88 + 0.12 * slow[:, 0])
-        self._touch(way, width * (0.55 + 0.45 * press), np.clip(1.15 * dark * press, 0.0, 1.0), color, white)
+        self._touch(
+            way, width * (0.55 + 0.45 * press), np.clip(1.15 * dark * press, 0.0, 1.0), color, white
+        )
 
     def _touch(self, way: Array, width: Array, dark: Array, color: Color, white: bool) -> None:
         low = np.floor(way.min(axis=0)).astype(int) - TOUCH
@@ -145,7 +147,7 @@ class Sheet:
         nearest = np.round(way).astype(int)
         for dy in range(-TOUCH, TOUCH + 1):
             for dx in range(-TOUCH, TOUCH + 1):
-                at = nearest + (dx, dy)
+                at = nearest + np.array([dx, dy])
                 inside = ((at >= low) & (at < high)).all(axis=1)
                 off = np.hypot(*(at[inside] - way[inside]).T)
                 share = dark[inside] * np.clip(0.5 * width[inside] + 0.5 - off, 0.0, 1.0)

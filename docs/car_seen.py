@@ -87,6 +87,25 @@ class Car:
         return found
 
 
+@dataclass(frozen=True)
+class Line:
+    """A line on a car.
+
+    Attributes
+    ----------
+    points : (k, 3) float
+        mm; NaN where it leaves the body.
+    role : str
+        How it is drawn.
+    on_body : bool
+        Whether it ends where a wheel arch is cut out.
+    """
+
+    points: Array
+    role: str
+    on_body: bool = True
+
+
 @dataclass(frozen=True, eq=False)
 class Seen:
     """A picture of a car, pixel by pixel, (height, width) each.
@@ -159,7 +178,7 @@ class Seen:
         seen = np.zeros(len(points), bool)
         for dy in (-1, 0, 1):
             for dx in (-1, 0, 1):
-                at = np.floor(places).astype(int) + (dx, dy)
+                at = np.floor(places).astype(int) + np.array([dx, dy])
                 inside = ((at >= 0) & (at < (width, height))).all(axis=1)
                 at = np.where(inside[:, None], at, 0)
                 front = np.where(inside, self.depth[at[:, 1], at[:, 0]], np.inf)

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,13 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.view import Camera
+from bozzetto.view.calibration import resect
 from bozzetto_car.chains import annealed, smoothed
 from bozzetto_car.default_shape import pulled_out
 from bozzetto_car.edges import Network, edge_called, with_tangents
+from bozzetto_car.marked_view import MarkedView
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled
 from bozzetto_car.visibility import facing
 from tests.plugins.car.sketched import FRONT_QUARTER, View, looking, styled
+from tests.plugins.car.traced_car import drawn as seen_line
 
 Array = NDArray[np.float64]
 
@@ -73,6 +77,16 @@ class Drawn:
 
     network: Network
     pictures: tuple[Picture, ...]
+
+    def marked(self) -> tuple[MarkedView, ...]:
+        """The sketches as the solve takes them, with cameras found from the template."""
+        template, views = self.template, []
+        for picture in self.pictures:
+            nodes = np.array([template.node[name] for name in picture.marks])
+            marks = np.array(list(picture.marks.values()))
+            found = resect(template.positions[nodes], marks, picture.camera.viewport)
+            views.append(MarkedView(found.camera, nodes, marks))
+        return tuple(views)
 
     @property
     def template(self) -> Template:
@@ -139,19 +153,11 @@ def bent(network: Network, rng: np.random.Generator, share: float = 0.06) -> Net
 
 
 def stroke(network: Network, camera: Camera, name: str, rng: np.random.Generator) -> Array:
-    """An edge as a pen goes along it, (k, 2) px, some three pixels from point to point."""
-    at = np.linspace(0.0, 1.0, 200)[:, None]
-    a, b, c, d = network.control_points[edge_called(network.template, name)]
-    line = (1 - at) ** 3 * a + 3 * (1 - at) ** 2 * at * b + 3 * (1 - at) * at**2 * c + at**3 * d
-    path = camera.project(line)[0]
-    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
-    count = max(8, int(along[-1] / 3.0))
-    even = np.linspace(0.0, along[-1], count)
-    path = np.column_stack([np.interp(even, along, path[:, axis]) for axis in (0, 1)])
-    share = even[:, None] / along[-1]
+    """An edge as a pen goes along it, (k, 2) px."""
+    path = seen_line(camera, network.control_points[edge_called(network.template, name)])
     waves = np.arange(1, 4)
-    wobble = np.sin(np.pi * share * waves) @ (rng.normal(0.0, TREMOR, (3, 2)) / waves[:, None])
-    return np.asarray(path + wobble)
+    bends = np.sin(np.pi * np.linspace(0.0, 1.0, len(path))[:, None] * waves)
+    return np.asarray(path + bends @ (rng.normal(0.0, TREMOR, (3, 2)) / waves[:, None]))
 
 
 def marks_in(name: str) -> dict[str, Any]:
@@ -162,8 +168,7 @@ def marks_in(name: str) -> dict[str, Any]:
 @cache
 def in_gallery(name: str) -> Drawn:
     """A car of the gallery with the truth that its marks file keeps to itself."""
-    maker = _maker()
-    network, cameras = maker.truth(bundled(name))
+    network, cameras = in_docs("car_designs").truth(bundled(name))
     pictures = []
     for view, camera in zip(marks_in(name)["views"], cameras, strict=True):
         marks = {node: tuple(place) for node, place in view["marks"].items()}
@@ -172,11 +177,10 @@ def in_gallery(name: str) -> Drawn:
     return Drawn(network, tuple(pictures))
 
 
-def _maker() -> ModuleType:
-    """The module of the documentation that designs and draws the cars."""
+def in_docs(name: str) -> ModuleType:
+    """A module of those that make the documentation's pictures."""
     sys.path.insert(0, str(ROOT / "docs"))
     try:
-        import car_designs
+        return import_module(name)
     finally:
         sys.path.remove(str(ROOT / "docs"))
-    return car_designs
