@@ -13,8 +13,7 @@ from bozzetto.plugin import Memory, switched_on
 from bozzetto.scene import Item, Lines, Paint
 from bozzetto_car.body import Body
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling import curve_paths
-from bozzetto_car.styling_course import course_of
+from bozzetto_car.styling_course import courses_on
 from bozzetto_car.template import MIRROR
 
 __all__ = ["shown_styling", "styling_items"]
@@ -64,10 +63,8 @@ def _line(points: Array, starts: NDArray[np.intp], paint: Paint, width: float) -
 def _laid_out(curve: StylingCurve, body: Body) -> tuple[Array, ...]:
     """The parts of a curve on a body as polylines."""
     lines = []
-    for path in curve_paths(curve, body.nets, body.template):
-        course = course_of(body.nets, path)
-        if course is not None:
-            count = max(2, round(course.length / SPACING))
-            along = np.union1d(np.linspace(0.0, course.length, count), course.along)
-            lines.append(points_at(body.nets, course.places(np.clip(along, 0.0, course.length))))
+    for course in courses_on(curve, body.nets, body.template):
+        count = max(2, round(course.length / SPACING))
+        along = np.union1d(np.linspace(0.0, course.length, count), course.borders)
+        lines.append(points_at(body.nets, course.places(along)))
     return tuple(lines)

@@ -6,6 +6,8 @@ kept is the patch, u and v (Kara & Shimada, CAD 2008).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +21,9 @@ from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling_laying import laid_paths
 from bozzetto_car.styling_line import smoothed_line
 from bozzetto_car.styling_path import joined, unbroken
-from bozzetto_car.template import Template
+from bozzetto_car.template import Template, twin
 
-__all__ = ["Laid", "curve_paths", "curve_points", "kept", "laid", "laid_line"]
+__all__ = ["Laid", "curve_paths", "curve_points", "kept", "laid", "mirrored", "with_paths"]
 
 Array = NDArray[np.float64]
 
@@ -54,12 +56,7 @@ def laid(body: Body, strokes_px: ArrayLike, camera: Camera) -> Laid:
     UserError
         If the stroke is a dot or misses the body.
     """
-    return laid_line(body, smoothed_line(strokes_px), camera)
-
-
-def laid_line(body: Body, line: ArrayLike, camera: Camera) -> Laid:
-    """Lay a line (n, 2), px, that is smooth already; see `laid`."""
-    paths = laid_paths(body.template, body.nets, np.asarray(line, float), camera)
+    paths = laid_paths(body.template, body.nets, smoothed_line(strokes_px), camera)
     lengths = [arc_length(camera.project(points_at(body.nets, path))[0])[-1] for path in paths]
     return kept(body.template, paths[int(np.argmax(lengths))])
 
@@ -95,3 +92,16 @@ def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
     """The places of a styling curve on a body, (n, 3) mm, without those on patches it has not."""
     path = joined(curve_paths(curve, nets, template))
     return points_at(nets, path) if len(path) else np.zeros((0, 3))
+
+
+def with_paths(curve: StylingCurve, body: Body, paths: Sequence[Places]) -> StylingCurve:
+    """A curve that runs on other paths of a body."""
+    new = kept(body.template, joined(paths))
+    return replace(curve, patches=new.patches, on=new.on, places=new.places)
+
+
+def mirrored(curve: StylingCurve) -> StylingCurve:
+    """The mirror image of a curve: on patches of the other side u and v are exchanged."""
+    return replace(
+        curve, patches=tuple(map(twin, curve.patches)), places=curve.places[:, ::-1].copy()
+    )

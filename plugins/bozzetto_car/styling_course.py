@@ -18,12 +18,15 @@ from numpy.typing import NDArray
 from bozzetto.geometry.patch import Places, points_at
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.resample import arc_length
+from bozzetto_car.state import StylingCurve
+from bozzetto_car.styling import curve_paths
 from bozzetto_car.styling_path import SAME, joined
+from bozzetto_car.template import Template
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-__all__ = ["Course", "course_of", "spline_of"]
+__all__ = ["Course", "courses_on", "spline_of"]
 
 Array = NDArray[np.float64]
 
@@ -80,12 +83,24 @@ class Course:
         return joined(made)
 
 
-def course_of(nets: Array, path: Places) -> Course | None:
-    """The smooth way along a path on a body (k, 4, 4, 3), mm; None where it has no length."""
+def courses_on(curve: StylingCurve, nets: Array, template: Template) -> list[Course]:
+    """A styling curve on a body: one line, if the body has all of its patches.
+
+    Parameters
+    ----------
+    curve : StylingCurve
+    nets : (k, 4, 4, 3) float
+        Of the body, mm.
+    template : Template
+    """
+    found = (_course(nets, path) for path in curve_paths(curve, nets, template))
+    return [course for course in found if course is not None]
+
+
+def _course(nets: Array, path: Places) -> Course | None:
+    """The smooth way along a path; None where it has no length."""
     from scipy.interpolate import CubicSpline
 
-    if not len(path):
-        return None
     along = arc_length(points_at(nets, path))
     cuts = [0, *(np.flatnonzero(np.diff(path.patches)) + 1).tolist(), len(path)]
     runs, borders = [], [0.0]

@@ -23,7 +23,7 @@ from bozzetto.view import Camera
 from bozzetto_car.styling_path import connected, joined
 from bozzetto_car.template import Template
 
-__all__ = ["laid_paths", "seen_on_body"]
+__all__ = ["Seen", "laid_paths", "runs_of", "seen_on_body"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -69,14 +69,17 @@ class Seen:
         """Where there is something, (n,)."""
         return self.places.patches >= 0
 
-    def merged(self, other: Seen, order: Index) -> Seen:
-        """What is seen at the places of both, put in order."""
+    def extended(self, other: Seen) -> Seen:
+        """What is seen at the places of both, one after the other."""
         return Seen(
-            joined([self.places, other.places])[order],
-            np.concatenate((self.points, other.points))[order],
-            np.concatenate((self.normals, other.normals))[order],
-            np.concatenate((self.sight, other.sight))[order],
+            joined([self.places, other.places]),
+            np.concatenate((self.points, other.points)),
+            np.concatenate((self.normals, other.normals)),
+            np.concatenate((self.sight, other.sight)),
         )
+
+    def __getitem__(self, which: Index) -> Seen:
+        return Seen(self.places[which], self.points[which], self.normals[which], self.sight[which])
 
 
 class Part(NamedTuple):
@@ -138,7 +141,7 @@ def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> 
         fresh = 0.5 * (way[open_] + way[open_ + 1])
         order = np.argsort(np.concatenate((way, fresh)), kind="stable")
         way = np.concatenate((way, fresh))[order]
-        seen = seen.merged(seen_on_body(nets, curve(fresh), camera), order)
+        seen = seen.extended(seen_on_body(nets, curve(fresh), camera))[order]
     paths: list[Places] = []
     for part in _bridged(nets, seen, way, line, camera):
         passing = ~np.isin(part.way, own)
@@ -173,7 +176,7 @@ def _breaks(seen: Seen) -> Flags:
     return np.asarray(broken & seen.hit[1:] & seen.hit[:-1])
 
 
-def _runs(seen: Seen) -> list[Index]:
+def runs_of(seen: Seen) -> list[Index]:
     """Neighbours that are seen on one unbroken surface."""
     hits = np.flatnonzero(seen.hit)
     cut = (np.diff(hits) > 1) | _breaks(seen)[hits[:-1]]
@@ -184,7 +187,7 @@ def _bridged(nets: Array, seen: Seen, way: Array, line: Array, camera: Camera) -
     """The unbroken parts of a line, put together over gaps that are none."""
     parts: list[Part] = []
     last = -1
-    for run in _runs(seen):
+    for run in runs_of(seen):
         part = Part(way[run], seen.places[run], seen.sight[run])
         bridge = None if last < 0 else _bridge(nets, seen, (last, int(run[0])), way, line, camera)
         if bridge is None:

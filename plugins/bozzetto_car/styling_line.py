@@ -19,11 +19,11 @@ from bozzetto.ink.resample import arc_length, distinct, resample
 from bozzetto.ink.settle import fading, settle
 from bozzetto.ink.sheet import places_on_sheet
 
-__all__ = ["STEP", "drawn_line", "smoothed_line"]
+__all__ = ["STEP", "one_stroke", "smoothed_line"]
 
 Array = NDArray[np.float64]
 
-STEP: Final = 3.0
+STEP: Final = 6.0
 """Distance of the places of a line, px."""
 
 FINE: Final = 1.0
@@ -41,12 +41,16 @@ SHARE: Final = 0.06
 WINDOW: Final = (6.0, 40.0)
 """Least and greatest half of the window, px."""
 
+PASSES: Final = 2
+"""Times that it is smoothed: the second pass takes the ripples that the first one leaves of a
+tremor, and with them half of the knots of the curve in space."""
+
 SHORTEST: Final = 6.0
 """Length, px, below which a stroke is a dot."""
 
 
-def drawn_line(strokes: Sequence[Stroke]) -> Array:
-    """One line of all strokes of a gesture; several are settled, older ones fading.
+def one_stroke(strokes: Sequence[Stroke]) -> Array:
+    """The strokes of a gesture as one; several are settled, older ones fading.
 
     Parameters
     ----------
@@ -56,21 +60,15 @@ def drawn_line(strokes: Sequence[Stroke]) -> Array:
     Returns
     -------
     (n, 2) float
-        Places `STEP` apart, px, in the sense of the first stroke.
-
-    Raises
-    ------
-    UserError
-        If there is nothing but dots.
+        Places, px, in the sense of the first stroke that is no dot.
     """
-    ink = [(s, s.points) for s in strokes if arc_length(s.points)[-1] >= SHORTEST]
+    ink = [stroke for stroke in strokes if arc_length(stroke.points)[-1] >= SHORTEST]
     if len(ink) < 2:
-        return smoothed_line(ink[0][1] if ink else strokes[0].points)
-    found = settle([points for _, points in ink], fading([stroke for stroke, _ in ink]))
-    first, line = ink[0][1], found.points
-    if (first[-1] - first[0]) @ (line[-1] - line[0]) < 0.0:
-        line = line[::-1]
-    return smoothed_line(line)
+        return np.asarray((ink or strokes)[0].points, float)
+    line = settle([stroke.points for stroke in ink], fading(ink)).points
+    first = ink[0].points
+    against = (first[-1] - first[0]) @ (line[-1] - line[0]) < 0.0
+    return np.asarray(line[::-1] if against else line)
 
 
 def smoothed_line(points: ArrayLike) -> Array:
@@ -105,7 +103,8 @@ def smoothed_line(points: ArrayLike) -> Array:
     step = length / (len(fine) - 1)
     half = min(round(float(np.clip(SHARE * length, *WINDOW)) / step), len(fine) - 1)
     if 2 * half > DEGREE:
-        before, after = 2.0 * fine[0] - fine[half:0:-1], 2.0 * fine[-1] - fine[-2 : -half - 2 : -1]
-        whole = np.vstack((before, fine, after))
-        fine = savgol_filter(whole, 2 * half + 1, DEGREE, axis=0)[half:-half]
+        for _ in range(PASSES):
+            before, after = fine[half:0:-1], fine[-2 : -half - 2 : -1]
+            whole = np.vstack((2.0 * fine[0] - before, fine, 2.0 * fine[-1] - after))
+            fine = savgol_filter(whole, 2 * half + 1, DEGREE, axis=0)[half:-half]
     return resample(fine, spacing=STEP)

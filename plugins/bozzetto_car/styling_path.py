@@ -16,15 +16,19 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.coons import sides_of
 from bozzetto.geometry.patch import Places, bernstein, points_at
-from bozzetto_car.template import Template, twin
+from bozzetto_car.template import Template
 
-__all__ = ["SAME", "connected", "joined", "mirrored_places", "unbroken"]
+__all__ = ["SAME", "connected", "joined", "unbroken"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SAME: Final = 1e-6
 """Distance, mm, below which two places are one point."""
+
+GAP: Final = 1e-3
+"""Distance, mm, from which a line is broken where it goes on to another patch. What was one point
+up to `SAME` may be twice as far apart on a larger body."""
 
 CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 """u and v of the nodes of a patch, in their order; side k leads from the k-th to the next."""
@@ -58,25 +62,9 @@ def unbroken(nets: Array, places: Places) -> list[Places]:
     """Cut a line where two places of different patches are not one point."""
     if not len(places):
         return []
-    apart = np.linalg.norm(np.diff(points_at(nets, places), axis=0), axis=1) > SAME
+    apart = np.linalg.norm(np.diff(points_at(nets, places), axis=0), axis=1) > GAP
     cuts = np.flatnonzero((np.diff(places.patches) != 0) & apart) + 1
     return [places[part] for part in np.split(np.arange(len(places)), cuts)]
-
-
-def mirrored_places(template: Template, places: Places) -> Places:
-    """The mirror images of places, on the patches of the other side."""
-    numbers = {patch.name: number for number, patch in enumerate(template.patches)}
-    patches, parameters = places.patches.copy(), places.parameters.copy()
-    for number in np.unique(places.patches).tolist():
-        patch = template.patches[number]
-        image = numbers[twin(patch.name)]
-        nodes = [int(template.mirrored[node]) for node in patch.nodes]
-        origin, u, _, v = (CORNERS[template.patches[image].nodes.index(node)] for node in nodes)
-        own = places.patches == number
-        patches[own] = image
-        at = places.parameters[own]
-        parameters[own] = origin + at[:, [0]] * (u - origin) + at[:, [1]] * (v - origin)
-    return Places(patches, parameters)
 
 
 # -- from patch to patch ---------------------------------------------------------------------------
@@ -117,26 +105,31 @@ def connected(
     for cut in [*(np.flatnonzero(np.diff(places.patches)) + 1).tolist(), len(places)]:
         made.append(places[start:cut])
         flags.append(extra[start:cut])
-        start = cut
-        pair = slice(cut - 1, cut + 1)
-        between = None
+        start, between = cut, None
         if cut < len(places):
+            pair = slice(cut - 1, cut + 1)
             between = _crossing(template, nets, places[pair], points[pair], sight[cut - 1])
         if between is None:
             paths.append(_thinned(nets, joined(made), np.concatenate(flags)))
             made, flags = [], []
         else:
             made.append(between)
-            flags.append(np.zeros(2, bool))
+            flags.append(np.zeros(len(between), bool))
     return paths
 
 
 def _crossing(
     template: Template, nets: Array, pair: Places, ends: Array, sight: Array
 ) -> Places | None:
-    """Where the way between two places leaves the one patch, and the same point on the other."""
+    """Where the way between two places leaves the one patch, and the same point on the other.
+
+    No place if both are one point already; None if there is no such way.
+    """
     one, other = (template.patches[number] for number in pair.patches)
-    limit = ASTRAY * float(np.linalg.norm(ends[1] - ends[0])) + SAME
+    length = float(np.linalg.norm(ends[1] - ends[0]))
+    if length <= SAME:
+        return pair[:0]
+    limit = ASTRAY * length + SAME
     across = np.cross(ends[1] - ends[0], sight)
     found: list[tuple[float, Array, Array]] = []
     for side, edge in enumerate(one.edges):

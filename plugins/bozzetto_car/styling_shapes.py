@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Curve
 from bozzetto_car.state import StylingCurve
-from bozzetto_car.styling import curve_paths
-from bozzetto_car.styling_course import course_of, spline_of
+from bozzetto_car.styling_course import courses_on, spline_of
 from bozzetto_car.template import MIRROR, Template
 
 __all__ = ["as_curves"]
@@ -34,13 +33,10 @@ def as_curves(curve: StylingCurve, nets: Array, template: Template) -> tuple[Cur
         Cubic splines; one for each part, if the body lacks some of the curve's patches. Mirror
         images have the same numbers but for the sign of y.
     """
-    made = []
-    for path in curve_paths(curve, nets, template):
-        course = course_of(nets, path)
-        if course is None:
-            continue
-        spline = spline_of(nets, course)
-        made.append(spline.to_curve(curve.name or "styling", curve.color))
+    made = [
+        spline_of(nets, course).to_curve(curve.name, curve.color)
+        for course in courses_on(curve, nets, template)
+    ]
     if not curve.both:
         return tuple(made)
     images = (

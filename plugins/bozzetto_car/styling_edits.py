@@ -1,0 +1,200 @@
+"""Styling curves changed: drawn over, and smoothed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.patch import Places, normals_at, points_at
+from bozzetto.geometry.patch_feet import foot_points
+from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.resample import arc_length, resample
+from bozzetto.ink.smooth import smooth
+from bozzetto.ink.snake import modified
+from bozzetto.view import Camera
+from bozzetto_car.body import Body
+from bozzetto_car.state import StylingCurve
+from bozzetto_car.styling import with_paths
+from bozzetto_car.styling_course import Course, courses_on
+from bozzetto_car.styling_laying import laid_paths
+from bozzetto_car.styling_line import STEP, smoothed_line
+from bozzetto_car.styling_path import connected, joined
+from bozzetto_car.styling_seen import seen_parts
+
+__all__ = ["oversketched", "smoothed"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+NODES: Final = 3.0
+"""Distance of the nodes of the picture of a curve that is drawn over, px."""
+
+JUMP: Final = 20.0
+"""Farthest, mm, that a changed stretch may begin or end from the curve that it is a part of: what
+is farther is another part of the body in front of it."""
+
+CLOSE: Final = 0.5
+"""Distance from the joint within which a place of the old curve is left out, per usual step."""
+
+SMOOTHED: Final = 24.0
+"""Distance of the places of a smoothed curve, mm."""
+
+FEWEST, MOST = 24, 400
+"""Least and greatest number of its places."""
+
+UNCHANGED: Final = 0.1
+"""Distance, px, by which a stroke must bend a curve to change it."""
+
+OFF: Final = (
+    "The stroke leads off the body or behind a part of it. Turn the view so that all of it is "
+    "seen, then draw over the curve."
+)
+
+HALVINGS: Final = 3
+"""Times that they are taken half as far apart, where the way from patch to patch is not found."""
+
+
+def smoothed(curve: StylingCurve, body: Body, share: float) -> StylingCurve:
+    """A curve without its small bends; its ends stay.
+
+    It is convolved with a Gaussian in space, and goes back to the nearest places of the body.
+
+    Parameters
+    ----------
+    curve : StylingCurve
+    body : Body
+    share : float
+        Standard deviation of the Gaussian per length of the curve, above 0.
+
+    Raises
+    ------
+    UserError
+        If the body has none of the curve's patches, or the curve would leave it.
+    """
+    courses = courses_on(curve, body.nets, body.template)
+    if not courses:
+        raise UserError("The body has no part of this curve. Go back to its template.")
+    return with_paths(curve, body, [_smooth(body, course, share) for course in courses])
+
+
+def _smooth(body: Body, course: Course, share: float) -> Places:
+    count = int(np.clip(course.length / SMOOTHED, FEWEST, MOST))
+    for _ in range(HALVINGS + 1):
+        along = np.linspace(0.0, course.length, count + 1)
+        points = smooth(points_at(body.nets, course.places(along)), share * course.length)
+        feet = foot_points(body.nets, points)
+        ends = course.places(along[[0, -1]])
+        whole = joined([ends[:1], feet[1:-1], ends[1:]])
+        paths = connected(body.template, body.nets, whole, normals_at(body.nets, whole))
+        if len(paths) == 1:
+            return paths[0]
+        count *= 2
+    raise UserError("The curve cannot be smoothed where it is: draw over it instead.")
+
+
+# -- drawn over ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Picture:
+    """The part of a curve that is seen: lengths along it, mm, and where these are seen, px."""
+
+    number: int
+    course: Course
+    along: Array
+    pixels: Array
+
+
+def oversketched(
+    curve: StylingCurve, body: Body, stroke: ArrayLike, camera: Camera
+) -> StylingCurve:
+    """A curve that runs where a stroke was drawn over it.
+
+    The picture of the curve gives way to the stroke as a contour that resists bending
+    (`bozzetto.ink.snake`), so it leaves its old way and comes back to it smoothly, and a stroke
+    that runs on beyond an end takes the end along. What was changed is laid on the body anew.
+
+    Parameters
+    ----------
+    curve : StylingCurve
+    body : Body
+    stroke : (n, 2) array_like
+        px; along the curve or against it.
+    camera : Camera
+
+    Returns
+    -------
+    StylingCurve
+        The same object where the stroke follows the curve as it is.
+
+    Raises
+    ------
+    UserError
+        If the curve is not seen near the stroke, or the stroke leads off the body or behind a
+        part of it.
+    """
+    line = smoothed_line(stroke)
+    courses = courses_on(curve, body.nets, body.template)
+    picture = _picture_near(body, courses, line, camera)
+    if picture is None:
+        raise UserError("The curve is not seen here. Turn the view, then draw over it.")
+    length = float(arc_length(picture.pixels)[-1])
+    nodes = resample(picture.pixels, spacing=NODES)
+    way = np.interp(np.linspace(0.0, length, len(nodes)), arc_length(picture.pixels), picture.along)
+    bent = modified(nodes, [(line, np.ones(len(line)))])
+    if np.linalg.norm(bent.points - nodes, axis=1).max() < UNCHANGED:
+        return curve
+    moved = np.flatnonzero(bent.moved)
+    first, last = max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, len(nodes) - 1)
+    stretch = resample(bent.points[first : last + 1], spacing=STEP)
+    made = laid_paths(body.template, body.nets, stretch, camera)
+    if len(made) > 1 and bent.moved[-1]:
+        made = made[:1]  # an end was led off the body
+    elif len(made) > 1 and bent.moved[0]:
+        made = made[-1:]
+    if len(made) > 1:
+        raise UserError(OFF)
+    course, number = picture.course, picture.number
+    parts = [made[0]]
+    if not bent.moved[0]:
+        parts.insert(0, _joining(body.nets, course, way[first], made[0][:1], before=True))
+    if not bent.moved[-1]:
+        parts.append(_joining(body.nets, course, way[last], made[0][-1:], before=False))
+    whole = joined(parts)
+    sight = points_at(body.nets, whole) - camera.eye
+    if camera.kind == "orthographic":
+        sight = np.broadcast_to(camera.axes[2], sight.shape)
+    changed = connected(body.template, body.nets, whole, sight)
+    if len(changed) > 1:
+        raise UserError(OFF)
+    paths = [each.path for each in courses]
+    paths[number] = changed[0]
+    return with_paths(curve, body, paths)
+
+
+def _picture_near(
+    body: Body, courses: list[Course], line: Array, camera: Camera
+) -> _Picture | None:
+    """The part that is seen of a path to which a line is nearest."""
+    best, found = np.inf, None
+    for number, course in enumerate(courses):
+        for part in seen_parts(body, course, camera):
+            distance = float(distances_to_polyline(line, part.pixels).mean())
+            if distance < best and arc_length(part.pixels)[-1] > NODES:
+                best, found = distance, _Picture(number, course, part.along, part.pixels)
+    return found
+
+
+def _joining(nets: Array, course: Course, at: float, joint: Places, *, before: bool) -> Places:
+    """The places of a curve before or behind a length at which a changed stretch joins it."""
+    gap = np.linalg.norm(points_at(nets, course.places(np.array([at]))) - points_at(nets, joint))
+    if gap > JUMP:
+        raise UserError(OFF)
+    steps = np.diff(course.along)
+    margin = CLOSE * float(np.median(steps[steps > 0.0]))
+    chosen = course.along < at - margin if before else course.along > at + margin
+    return course.path[chosen]
