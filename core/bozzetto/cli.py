@@ -138,7 +138,11 @@ def _parser() -> argparse.ArgumentParser:
 
     plugins = commands.add_parser("plugins", help="list the plugins, or check one")
     plugins.add_argument("action", nargs="?", choices=("list", "check"), default="list")
-    plugins.add_argument("package", nargs="?", help="import name of the package to check")
+    plugins.add_argument(
+        "package",
+        nargs="?",
+        help="import name of the package to check, or a file of a plugin's own, such as a template",
+    )
     plugins.set_defaults(run=_plugins)
     return parser
 
@@ -274,14 +278,17 @@ def _samples(options: argparse.Namespace) -> int:
 def _plugins(options: argparse.Namespace) -> int:
     if options.action == "check":
         if options.package is None:
-            raise UserError("Say which package to check: bozzetto plugins check NAME.")
-        from bozzetto.plugin.check import check_package
+            raise UserError("Say which package or file to check: bozzetto plugins check NAME.")
+        from bozzetto.plugin.check import check_file, check_package
 
-        findings = check_package(options.package)
+        path = Path(options.package)
+        is_file = path.is_file()
+        findings = check_file(path) if is_file else check_package(options.package)
         for finding in findings:
             print(finding)
         if not findings:
-            print(f"{options.package}: manifest, icons, import and contract are in order.")
+            fine = "the file is" if is_file else "manifest, icons, import and contract are"
+            print(f"{options.package}: {fine} in order.")
         return EXIT_ERROR if any(finding.serious for finding in findings) else 0
     from bozzetto.plugin.registry import Registry
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from bozzetto.plugin import Modeler, hookimpl
@@ -14,3 +15,11 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
     from bozzetto_car.modeler import Car
 
     return [Car()]
+
+
+@hookimpl
+def bozzetto_faults(file: Path) -> Sequence[str] | None:
+    """What is wrong with a car's template."""
+    from bozzetto_car.template_file import faults_in, is_template
+
+    return faults_in(file) if is_template(file) else None

@@ -29,12 +29,23 @@ from bozzetto_car.template_records import (
     read_records,
 )
 
-__all__ = ["TEMPLATES", "Bundled", "bundled", "faults_in", "load_template", "read_template"]
+__all__ = [
+    "TEMPLATES",
+    "Bundled",
+    "bundled",
+    "faults_in",
+    "is_template",
+    "load_template",
+    "read_template",
+]
 
 Bundled = Literal["sedan", "hatchback", "minivan"]
 
 TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
 """The templates that come with the modeler."""
+
+FORMAT_WORD: Final = b'"bozzetto-car-template/'
+"""What stands in every template."""
 
 MOST_FAULTS: Final = 3
 """Faults of the network that a message tells; the rest follow from them as a rule."""
@@ -89,6 +100,11 @@ def read_template(data: bytes) -> Template:
             + (f" There are {more} more faults." if more > 0 else "")
         )
     return template
+
+
+def is_template(path: Path) -> bool:
+    """Whether a file says that it is a template, or a template of a later version."""
+    return FORMAT_WORD in _content(path)
 
 
 def faults_in(path: Path) -> list[str]:

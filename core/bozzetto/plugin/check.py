@@ -1,4 +1,4 @@
-"""``bozzetto plugins check PACKAGE``: what an author should know before anybody else does."""
+"""``bozzetto plugins check``: what an author should know before anybody else does."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.manifest import ManifestError, find_folder, read_manifest
 from bozzetto.plugin.registry import Registry
 
-__all__ = ["Finding", "check_package"]
+__all__ = ["Finding", "check_file", "check_package"]
 
 LARGEST_ICON = 64 * 1024
 """Bytes; an icon is a few strokes."""
@@ -70,6 +70,23 @@ def check_package(package: str) -> list[Finding]:
     for entry in manifest.modelers:
         findings += _check_modeler(package, entry.id)
     return findings
+
+
+def check_file(path: Path) -> list[Finding]:
+    """Check a file that a plugin reads besides drawings, such as a template.
+
+    Raises
+    ------
+    UserError
+        If no plugin knows files of this kind.
+    """
+    faults = Registry().faults_in(path)
+    if faults is None:
+        raise UserError(
+            f"No plugin knows the kind of file that {path.name} is. Check its format, or give the "
+            "name of a package."
+        )
+    return [Finding(True, path.name, fault) for fault in faults]
 
 
 def _check_icons(folder: Path, icons: Iterable[str]) -> list[Finding]:

@@ -7,6 +7,7 @@ arguments are passed by keyword; an implementation may leave out those it does n
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import pluggy
@@ -38,4 +39,14 @@ def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
     Only called where the manifest says ``panel = true``, when an object of that modeler is
     selected. `parent` is a QWidget; the returned widget is shown in a dock, and destroyed
     when an object of another modeler is selected. `host` gives it the object's state.
+    """
+
+
+@hookspec
+def bozzetto_faults(file: Path) -> Sequence[str] | None:  # type: ignore[empty-body]
+    """What is wrong with a file of a kind that is the plugin's own, such as a template.
+
+    Only called where the manifest says ``checks_files = true``, by ``bozzetto plugins check
+    FILE``. One sentence for each fault, and none for a file that can be used; None for a file of
+    another kind. The file comes from anywhere.
     """

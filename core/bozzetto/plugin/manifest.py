@@ -88,6 +88,7 @@ class _PluginTable(msgspec.Struct, frozen=True):
     api: Word
     modeler: Annotated[list[_ModelerTable], msgspec.Meta(min_length=1, max_length=MOST_MODELERS)]
     summary: Sentence = ""
+    checks_files: bool = False
 
 
 @dataclass(frozen=True)
@@ -149,6 +150,8 @@ class Manifest:
     modelers : tuple of ModelerEntry
     warnings : tuple of str
         What was ignored.
+    checks_files : bool
+        Whether it says what is wrong with files of a kind of its own (`bozzetto_faults`).
     """
 
     id: str
@@ -158,6 +161,7 @@ class Manifest:
     api: str
     modelers: tuple[ModelerEntry, ...]
     warnings: tuple[str, ...] = ()
+    checks_files: bool = False
 
 
 def find_folder(package: str) -> Path:
@@ -221,6 +225,7 @@ def read_manifest(folder: Path) -> Manifest:
         table.api,
         tuple(_entry(modeler) for modeler in table.modeler),
         tuple(_unknown_keys(said)),
+        table.checks_files,
     )
 
 

@@ -13,6 +13,7 @@ import threading
 import traceback
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Final
@@ -265,6 +266,28 @@ class Registry:
             ),
         )
         return made[0] if made else None
+
+    def faults_in(self, file: Path) -> list[str] | None:
+        """What is wrong with a file of a plugin's own kind; None if no plugin knows its kind.
+
+        Raises
+        ------
+        PluginFault
+            If a plugin fails over it.
+        """
+        with self._lock:
+            asked = [p for p in self._plugins.values() if p.manifest and p.manifest.checks_files]
+        for plugin in asked:
+            modeler_id = plugin.manifest.modelers[0].id if plugin.manifest else ""
+            self.modeler(modeler_id)
+            told = self.guard.call(
+                modeler_id,
+                "bozzetto_faults",
+                partial(ask, self._hooks, plugin.id, "bozzetto_faults", file=file),
+            )
+            if told:
+                return [str(fault) for fault in told[0]]
+        return None
 
     # -- inside ------------------------------------------------------------------------------------
 

@@ -85,6 +85,7 @@ def test_manifest_keys_are_explained(tmp_path):
         "version": '"1"',
         "summary": '"S"',
         "api": '">=1,<2"',
+        "checks_files": "true",
         "icon": '"i.svg"',
         "hint": '"H"',
         "samples": '["s.json"]',
@@ -95,7 +96,7 @@ def test_manifest_keys_are_explained(tmp_path):
         "facts": '"template"',
     }
     assert keys == values.keys()
-    top = ("id", "title", "version", "summary", "api")
+    top = ("id", "title", "version", "summary", "api", "checks_files")
     inner = tuple(key for key in values if key not in top or key in ("id", "title"))
     text = "\n".join(f"{key} = {values[key]}" for key in top)
     text += "\n[[modeler]]\n" + "\n".join(f"{key} = {values[key]}" for key in inner)

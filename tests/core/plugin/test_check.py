@@ -160,3 +160,21 @@ def test_a_drawing_that_is_not_plain_is_only_a_note(faulty, monkeypatch):
     (finding,) = check.check_package(faulty.package)
     assert not finding.serious
     assert "Draw two circles." in finding.message
+
+
+def test_files_of_a_plugins_own_are_checked_by_it(tmp_path, capsys):
+    from importlib.resources import files
+
+    from bozzetto.cli import main
+
+    sedan = files("bozzetto_car").joinpath("templates/sedan.json").read_bytes()
+    good, bad, other = (tmp_path / name for name in ("good.json", "bad.json", "other.json"))
+    good.write_bytes(sedan)
+    bad.write_bytes(sedan.replace(b'"C3.x >= C2.x', b'"C9.x >= C2.x'))
+    other.write_text("{}")
+    assert main(["plugins", "check", str(good)]) == 0
+    assert "in order" in capsys.readouterr().out
+    assert main(["plugins", "check", str(bad)]) != 0
+    assert "C9" in capsys.readouterr().out
+    assert main(["plugins", "check", str(other)]) != 0
+    assert "No plugin knows" in capsys.readouterr().err
