@@ -23,7 +23,15 @@ from bozzetto_car.styling_line import smoothed_line
 from bozzetto_car.styling_path import joined, unbroken
 from bozzetto_car.template import Template, twin
 
-__all__ = ["Laid", "curve_paths", "curve_points", "kept", "laid", "mirrored", "with_paths"]
+__all__ = [
+    "Laid",
+    "curve_paths",
+    "curve_points",
+    "laid",
+    "mirrored",
+    "stem_of",
+    "with_paths",
+]
 
 Array = NDArray[np.float64]
 
@@ -58,10 +66,10 @@ def laid(body: Body, strokes_px: ArrayLike, camera: Camera) -> Laid:
     """
     paths = laid_paths(body.template, body.nets, smoothed_line(strokes_px), camera)
     lengths = [arc_length(camera.project(points_at(body.nets, path))[0])[-1] for path in paths]
-    return kept(body.template, paths[int(np.argmax(lengths))])
+    return _kept(body.template, paths[int(np.argmax(lengths))])
 
 
-def kept(template: Template, path: Places) -> Laid:
+def _kept(template: Template, path: Places) -> Laid:
     """The form in which a styling curve keeps a path."""
     numbers, on = np.unique(path.patches, return_inverse=True)
     names = tuple(template.patches[number].name for number in numbers.tolist())
@@ -96,7 +104,7 @@ def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
 
 def with_paths(curve: StylingCurve, body: Body, paths: Sequence[Places]) -> StylingCurve:
     """A curve that runs on other paths of a body."""
-    new = kept(body.template, joined(paths))
+    new = _kept(body.template, joined(paths))
     return replace(curve, patches=new.patches, on=new.on, places=new.places)
 
 
@@ -105,3 +113,8 @@ def mirrored(curve: StylingCurve) -> StylingCurve:
     return replace(
         curve, patches=tuple(map(twin, curve.patches)), places=curve.places[:, ::-1].copy()
     )
+
+
+def stem_of(name: str) -> str:
+    """A name without its number: what a curve that comes of another one is called."""
+    return name.rstrip(" 0123456789") or name

@@ -9,7 +9,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
 from bozzetto_car.body import body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling import mirrored
+from bozzetto_car.styling import mirrored, stem_of
 from bozzetto_car.styling_edits import smoothed
 
 __all__ = ["styling_commands"]
@@ -56,7 +56,6 @@ def _smoothed(state: CarState, context: Context) -> CarState:
 def _mirrored(state: CarState, context: Context) -> CarState:
     """Two curves, each on one side only, so that they can be changed apart from one another."""
     curve = _chosen(state)
-    image = replace(
-        mirrored(curve), id=state.unused_id(), name=state.unused_name(curve.name), both=False
-    )
+    name = state.unused_name(stem_of(curve.name))
+    image = replace(mirrored(curve), id=state.unused_id(), name=name, both=False)
     return state.with_node(replace(curve, both=False)).with_node(image)

@@ -23,7 +23,7 @@ from bozzetto_car.styling_course import Course, courses_on
 from bozzetto_car.styling_laying import laid_paths
 from bozzetto_car.styling_line import STEP, smoothed_line
 from bozzetto_car.styling_path import connected, joined
-from bozzetto_car.styling_seen import seen_parts
+from bozzetto_car.styling_seen import seen_parts, sight_of
 
 __all__ = ["oversketched", "smoothed"]
 
@@ -142,37 +142,33 @@ def oversketched(
     picture = _picture_near(body, courses, line, camera)
     if picture is None:
         raise UserError("The curve is not seen here. Turn the view, then draw over it.")
-    length = float(arc_length(picture.pixels)[-1])
+    along = arc_length(picture.pixels)
     nodes = resample(picture.pixels, spacing=NODES)
-    way = np.interp(np.linspace(0.0, length, len(nodes)), arc_length(picture.pixels), picture.along)
     bent = modified(nodes, [(line, np.ones(len(line)))])
     if np.linalg.norm(bent.points - nodes, axis=1).max() < UNCHANGED:
         return curve
     moved = np.flatnonzero(bent.moved)
-    first, last = max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, len(nodes) - 1)
-    stretch = resample(bent.points[first : last + 1], spacing=STEP)
-    made = laid_paths(body.template, body.nets, stretch, camera)
-    if len(made) > 1 and bent.moved[-1]:
-        made = made[:1]  # an end was led off the body
-    elif len(made) > 1 and bent.moved[0]:
-        made = made[-1:]
-    if len(made) > 1:
+    ends = max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, len(nodes) - 1)
+    stretch = resample(bent.points[ends[0] : ends[1] + 1], spacing=STEP)
+    way = np.interp(along[-1] * np.array(ends) / (len(nodes) - 1), along, picture.along)
+    # An end of the curve that moves has nothing beyond it to be joined to.
+    free = bent.moved[[0, -1]] & (way == [0.0, picture.course.length])
+    laid = laid_paths(body.template, body.nets, stretch, camera)
+    if len(laid) > 1 and not free.any():
         raise UserError(OFF)
-    course, number = picture.course, picture.number
-    parts = [made[0]]
-    if not bent.moved[0]:
-        parts.insert(0, _joining(body.nets, course, way[first], made[0][:1], before=True))
-    if not bent.moved[-1]:
-        parts.append(_joining(body.nets, course, way[last], made[0][-1:], before=False))
+    new = laid[-1] if free[0] and not free[1] else laid[0]
+    parts = [new]
+    if not free[0]:
+        parts.insert(0, _rest(body.nets, picture.course, way[0], new[:1], before=True))
+    if not free[1]:
+        parts.append(_rest(body.nets, picture.course, way[1], new[-1:], before=False))
     whole = joined(parts)
-    sight = points_at(body.nets, whole) - camera.eye
-    if camera.kind == "orthographic":
-        sight = np.broadcast_to(camera.axes[2], sight.shape)
+    sight = sight_of(points_at(body.nets, whole), camera)
     changed = connected(body.template, body.nets, whole, sight)
     if len(changed) > 1:
         raise UserError(OFF)
-    paths = [each.path for each in courses]
-    paths[number] = changed[0]
+    paths = [course.path for course in courses]
+    paths[picture.number] = changed[0]
     return with_paths(curve, body, paths)
 
 
@@ -189,10 +185,10 @@ def _picture_near(
     return found
 
 
-def _joining(nets: Array, course: Course, at: float, joint: Places, *, before: bool) -> Places:
+def _rest(nets: Array, course: Course, at: float, joint: Places, *, before: bool) -> Places:
     """The places of a curve before or behind a length at which a changed stretch joins it."""
-    gap = np.linalg.norm(points_at(nets, course.places(np.array([at]))) - points_at(nets, joint))
-    if gap > JUMP:
+    there = points_at(nets, joined([course.places(np.array([at])), joint]))
+    if np.linalg.norm(there[1] - there[0]) > JUMP:
         raise UserError(OFF)
     steps = np.diff(course.along)
     margin = CLOSE * float(np.median(steps[steps > 0.0]))

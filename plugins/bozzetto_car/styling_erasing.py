@@ -19,7 +19,7 @@ from bozzetto.view import Camera
 from bozzetto_car.body import Body
 from bozzetto_car.showing_styling import shown_styling
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling import mirrored, with_paths
+from bozzetto_car.styling import mirrored, stem_of, with_paths
 from bozzetto_car.styling_course import Course, courses_on
 from bozzetto_car.styling_path import joined
 from bozzetto_car.styling_seen import seen_parts
@@ -114,7 +114,7 @@ def erased(state: CarState, body: Body, eraser: Stroke) -> CarState:
         at = next(k for k, node in enumerate(nodes) if node.id == curve.id)
         nodes[at : at + 1] = parts[:1]
         for k, part in enumerate(parts[1:], start=at + 1):
-            name = unused_name(nodes, curve.name)
+            name = unused_name(nodes, stem_of(curve.name))
             nodes.insert(k, replace(part, id=unused_id(nodes), name=name))
     if len(nodes) == len(state.nodes) and all(map(is_, nodes, state.nodes)):
         raise UserError("There is no styling curve under the eraser. Rub along what is to go.")

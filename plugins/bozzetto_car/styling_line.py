@@ -35,10 +35,10 @@ MOST: Final = 6000
 DEGREE: Final = 3
 """Of the polynomials that smooth."""
 
-SHARE: Final = 0.06
+SHARE: Final = 0.09
 """Half of the window that smooths, per length of the stroke."""
 
-WINDOW: Final = (6.0, 40.0)
+WINDOW: Final = (8.0, 48.0)
 """Least and greatest half of the window, px."""
 
 PASSES: Final = 2
@@ -92,8 +92,6 @@ def smoothed_line(points: ArrayLike) -> Array:
     UserError
         If the stroke is a dot or leaves the sheet beyond all bounds.
     """
-    from scipy.signal import savgol_filter
-
     place = places_on_sheet(points, "stroke")
     place = place[distinct(place)]
     length = float(arc_length(place)[-1])
@@ -103,8 +101,15 @@ def smoothed_line(points: ArrayLike) -> Array:
     step = length / (len(fine) - 1)
     half = min(round(float(np.clip(SHARE * length, *WINDOW)) / step), len(fine) - 1)
     if 2 * half > DEGREE:
+        weights = _weights(half)
         for _ in range(PASSES):
             before, after = fine[half:0:-1], fine[-2 : -half - 2 : -1]
             whole = np.vstack((2.0 * fine[0] - before, fine, 2.0 * fine[-1] - after))
-            fine = savgol_filter(whole, 2 * half + 1, DEGREE, axis=0)[half:-half]
+            fine = np.column_stack([np.convolve(c, weights, "valid") for c in whole.T])
     return resample(fine, spacing=STEP)
+
+
+def _weights(half: int) -> Array:
+    """What a window of places weighs in the value of its cubic in the middle, (2 half + 1,)."""
+    powers = np.vander(np.linspace(-1.0, 1.0, 2 * half + 1), DEGREE + 1, increasing=True)
+    return np.asarray(np.linalg.pinv(powers)[0])

@@ -20,7 +20,7 @@ from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling import mirrored
 from bozzetto_car.styling_course import Course, courses_on
 
-__all__ = ["SeenPart", "Target", "seen_parts", "target_of"]
+__all__ = ["SeenPart", "Target", "seen_parts", "sight_of", "target_of"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -78,14 +78,14 @@ def seen_parts(body: Body, course: Course, camera: Camera) -> list[SeenPart]:
     places = course.places(along)
     points = points_at(body.nets, places)
     pixels = camera.project(points)[0]
-    away = -_sight(points, camera)
+    away = -sight_of(points, camera)
     seen = (normals_at(body.nets, places) * away).sum(axis=1) > FACING
     seen &= (np.abs(np.nan_to_num(pixels, nan=np.inf)) <= FARTHEST).all(axis=1)
     parts = np.split(np.arange(LOOKS), np.flatnonzero(np.diff(seen)) + 1)
     return [SeenPart(along[p], pixels[p]) for p in parts if seen[p[0]] and len(p) > 1]
 
 
-def _sight(points: Array, camera: Camera) -> Array:
+def sight_of(points: Array, camera: Camera) -> Array:
     """Unit vectors from the eye to points, (n, 3)."""
     if camera.kind == "orthographic":
         return np.broadcast_to(camera.axes[2], points.shape)
@@ -154,7 +154,7 @@ def _directions(line: Array) -> Array:
 def _is_in_front(body: Body, points: Array, camera: Camera) -> bool:
     """Whether most of some points of the body are not hidden by another part of it."""
     some = points[:: max(1, len(points) // 8)]
-    sight = _sight(some, camera)
+    sight = sight_of(some, camera)
     origins = camera.rays(camera.project(some)[0]).origins
     distances = ray_hits(body.nets, origins, sight)[1]
     own = ((some - origins) * sight).sum(axis=1)
