@@ -94,6 +94,22 @@ def marks(tmp_path, monkeypatch):
     sys.modules.pop(package, None)
 
 
+@pytest.fixture
+def sketches(tmp_path, monkeypatch):
+    """The modeler of sketches in a package of its own; `sketches.package` is its name."""
+    from tests import tracer
+
+    package = f"made_up_sketches_{tmp_path.name.replace('-', '_')}"
+    tracer.write_package(tmp_path / "packages", package)
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    importlib.invalidate_caches()
+    modeler = tracer.Sketches()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    yield modeler
+    sys.modules.pop(package, None)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _collect_here():
     """No garbage is collected in a worker's thread: it would take Qt objects along."""

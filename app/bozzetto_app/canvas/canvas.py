@@ -341,6 +341,7 @@ class Canvas(QWidget):
     def _show_advice(self) -> None:
         advising = self._session.advising
         self.light.show_advice(advising.advice)
+        self.viewports.show_advice()
         self.hand.scene_or_view_changed()
         model = self._session.selected_model if self._pictured else None
         if model is not None and model.id == self._pictured and model is advising.about:

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.plugin.job import Job
 from bozzetto.scene.palette import Palette
-from bozzetto_app.canvas.backends import ViewportBackend, choose_backend, may_use_gl
+from bozzetto_app.canvas.backends import Shading, ViewportBackend, choose_backend, may_use_gl
 from bozzetto_app.canvas.software import SoftwareViewport
 from bozzetto_app.jobs import Channel, Request
 
@@ -50,6 +50,7 @@ class Viewports(QObject):
         self._session = session
         self._canvas = canvas
         self._colors = palette
+        self._style: tuple[Shading, bool] = ("clay", True)
         self._rising: GLViewport | None = None
         self._imports = Channel("import-gl", parent=self)
         if may_use_gl():
@@ -94,9 +95,22 @@ class Viewports(QObject):
             viewport.set_camera(self._session.camera)
 
     def show_style(self) -> None:
-        """Shade and show the ground as the session says."""
+        """Shade and show the ground as the session says.
+
+        Where a picture was drawn from, its own ground is what is seen.
+        """
+        session = self._session
+        grid = session.show_grid and not session.advising.holds_eye(session.camera)
+        self._style = session.shading, grid
         for viewport in self._both():
-            viewport.set_style(self._session.shading, self._session.show_grid)
+            viewport.set_style(*self._style)
+
+    def show_advice(self) -> None:
+        """See whether the view stands where a picture was drawn from."""
+        session = self._session
+        held = session.advising.holds_eye(session.camera)
+        if self._style != (session.shading, session.show_grid and not held):
+            self.show_style()
 
     def set_palette(self, palette: Palette) -> None:
         """Use the colours of a theme."""
