@@ -20,6 +20,7 @@ from bozzetto_car.marks_file import car_from_facts, is_car_file
 from bozzetto_car.report import report_of
 from bozzetto_car.showing import scene_of
 from bozzetto_car.state import CarState, Group, Sketch, StylingCurve
+from bozzetto_car.styling_commands import styling_commands
 from bozzetto_car.tools import all_tools
 
 __all__ = ["Car"]
@@ -50,7 +51,7 @@ class Car:
 
     def commands(self) -> Sequence[Command]:
         """What can be done at one word."""
-        return all_commands()
+        return (*all_commands(), *styling_commands())
 
     def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
         """The car of a file's marks.
@@ -120,8 +121,9 @@ class Car:
     def with_parts(
         self, state: CarState, parts: tuple[Sketch | StylingCurve | Group, ...], selected: str
     ) -> CarState:
-        """The same state with other nodes."""
-        return replace(state, nodes=parts, selected=selected)
+        """The same state with other nodes; where none is chosen nothing of the body is, either."""
+        revealed = state.revealed if selected else ""
+        return replace(state, nodes=parts, selected=selected, revealed=revealed)
 
     def new_group(self, state: CarState) -> Group:
         """An empty group."""

@@ -7,10 +7,13 @@ from collections.abc import Sequence
 from bozzetto.plugin import Tool
 from bozzetto_car.state import CarState
 from bozzetto_car.tools.mark import MarkPoints
+from bozzetto_car.tools.nodes import ShapeNodes
+from bozzetto_car.tools.style import Style
+from bozzetto_car.tools.trace import TraceEdges
 
 __all__ = ["all_tools"]
 
 
 def all_tools() -> Sequence[Tool[CarState]]:
     """All tools, most used first."""
-    return (MarkPoints(),)
+    return (MarkPoints(), TraceEdges(), ShapeNodes(), Style())
