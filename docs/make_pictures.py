@@ -10,11 +10,11 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+import car_pictures
 import symmetry_pictures
-from picture_kit import GALLERY, HERE, PICTURES, grab, pen_stroke, save, until, wait
+from picture_kit import GALLERY, HERE, PICTURES, grab, opened, pen_stroke, save, until, wait
 
 if TYPE_CHECKING:
     from bozzetto_app.window import Window
@@ -36,6 +36,8 @@ def main() -> int:
     window()
     symmetry_pictures.gallery()
     symmetry_pictures.window()
+    car_pictures.gallery()
+    car_pictures.bodies()
     return 0
 
 
@@ -156,19 +158,10 @@ def window() -> None:
     import numpy as np
 
     from bozzetto.exchange.importing import read_drawing
-    from bozzetto.plugin.registry import Registry
-    from bozzetto_app.session import Session
-    from bozzetto_app.start import application
     from bozzetto_app.theme import Theme
-    from bozzetto_app.window import Window
 
-    application()
-    session = Session(Registry())
-    shown = Window(session, Path(tempfile.mkdtemp()))
-    shown.resize(1280, 800)
-    shown.set_theme(Theme.LIGHT)
-    shown.show()
-    until(lambda: not session.busy)
+    shown = opened()
+    session = shown.session
     wait(0.5)
     grab(shown, "window-empty.png")
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bozzetto_app.window import Window
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
@@ -87,6 +92,23 @@ def pen_stroke(
         if number == 4 * last // 5:
             wait(1.0)
             at_four_fifths()
+
+
+def opened() -> Window:
+    """The real window on light paper, at rest, with an empty sheet."""
+    from bozzetto.plugin.registry import Registry
+    from bozzetto_app.session import Session
+    from bozzetto_app.start import application
+    from bozzetto_app.theme import Theme
+    from bozzetto_app.window import Window
+
+    application()
+    window = Window(Session(Registry()), Path(tempfile.mkdtemp()))
+    window.resize(1280, 800)
+    window.set_theme(Theme.LIGHT)
+    window.show()
+    until(lambda: not window.session.busy)
+    return window
 
 
 def grab(widget: object, name: str) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from picture_kit import GALLERY, grab, pen_stroke, save, until, wait
+from picture_kit import GALLERY, grab, opened, pen_stroke, save, until, wait
 
 if TYPE_CHECKING:
     import numpy as np
@@ -110,19 +109,10 @@ def window() -> None:
     """A rail in two strokes, bows across, one curve drawn over; the box; the car."""
     import numpy as np
 
-    from bozzetto.plugin.registry import Registry
-    from bozzetto_app.session import Session
-    from bozzetto_app.start import application
     from bozzetto_app.theme import Theme
-    from bozzetto_app.window import Window
 
-    application()
-    session = Session(Registry())
-    window = Window(session, Path(tempfile.mkdtemp()))
-    window.resize(1280, 800)
-    window.set_theme(Theme.LIGHT)
-    window.show()
-    until(lambda: not session.busy)
+    window = opened()
+    session = window.session
     session.activate_modeler("bozzetto.symmetry")
     look(window, 4.0, 20.0)
     grab(window, "symmetry-advice.png")

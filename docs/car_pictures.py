@@ -1,0 +1,178 @@
+"""The pictures of the car modeler: its gallery step by step, and what a body can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from picture_kit import GALLERY, save
+from symmetry_pictures import camera
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from bozzetto.document import Model
+    from bozzetto.scene import Palette, Scene
+    from bozzetto.workbench import Workbench
+    from bozzetto_car.stand import Stand
+    from bozzetto_car.state import CarState, Sketch
+
+CARS = GALLERY / "car"
+DRAWN = ("sedan", "hatchback", "minivan")
+PANEL = (800, 500)
+"""Size of one of six pictures, px: cut like the sketches."""
+
+TRIMMED = (25, 35)
+"""What is cut off each above and below, px."""
+
+GAP, CAPTION = 12, 34
+"""Between panels, and for the words below each, px."""
+
+WORDS = (
+    "1  The sketch and its marks",
+    "2  The template, seen through the camera found from them",
+    "3  Deformed: camera and shape solved together",
+    "4  Edges traced",
+    "5  Styling curves, drawn on the body",
+    "6  The curves alone",
+)
+FAINT = 0.5
+"""Strength of a sketch that has lines over it."""
+
+LARGE = (1200, 750)
+LOOKS = {"sedan": (142.0, 15.0), "hatchback": (-140.0, 13.0), "minivan": (138.0, 17.0)}
+"""From where each car is seen best: angle from the tail and above the floor, degrees."""
+
+DRAWN_FROM = {"sedan": 0, "hatchback": 0, "minivan": 1}
+"""The sketch through which the steps are seen."""
+
+
+def gallery() -> None:
+    """Each drawn car in six steps, seen as it was drawn."""
+    for name in DRAWN:
+        save(strip(name), f"{name}-steps.png", CARS)
+
+
+def bodies() -> None:
+    """What became of the drawn cars, one on dark paper; colours that tell more of a surface."""
+    from bozzetto.scene import DARK, LIGHT
+
+    for name in DRAWN:
+        palette = DARK if name == "minivan" else LIGHT
+        save(large(name, palette, "styling"), f"car-{name}.png")
+    for shading in ("zebra", "curvature", "certainty"):
+        save(large("hatchback", LIGHT, shading=shading), f"car-{shading}.png")
+
+
+def built(name: str) -> tuple[Workbench, Model]:
+    """A drawn car from its file of marks, as it was drawn: no dimension is set."""
+    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.plugin.registry import Registry
+    from bozzetto.workbench import Workbench
+
+    bench = Workbench(Registry())
+    model = bench.from_drawing("bozzetto.car", read_drawing(CARS / f"{name}.json"), {})
+    return bench, replace(model, state=replace(model.state, selected="", wheelbase=0.0))
+
+
+# -- six steps --
+
+
+def strip(name: str) -> np.ndarray:
+    """Six steps of a car in two rows, with words below each."""
+    import numpy as np
+    from PIL import Image, ImageDraw, ImageFont
+
+    from bozzetto.scene import LIGHT
+    from bozzetto.scene.picture import picture
+
+    bench, model = built(name)
+    above, below = TRIMMED
+    width, height = PANEL[0], PANEL[1] - above - below
+    size = (3 * width + 2 * GAP, 2 * (height + CAPTION) + GAP)
+    sheet = Image.new("RGB", size, LIGHT.paper)
+    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(21)
+    for number, (scene, stand) in enumerate(steps(bench, model, DRAWN_FROM[name])):
+        pixels = picture(scene, camera=stand.view(PANEL), size=PANEL)[above:-below]
+        row, column = divmod(number, 3)
+        x, y = column * (width + GAP), row * (height + CAPTION + GAP)
+        sheet.paste(Image.fromarray(pixels).convert("RGB"), (x, y))
+        pen.text((x + 6, y + height + 4), WORDS[number], fill=LIGHT.ink, font=font)
+    return np.asarray(sheet)
+
+
+def steps(bench: Workbench, model: Model, number: int) -> list[tuple[Scene, Stand]]:
+    """The scenes of six steps, each with the stand of the sketch through which it is seen."""
+    from bozzetto_car.body import body_of
+    from bozzetto_car.edges import Network
+    from bozzetto_car.stand import Stand
+
+    whole: CarState = model.state
+    drawn = whole.sketches[number]
+    marked = replace(whole, nodes=whole.sketches, edits=())
+    deformed, traced = body_of(marked), body_of(whole)
+    template, found = deformed.template, deformed.solved.placed[drawn.id].resection
+    at_first = Stand.behind(found.camera, found.shift, template.positions)
+    then, now = deformed.stands[drawn.id], traced.stands[drawn.id]
+    return [
+        (hung(drawn, then, 1.0) + dots(drawn, then), then),
+        (hung(drawn, at_first) + lines(Network.of(template)) + dots(drawn, at_first), at_first),
+        (hung(drawn, then) + lines(deformed.network) + dots(drawn, then), then),
+        (shown(bench, model, ("body", "wheels", "network")), now),
+        (shown(bench, model, ("body", "wheels", "styling")), now),
+        (shown(bench, model, ("wheels", "styling")), now),
+    ]
+
+
+def hung(drawn: Sketch, stand: Stand, strength: float = FAINT) -> Scene:
+    """A sketch where it hangs."""
+    from bozzetto.scene import Layer, Scene
+
+    return Scene((Layer("sketch", (stand.image(drawn.picture, strength),)),))
+
+
+def dots(drawn: Sketch, stand: Stand) -> Scene:
+    """The marks of a sketch."""
+    from bozzetto.scene import Layer, Points, Scene
+
+    places = stand.lifted([(mark.u, mark.v) for mark in drawn.marks])
+    rim = Points(places, color="paper", size=13.0, hidden="show")
+    return Scene((Layer("marks", (rim, Points(places, color="accent", size=9.0, hidden="show"))),))
+
+
+def lines(network: object) -> Scene:
+    """The edges of a template or of a car, those of both sides."""
+    from bozzetto.scene import Layer, Scene
+    from bozzetto_car.showing import network_lines
+
+    edges = network_lines(network.control_points, "second", 2.2)
+    return Scene((Layer("edges", (replace(edges, hidden="show"),)),))
+
+
+def shown(bench: Workbench, model: Model, layers: Sequence[str], **values: object) -> Scene:
+    """Some layers of a car as the program shows it; styling curves in a broader line."""
+    from bozzetto.document import Document
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene import Layer, Scene
+
+    model = replace(model, state=replace(model.state, **values))
+    scene = bench.scene(Document((model,)), Job())
+    kept = {layer.name: layer for layer in scene.layers if layer.name in layers}
+    if "styling" in kept:
+        hidden = "hide" if "body" in kept else "show"
+        broad = (replace(item, width=3.0, hidden=hidden) for item in kept["styling"].items)
+        kept["styling"] = Layer("styling", tuple(broad))
+    return Scene(tuple(kept.values()))
+
+
+# -- large --
+
+
+def large(name: str, palette: Palette, *layers: str, **values: object) -> np.ndarray:
+    """A drawn car from where it is seen best."""
+    from bozzetto.scene.picture import picture
+
+    scene = shown(*built(name), ("body", "wheels", *layers), **values)
+    view = camera(scene, *LOOKS[name], size=LARGE)
+    return picture(scene, camera=view, size=LARGE, palette=palette)
