@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ def test_pixels_come_back_to_the_bit():
     np.testing.assert_array_equal(picture.pixels, pixels)
     assert picture.pixels is picture.pixels
     for array in (picture.pixels, picture.encoded):
-        with pytest.raises(ValueError):
+        with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
 
 
@@ -139,10 +140,8 @@ def test_damaged_bytes_never_do_worse_than_be_refused():
         encoded = (PNG if number % 2 else as_bytes("JPEG", noise(16, 16), "RGB")).copy()
         where = rng.integers(0, encoded.size, rng.integers(1, 6))
         encoded[where] = rng.integers(0, 256, where.size)
-        try:
+        with suppress(UserError):
             assert Picture("x", encoded, 16, 16).pixels.shape[2] == 4
-        except UserError as problem:
-            assert problem.message
 
 
 @pytest.mark.parametrize(
@@ -157,7 +156,7 @@ def test_damaged_bytes_never_do_worse_than_be_refused():
     ],
 )
 def test_what_makes_no_picture_is_refused_at_once(encoded, width, height, name):
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="picture"):
         Picture(name, encoded, width, height)
 
 
