@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from bozzetto.plugin import Modeler, hookimpl
+from bozzetto.plugin import Modeler, PanelHost, hookimpl
 
 
 @hookimpl
@@ -23,3 +23,14 @@ def bozzetto_faults(file: Path) -> Sequence[str] | None:
     from bozzetto_car.template_file import faults_in, is_template
 
     return faults_in(file) if is_template(file) else None
+
+
+@hookimpl
+def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
+    """The guide: what to mark next, what is marked, and what is known of the car."""
+    from PySide6.QtWidgets import QWidget
+
+    from bozzetto_car.panel import GuidePanel
+
+    assert isinstance(parent, QWidget)
+    return GuidePanel(host, parent)

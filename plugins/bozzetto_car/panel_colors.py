@@ -1,0 +1,31 @@
+"""The colours of the guide panel: those of the program, as they come with every widget."""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import QWidget
+
+from bozzetto.scene import DARK, LIGHT, Palette
+
+__all__ = ["palette_of", "role", "warning_of"]
+
+
+def palette_of(widget: QWidget) -> Palette:
+    """The palette of the sheet that goes with a widget's own."""
+    window, text = role(widget, QPalette.ColorRole.Window), role(widget, TEXT)
+    return DARK if window.lightness() < text.lightness() else LIGHT
+
+
+def role(widget: QWidget, which: QPalette.ColorRole, opacity: float = 1.0) -> QColor:
+    """A colour of a widget's palette; opacity 0 … 1."""
+    color = QColor(widget.palette().color(which))
+    color.setAlphaF(opacity)
+    return color
+
+
+def warning_of(widget: QWidget) -> QColor:
+    """The colour of what needs a look."""
+    return QColor(*palette_of(widget).warning)
+
+
+TEXT = QPalette.ColorRole.WindowText
