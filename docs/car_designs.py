@@ -85,22 +85,23 @@ JOINTS: Mapping[str, Mapping[str, Way]] = {
 }  # fmt: skip
 """Directions of chains at some nodes, and the lengths of the tangents before and after, mm."""
 
-CORNERS: Mapping[str, Mapping[str, Way]] = {
+CORNERS: Mapping[str, Mapping[str, tuple[Point, Point]]] = {
     "sedan": {
-        "S1": ((0.75, 0.66, 0.05), 420, 700), "B1": ((0.8, 0.6, 0.0), 420, 700),
-        "S5": ((-0.8, 0.6, -0.05), 300, 420), "B5": ((-0.8, 0.6, 0.0), 420, 700),
+        "S1": ((230, 350, 20), (640, 265, 55)), "B1": ((240, 340, 0), (640, 250, 0)),
+        "S5": ((-140, 265, -10), (-400, 125, -20)), "B5": ((-220, 360, 0), (-650, 230, 0)),
     },
     "hatchback": {
-        "S1": ((0.75, 0.66, 0.05), 420, 650), "B1": ((0.8, 0.6, 0.0), 420, 650),
-        "S6": ((-0.85, 0.5, 0.15), 300, 600), "B5": ((-0.8, 0.6, 0.0), 420, 700),
+        "S1": ((230, 350, 20), (600, 240, 60)), "B1": ((240, 340, 0), (600, 230, 0)),
+        "S6": ((-150, 260, 20), (-560, 180, 120)), "B5": ((-220, 360, 0), (-650, 230, 0)),
     },
     "minivan": {
-        "S1": ((0.75, 0.66, 0.05), 420, 600), "B1": ((0.8, 0.6, 0.0), 420, 700),
-        "S6": ((-0.85, 0.5, 0.1), 300, 800), "B5": ((-0.8, 0.6, 0.0), 420, 700),
+        "S1": ((230, 350, 20), (550, 230, 55)), "B1": ((240, 340, 0), (650, 240, 0)),
+        "S6": ((-140, 265, 15), (-760, 210, 110)), "B5": ((-220, 360, 0), (-660, 220, 0)),
     },
 }  # fmt: skip
-"""Directions from the middle outward round the corners of nose and tail, where the templates have
-creases; lengths of the tangents of the edge from the middle and of that along the side, mm."""
+"""Ways outward at the corners of nose and tail, mm: tangents of the edge from the middle, and of
+the one along the side. The body goes round its corners softer than the templates do, though not
+quite smoothly: with both ways in one direction a patch would have no corner."""
 
 
 def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
@@ -171,13 +172,12 @@ def streamlined(network: Network) -> Network:
 
 
 def cornered(network: Network) -> Network:
-    """The corners of nose and tail turned without a crease."""
+    """The corners of nose and tail as `CORNERS` has them."""
     template = network.template
     chained = {max(edge, ~edge) for chain in template.chains for edge in chain.edges}
     tangents = {}
-    for half, (way, inner, outer) in CORNERS[template.id].items():
+    for half, (inner, outer) in CORNERS[template.id].items():
         node = template.node[f"{half}.R"]
-        outward = np.array(way) / np.linalg.norm(way)
         for edge in chained:
             start, end = template.edges[edge]
             if node not in (start, end):
@@ -186,7 +186,7 @@ def cornered(network: Network) -> Network:
             inside = (start if arrives else end) in template.centre
             # Outward is along an edge that comes from the middle, and away from the corner.
             sense = 1.0 if arrives == inside else -1.0
-            tangents[edge, int(arrives)] = sense * (inner if inside else outer) * outward
+            tangents[edge, int(arrives)] = sense * np.array(inner if inside else outer, float)
     return with_tangents(network, tangents)
 
 

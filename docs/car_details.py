@@ -32,6 +32,7 @@ PILLAR = 62.0
 """Width of the pillar between the doors, mm."""
 
 SPOKES = 5
+"""Pairs of spokes of a wheel."""
 
 
 def both(lines: Iterable[Line]) -> list[Line]:
@@ -117,6 +118,7 @@ def side_windows(car: Car) -> list[Array]:
 
 
 def glass_lines(car: Car) -> Iterator[Line]:
+    """Panes of the side, their common frame, and a second line within the screens' borders."""
     for pane in side_windows(car):
         yield Line(from_side(car, polygon(pane, 260)), "glass")
     upper = edge_points(car, "S2.R", "R1.R", "R2.R", "R3.R", "S4.R")[:, [0, 2]]
@@ -137,6 +139,7 @@ def glass_lines(car: Car) -> Iterator[Line]:
 
 
 def door_lines(car: Car) -> Iterator[Line]:
+    """Gaps round the doors, the rear one going round the wheel arch, and their handles."""
     foot, waist, sill = car.node("S2.R"), car.node("S3.R"), car.node("B3.R")
     rear = car.wheels[2]
     low = sill[2] + 62.0
@@ -185,8 +188,8 @@ def mirrors(car: Car, toward: Array) -> list[Array]:
 
 HEADLAMPS = {
     "sedan": [(-340, -30), (-150, -18), (70, -10), (400, 34), (290, -62), (30, -112), (-190, -108)],
-    "hatchback": [(-130, -40), (0, -22), (130, -50), (165, -140), (90, -225), (-60, -228),
-                  (-160, -150)],
+    "hatchback": [(-120, -62), (10, -46), (125, -74), (160, -155), (90, -232), (-60, -236),
+                  (-152, -160)],
     "minivan": [(-260, -45), (-90, -30), (110, 0), (330, 75), (260, -90), (60, -170), (-170, -150)],
 }  # fmt: skip
 """Outlines: way round the corner and height, mm, from the bonnet's corner."""
@@ -220,6 +223,7 @@ def whole(half: list[tuple[float, float]]) -> Array:
 
 
 def lamp_lines(car: Car) -> Iterator[Line]:
+    """The right headlamp and tail lamp, with what is inside them."""
     kind = car.network.template.id
     lamp = np.array(HEADLAMPS[kind], float)
     outline = curve(lamp, 120, closed=True) if kind == "hatchback" else polygon(lamp, 120)
@@ -238,6 +242,7 @@ def lamp_lines(car: Car) -> Iterator[Line]:
 
 
 def front_lines(car: Car) -> Iterator[Line]:
+    """Grille and intake with their bars, and a lip below; both sides."""
     kind = car.network.template.id
     for half in (GRILLES[kind], INTAKES[kind]):
         outline = whole(half)
@@ -253,6 +258,7 @@ def front_lines(car: Car) -> Iterator[Line]:
 
 
 def rear_lines(car: Car) -> Iterator[Line]:
+    """Number plate, bumper, and the boot's gap; both sides."""
     kind = car.network.template.id
     top = car.node("C7")[2]
     plate = top - (300.0 if kind == "sedan" else 60.0)
@@ -329,6 +335,7 @@ def wheel_lines(wheel: Array) -> Iterator[Line]:
 
 
 def arch_lines(car: Car) -> Iterator[Line]:
+    """Wheel arches of the right side, each with a lip."""
     for wheel in car.wheels[[0, 2]]:
         for radius, role in ((car.arch(wheel) + 1.0, "arch"), (car.arch(wheel) + 17.0, "fine")):
             turn = np.linspace(-0.35, np.pi + 0.35, 200)

@@ -8,6 +8,7 @@ import numpy as np
 from car_details import edge_points, styling
 from car_seen import Seen
 from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 
 Array = NDArray[np.float64]
 
@@ -25,6 +26,9 @@ WHOLE: Final = 0.97
 
 APART: Final = 6.0
 """Distance of mirror images in a picture from which on both can be told apart, px."""
+
+WITHIN: Final = 6
+"""Distance from the outline at which a styling line ends, px: beyond it there is no body."""
 
 SHORTEST: Final = 60.0
 """Length of the shortest stroke that is worth while, px."""
@@ -94,13 +98,25 @@ def styling_of(seen: Seen, view: int, rng: np.random.Generator) -> list[dict[str
     """Lines on the body in one view: the longest run of each that nothing hides."""
     found = []
     side = 1.0 if seen.camera.eye[1] > 0.0 else -1.0
+    inner = binary_erosion(seen.patch >= 0, iterations=WITHIN)
     for name, line in styling(seen.car).items():
-        runs = seen.drawn(line * (1.0, side, 1.0))
+        runs = [
+            part
+            for path in seen.drawn(line * (1.0, side, 1.0))
+            for part in np.split(path, 1 + np.flatnonzero(np.diff(within(inner, path).astype(int))))
+            if within(inner, part[:1])[0]
+        ]
         if runs:
             path = max(runs, key=length)
             if length(path) >= SHORTEST:
                 found.append({"view": view, "name": name, "points": stroke(path, rng)})
     return found
+
+
+def within(mask: NDArray[np.bool_], path: Array) -> NDArray[np.bool_]:
+    """Which places of a path (k, 2) are in a mask."""
+    column, row = np.floor(path).astype(int).T
+    return np.asarray(mask[row, column])
 
 
 def shown_share(seen: Seen, points: Array) -> float:

@@ -17,6 +17,7 @@ Color = tuple[int, int, int]
 
 PAPER: Color = (247, 243, 233)
 GRAPHITE: Color = (38, 40, 50)
+"""Colours, sRGB."""
 
 STEP = 0.6
 """Way between two touches of the pencil, px."""

@@ -27,6 +27,7 @@ COOL: Final[Color] = (92, 104, 122)
 DEEP: Final[Color] = (52, 54, 64)
 NIGHT: Final[Color] = (26, 27, 34)
 RED: Final[Color] = (176, 34, 38)
+"""Other markers."""
 
 SLANT: Final = 62.0
 """Direction of the marker on the car, degrees."""

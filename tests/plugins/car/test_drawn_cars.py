@@ -16,6 +16,7 @@ from bozzetto.geometry.patch_rays import ray_hits
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.deformation import Cost
+from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.edges import Network, edge_called
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.soundness import Soundness
@@ -113,18 +114,22 @@ def test_marks_and_strokes_are_of_what_is_seen(name: str) -> None:
     wheels = set(car.template.wheels.ravel().tolist())
     for picture in car.pictures:
         nodes = [node for node in map(car.template.node.get, picture.marks) if node not in wheels]
-        points = [car.positions[nodes]]
+        assert shown(nets, picture.camera, car.positions[nodes]).mean() > 0.9
         for edge in picture.strokes:
             own = car.network.control_points[edge_called(car.template, edge)]
-            points.append(seen_line_in_space(own))
-        for place in points:
-            seen, depth = picture.camera.project(place)
-            shown = np.zeros(len(place), bool)
-            for beside in ((0.0, 0.0), (2.0, 0.0), (-2.0, 0.0), (0.0, 2.0), (0.0, -2.0)):
-                rays = picture.camera.rays(seen + beside)  # on the outline, too
-                _, hit = ray_hits(nets, *rays)
-                shown |= depth < hit * (rays.directions @ picture.camera.axes[2]) + 40.0
-            assert shown.mean() > 0.9
+            assert shown(nets, picture.camera, seen_line_in_space(own)[::2]).mean() > 0.8
+
+
+def shown(nets: Array, camera: Camera, points: Array) -> NDArray[np.bool_]:
+    """Which places no surface hides, or hardly, as on an outline, (k,)."""
+    places, depth = camera.project(points)
+    seen = np.zeros(len(points), bool)
+    for beside in ((0.0, 0.0), (2.0, 0.0), (-2.0, 0.0), (0.0, 2.0), (0.0, -2.0)):
+        left = np.flatnonzero(~seen)
+        rays = camera.rays(places[left] + beside)
+        _, hit = ray_hits(nets, *rays)
+        seen[left] = depth[left] < hit * (rays.directions @ camera.axes[2]) + 40.0
+    return seen
 
 
 def seen_line_in_space(control_points: Array) -> Array:
@@ -209,6 +214,19 @@ def test_hidden_nodes_of_the_gallery_are_found(name: str, most_px: float, most_m
     assert error < 0.6 * rms(apart(car.template.positions, car.positions))
 
 
+@pytest.mark.parametrize("name", ["sedan", "minivan"])
+def test_the_wheelbase_tells_the_size(name: str) -> None:
+    """Locked inside the solve, it leaves the marks where they are, and sizes come out right."""
+    car, template = in_gallery(name), bundled(name)
+    locked = Dimensions(wheelbase=marks_in(name)["dimensions"]["WB"])
+    cost, sound = Cost.balanced(), Soundness.of(template)
+    joint = solve(template, car.marked(), cost, sound, locked=locked)
+    for missed in joint.residuals:
+        assert rms(missed) <= 1.6
+    found = template.whole(joint.variables)
+    assert np.allclose(np.ptp(found, axis=0), np.ptp(car.positions, axis=0), rtol=0.015)
+
+
 def test_strokes_of_the_gallery_bend_the_edges_that_they_name(name: str) -> None:
     car, joint = in_gallery(name), solved(name)
     network = Network.of(car.template, car.template.whole(joint.variables))
@@ -218,9 +236,26 @@ def test_strokes_of_the_gallery_bend_the_edges_that_they_name(name: str) -> None
             network = made.network
             assert edge in {car.template.edge_names[max(e, ~e)] for e in made.run.edges}
             assert max(made.deviations) <= 1.5
-        # Neighbours that were traced later have turned it a little.
-        assert np.median(list(left(network, view.camera, picture.strokes))) <= 2.0
     assert symmetric(network)
+    # Neighbours that were traced later have turned some of them a little.
+    off = [
+        far
+        for picture, view in zip(car.pictures, joint.views, strict=True)
+        for far in left(network, view.camera, picture.strokes)
+    ]
+    assert np.median(off) <= 2.0
+    assert np.percentile(off, 90) <= 4.5
+    before = Network.of(car.template, car.template.whole(joint.variables))
+    assert edges_apart(network, car.network) < edges_apart(before, car.network)
+
+
+def edges_apart(network: Network, other: Network) -> float:
+    """Root mean square distance of edges laid over each other by a similarity, mm."""
+    one, two = (
+        np.concatenate([seen_line_in_space(own) for own in each.control_points])
+        for each in (network, other)
+    )
+    return rms(apart(one, two))
 
 
 def left(network: Network, camera: Camera, strokes: dict[str, Array]) -> list[float]:
