@@ -151,10 +151,16 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
 
 
 def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:
-    """The body of a car as it is drawn, before it is brought to its dimensions."""
+    """The body of a car as it is drawn, before it is brought to its dimensions.
+
+    While a mark is dragged edits are not made again: what they have changed is carried along.
+    """
     base = solved(state, before)
-    shape = (base, state.default_shape, state.annealed, state.smooth)
-    body = _bodies.recall(shape, lambda: _deformed(base, state))
+    if before is not None and state.edits and state.edits == before.edits:
+        old = unstretched_body_of(before)
+        if old.template is base.template and old.solved is not base:
+            return _carried(old, _right_after(old.solved, before), _deformed(base, state))
+    body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
         work = partial(_edited, body, edit, number, state.smooth)
         body = _bodies.recall((body, edit, number, state.smooth), work)
@@ -162,6 +168,11 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
 
 
 # -- deformation -----------------------------------------------------------------------------------
+
+
+def _right_after(base: Solved, state: CarState) -> Body:
+    shape = (base, state.default_shape, state.annealed, state.smooth)
+    return _bodies.recall(shape, lambda: _deformed(base, state))
 
 
 def _deformed(base: Solved, state: CarState) -> Body:
@@ -223,6 +234,17 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
     if map_ is not None:
         network = brought_back(body.network, there, network, map_)
     return replace(body, network=network, drawn=body.drawn | in_hand)
+
+
+def _carried(old: Body, old_start: Body, start: Body) -> Body:
+    """A body with the change that edits have made to another one of the same template."""
+    positions, tangents = (
+        getattr(start.network, what)
+        + (getattr(old.network, what) - getattr(old_start.network, what))
+        for what in ("positions", "tangents")
+    )
+    network = Network(start.template, positions, tangents)
+    return replace(old, network=network, solved=start.solved)
 
 
 def _changed(network: Network, edit: Edit, body: Body) -> tuple[Network, tuple[int, ...]]:

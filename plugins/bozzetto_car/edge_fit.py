@@ -23,6 +23,7 @@ from bozzetto.ink.lift import lifted
 from bozzetto.ink.resample import arc_length, distinct
 from bozzetto.ink.sheet import is_on_sheet
 from bozzetto.view import Camera
+from bozzetto_car.pictured import Pictured, camera_matrix
 
 __all__ = ["Sighting", "fitted", "four_point_cubic", "paper_cubic", "seen", "seen_slopes"]
 
@@ -31,9 +32,12 @@ Array = NDArray[np.float64]
 INNER: Final = np.array([1.0, 2.0]) / 3.0
 """Parameters of the inner points that the cubic of the paper goes through."""
 
-MOST_SAMPLES: Final = 200
-"""Most samples of a stroke that a fit looks at: they are px apart then, and a cubic has no
-detail that fine."""
+MOST_SAMPLES: Final = 96
+"""Most samples of a stroke that a fit looks at: a cubic has no detail that is finer."""
+
+RESOLVED: Final = 1e-3
+"""Distance, px, within which a stroke runs where the edge is seen already: samples are kept to
+some 1e-4 px. The edge stays as it is then, and tracing it to and fro does not wear it out."""
 
 WORTH: Final = 20.0
 """How many independent places a stroke along an edge is worth, each known to a pixel. A hand
@@ -64,8 +68,11 @@ SETTLED: Final = 1e-6
 FOOT_PLACES: Final = 48
 """Places on an edge among which the search for foot points begins."""
 
-FOOT_STEPS: Final = 6
-"""Gauss–Newton steps to a foot point."""
+FOOT_STEPS: Final = 8
+"""Most Gauss–Newton steps to a foot point."""
+
+FOOT_SETTLED: Final = 1e-9
+"""Longest step of the parameter at which they end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,6 +199,8 @@ def fitted(
         return old.copy()
     problem = _Problem(old, data, moves, 1.0 / (LEEWAY * chord) ** 2)
     best = problem.at(np.zeros(moves.shape[2]))
+    if problem.is_met(best):
+        return old.copy()
     if start is not None:
         offset = (np.asarray(start, float) - old)[1:3]
         best = min(best, problem.at(np.einsum("ikq,ik->q", moves, offset)), key=_price)
@@ -219,6 +228,7 @@ class _Samples:
     sighting: Sighting
     points: Array
     weights: Array
+    matrix: Array
 
     @classmethod
     def of(cls, sighting: Sighting) -> _Samples:
@@ -229,31 +239,49 @@ class _Samples:
         share = np.diff(along, append=along[-1]) + np.diff(along, prepend=0.0)
         whole = share.sum()
         weights = share / whole if whole > 0.0 else np.full(len(points), 1.0 / len(points))
-        return cls(sighting, points, WORTH * weights)
+        matrix = camera_matrix(sighting.camera)
+        matrix[:, :3] *= sighting.flip
+        return cls(sighting, points, WORTH * weights, matrix)
 
     def feet(self, curve: Array) -> tuple[Array, Array]:
         """Parameters of the foot points on an edge, and the way from the samples to them, px."""
-        own = curve * self.sighting.flip
-        camera = self.sighting.camera
-        at = np.linspace(0.0, 1.0, FOOT_PLACES + 1)
-        path = seen(camera, bernstein(at) @ own)
+        pictured = Pictured.of(self.matrix, curve)
+        path = pictured.laid_out(FOOT_PLACES)
         if not is_on_sheet(path):
             return np.zeros(len(self.points)), np.full((len(self.points), 2), np.inf)
         begin, piece = path[:-1], np.diff(path, axis=0)
         squares = np.maximum((piece**2).sum(axis=1), np.finfo(float).tiny)
-        offset = self.points[:, None] - begin
-        share = np.clip((offset * piece).sum(axis=2) / squares, 0.0, 1.0)
-        away = ((offset - share[..., None] * piece) ** 2).sum(axis=2)
+        along = self.points @ piece.T - (begin * piece).sum(axis=1)
+        share = np.clip(along / squares, 0.0, 1.0)
+        # Squares of the distances, less what is the same for all pieces.
+        away = (begin**2).sum(axis=1) - 2.0 * self.points @ begin.T
+        away += share * (share * squares - 2.0 * along)
         which = np.argmin(away, axis=1)
         feet = (which + share[np.arange(len(which)), which]) / FOOT_PLACES
         for _ in range(FOOT_STEPS):
-            places = bernstein(feet) @ own
-            speed = np.einsum("nij,nj->ni", seen_slopes(camera, places), bernstein(feet, 1) @ own)
-            way = self.points - seen(camera, places)
+            places, speed, _ = pictured.rates(feet)
+            way = self.points - places
             pace = np.maximum((speed**2).sum(axis=1), np.finfo(float).tiny)
             shift = np.clip((way * speed).sum(axis=1) / pace, -1.0 / FOOT_PLACES, 1.0 / FOOT_PLACES)
-            feet = np.clip(feet + shift, 0.0, 1.0)
-        return feet, seen(camera, bernstein(feet) @ own) - self.points
+            moved = np.clip(feet + shift, 0.0, 1.0)
+            settled = np.abs(moved - feet).max() < FOOT_SETTLED
+            feet = moved
+            if settled:
+                break
+        return feet, pictured.places(feet) - self.points
+
+    def across(self, curve: Array, feet: Array) -> tuple[Array, Array]:
+        """Unit vectors across the picture of an edge at foot points, (n, 2).
+
+        And how fast a place on the edge that moves is seen to go that way, (n, 3) px/mm.
+        """
+        places, speed, w = Pictured.of(self.matrix, curve).rates(feet)
+        normal = np.stack((-speed[:, 1], speed[:, 0]), axis=1)
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        normal /= np.maximum(length, np.finfo(float).tiny)
+        rows = normal @ self.matrix[:2, :3]
+        rows -= (normal * places).sum(axis=1, keepdims=True) * self.matrix[2, :3]
+        return normal, rows / w[:, None]
 
 
 def _moves(old: Array, data: Sequence[_Samples], directions: tuple[Array, Array]) -> Array:
@@ -329,18 +357,23 @@ class _Problem:
         )
         return _Try(by, curve, feet, far + self.ease * float(by @ by))
 
+    def is_met(self, now: _Try) -> bool:
+        """Whether all samples lie where the edge is seen, as far as samples can tell."""
+        if not np.isfinite(now.price):
+            return False
+        for own, (feet, way) in zip(self.data, now.feet, strict=True):
+            normal, _ = own.across(now.curve, feet)
+            if np.abs((normal * way).sum(axis=1)).max() > RESOLVED:
+                return False
+        return True
+
     def step(self, now: _Try) -> Array:
         """The Gauss–Newton step on the distances across the edge."""
         form, slope = self.ease * np.eye(len(now.by)), self.ease * now.by
         for own, (feet, way) in zip(self.data, now.feet, strict=True):
-            camera, flip = own.sighting.camera, own.sighting.flip
-            slopes = seen_slopes(camera, (bernstein(feet) @ now.curve) * flip) * flip
-            along = np.einsum("nij,nj->ni", slopes, bernstein(feet, 1) @ now.curve)
-            normal = np.stack((-along[:, 1], along[:, 0]), axis=1)
-            length = np.linalg.norm(normal, axis=1, keepdims=True)
-            normal /= np.maximum(length, np.finfo(float).tiny)
-            across = np.einsum("ni,nij->nj", normal, slopes)
-            rows = np.einsum("nj,nk,kjq->nq", across, bernstein(feet)[:, 1:3], self.moves)
+            normal, across = own.across(now.curve, feet)
+            handles = bernstein(feet)[:, 1:3]
+            rows = sum(handles[:, [k]] * (across @ self.moves[k]) for k in (0, 1))
             form += rows.T @ (own.weights[:, None] * rows)
             slope = slope + rows.T @ (own.weights * (normal * way).sum(axis=1))
         return np.asarray(-np.linalg.solve(form, slope))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final, Self
 
 import numpy as np
@@ -39,6 +39,9 @@ Array = NDArray[np.float64]
 
 HANDLE: Final = 1.0 / 3.0
 """Length of a handle, the leg of a cubic's Bézier polygon at its end, per length of the tangent."""
+
+KNOWN: Final = 16
+"""Templates whose joints are remembered."""
 
 
 def as_bezier(ends: ArrayLike, tangents: ArrayLike) -> Array:
@@ -180,8 +183,13 @@ class Joint:
     neighbours: tuple[int, int]
 
 
-def joints(template: Template) -> Iterator[Joint]:
+@lru_cache(maxsize=KNOWN)
+def joints(template: Template) -> tuple[Joint, ...]:
     """All smooth nodes of all chains."""
+    return tuple(_joints(template))
+
+
+def _joints(template: Template) -> Iterator[Joint]:
     image = template.mirrored_edges
     for chain in template.chains:
         for node in chain.smooth:

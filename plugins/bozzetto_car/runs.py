@@ -32,6 +32,9 @@ SHORTEST: Final = 4.0
 STROKE_PLACES: Final = 64
 """Places of the stroke, at equal steps, that are compared with the edges."""
 
+SENSE: Final = 4
+"""Of so many of these places one is looked at to tell in which sense a stroke runs."""
+
 EDGE_PLACES: Final = 20
 """Pieces that each edge is laid out in."""
 
@@ -193,13 +196,13 @@ def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, NDA
     """Lengths along the picture of a row, and the places there that a stroke passes, in order."""
     path = _laid_out(paths, row)
     along = arc_length(path)
-    step = float(arc_length(places)[-1]) / STROKE_PLACES
+    step = float(arc_length(places)[-1]) / len(places)
     return along, ordered_feet(places, step, path, np.gradient(along))
 
 
 def _directed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...]:
     """A row in the direction of a stroke."""
-    _, feet = _feet(paths, row, places)
+    _, feet = _feet(paths, row, places[::SENSE])
     return row if feet[0] <= feet[-1] else tuple(~edge for edge in row[::-1])
 
 

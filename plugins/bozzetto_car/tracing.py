@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,7 @@ from bozzetto_car.chains import smoothed
 from bozzetto_car.dragging import dragged_place
 from bozzetto_car.edge_fit import UNSEEN, Sighting, fitted, paper_cubic, seen, seen_slopes
 from bozzetto_car.edges import Network, as_hermite, joints, with_positions, with_tangents
+from bozzetto_car.pictured import Pictured, camera_matrix
 from bozzetto_car.runs import Run, run_along
 from bozzetto_car.template import MIRROR
 
@@ -30,6 +32,9 @@ Directions = tuple[Array, Array]
 NEAR_END: Final = 0.25
 """Distance of the end of a stroke from a node, per length of the edge as it is seen, within
 which the stroke is meant to reach the node."""
+
+PIECES: Final = 20
+"""Pieces that an edge is laid out in where its length is looked at."""
 
 PLACES: Final = 100
 """Pieces that an edge is laid out in where lengths and distances on the sheet are measured."""
@@ -44,14 +49,20 @@ class Traced:
     network : Network
     run : Run
         The edges that the stroke was taken to trace.
-    deviations : tuple of float
-        Largest distance on the sheet of each of them from its part of the stroke, px, measured
-        on the stretch of the edge that the stroke runs beside.
+    camera : Camera
     """
 
     network: Network
     run: Run
-    deviations: tuple[float, ...]
+    camera: Camera
+
+    @cached_property
+    def deviations(self) -> tuple[float, ...]:
+        """Largest distance on the sheet of each edge from its part of the stroke, px.
+
+        It is measured on the stretch of the edge that the stroke runs beside.
+        """
+        return _deviations(self.network, self.run, self.camera)
 
 
 def traced(
@@ -105,7 +116,7 @@ def traced(
     if held:
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
         bent = smoothed(bent, leading=own, nodes=run.nodes)  # rounding, no more
-    return Traced(bent, run, _deviations(bent, run, camera))
+    return Traced(bent, run, camera)
 
 
 def _own(network: Network, signed: int) -> int:
@@ -117,8 +128,8 @@ def _own(network: Network, signed: int) -> int:
 
 def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
     """Whether an edge is not so foreshortened that its picture tells nothing of it."""
-    curve = bernstein(np.linspace(0.0, 1.0, PLACES + 1)) @ network.control_points[edge]
-    scale = float(np.linalg.norm(seen_slopes(camera, curve[[PLACES // 2]])[0], ord=2))
+    curve = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ network.control_points[edge]
+    scale = float(np.linalg.norm(seen_slopes(camera, curve[[PIECES // 2]])[0], ord=2))
     length = float(arc_length(seen(camera, curve))[-1])
     return length >= UNSEEN * scale * float(arc_length(curve)[-1])
 
@@ -204,8 +215,8 @@ def _path(network: Network, signed: int, camera: Camera) -> Array:
     Both nodes are in view; what lies between them behind the eye is left out.
     """
     points = network.control_points[max(signed, ~signed)]
-    curve = bernstein(np.linspace(0.0, 1.0, PLACES + 1)) @ points
-    pixels = seen(camera, curve if signed >= 0 else curve[::-1])
+    pictured = Pictured.of(camera_matrix(camera), points if signed >= 0 else points[::-1])
+    pixels = pictured.laid_out(PLACES)
     return np.asarray(pixels[(np.abs(pixels) <= FARTHEST).all(axis=1)])
 
 

@@ -40,6 +40,15 @@ in a corner whose two edges run on into each other."""
 EXTENT_TOLERANCE: Final = 1e-10
 """Error of `extent`, per unit of the largest coordinate."""
 
+HALVES: Final = np.array(
+    [
+        [[8, 0, 0, 0], [4, 4, 0, 0], [2, 4, 2, 0], [1, 3, 3, 1]],
+        [[1, 3, 3, 1], [0, 2, 4, 2], [0, 0, 4, 4], [0, 0, 0, 8]],
+    ],
+    float,
+) / 8.0  # fmt: skip
+"""Control points of both halves of a cubic from those of the whole (de Casteljau 1959)."""
+
 EXTENT_PIECES: Final = 1 << 15
 """Most pieces kept in the search for an extent. Along a ridge that is level all pieces reach as
 far; those dropped then are so small that they stick out by less than 10⁻⁹ of the patch."""
@@ -277,21 +286,26 @@ def extent(nets: ArrayLike) -> Array:
     """
     nets = np.asarray(nets, float)
     slack = EXTENT_TOLERANCE * float(np.abs(nets).max())
-    ends = [[sign * _highest(sign * nets[..., [axis]], slack) for axis in range(3)]
-            for sign in (-1.0, 1.0)]  # fmt: skip
-    return np.array(ends)
+    # All six ways at once: downward along the three axes, then upward.
+    heights = np.stack([sign * nets[..., axis] for sign in (-1.0, 1.0) for axis in range(3)])
+    found = _highest(heights, slack).reshape(2, 3)
+    return found * [[-1.0], [1.0]]
 
 
-def _highest(heights: Array, slack: float) -> float:
-    """The largest value of polynomials (k, 4, 4, 1), from below, within slack."""
-    best = float(heights[:, ::3, ::3].max())
+def _highest(heights: Array, slack: float) -> Array:
+    """For each row of polynomials (r, k, 4, 4) the largest value, from below, within slack."""
+    rows, patches = heights.shape[:2]
+    row, pieces = np.repeat(np.arange(rows), patches), heights.reshape(-1, 4, 4)
+    best = np.full(rows, -np.inf)
     while True:
-        reach = heights.max(axis=(1, 2, 3))
-        open_ = reach > best + slack
-        if not open_.any():
+        np.maximum.at(best, row, pieces[:, ::3, ::3].max(axis=(1, 2)))
+        reach = pieces.max(axis=(1, 2)) - best[row]
+        open_ = np.flatnonzero(reach > slack)
+        if not len(open_):
             return best
-        kept = heights[open_]
-        if len(kept) > EXTENT_PIECES:
-            kept = kept[np.argsort(reach[open_])[-EXTENT_PIECES:]]
-        heights = halved(kept).reshape(-1, 4, 4, 1)
-        best = max(best, float(heights[:, ::3, ::3].max()))
+        if len(open_) > EXTENT_PIECES:
+            order = open_[np.argsort(-reach[open_], kind="stable")]
+            each = [order[row[order] == number][:EXTENT_PIECES] for number in range(rows)]
+            open_ = np.concatenate(each)
+        quarters = (HALVES[:, None] @ pieces[open_])[:, None] @ HALVES.transpose(0, 2, 1)[:, None]
+        pieces, row = quarters.reshape(-1, 4, 4), np.tile(row[open_], 4)
