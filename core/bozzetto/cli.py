@@ -248,13 +248,16 @@ def _line(entry: Any) -> str:
 
 # -- samples and plugins --
 
-SAMPLE_FORMATS = ("stl", "3mf", "glb", "bozz", "png")
+SAMPLE_FORMATS = ("stl", "3mf", "glb", "step")
+"""Exports of a sample, as far as they have a place for what it is."""
 
 
 def _samples(options: argparse.Namespace) -> int:
-    """Build every modeler's sample drawings: a picture and exports of each."""
+    """Build every modeler's sample drawings: a picture, a document and exports of each."""
     from bozzetto.document.model import Document
+    from bozzetto.exchange.export import has_room
     from bozzetto.exchange.importing import read_drawing
+    from bozzetto.plugin.job import Job
     from bozzetto.scene.png import write_png
 
     bench = workbench()
@@ -262,15 +265,16 @@ def _samples(options: argparse.Namespace) -> int:
         for sample in info.samples:
             drawing = read_drawing(sample)
             document = Document((bench.from_drawing(info.id, drawing, {}),))
+            shapes = bench.shapes(document, Job())
             stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"
-            for ending in SAMPLE_FORMATS:
-                target = stem.with_name(f"{stem.name}.{ending}")
-                if ending == "png":
-                    make_folder(target)
-                    write_png(target, _picture_of(bench, document))
-                else:
-                    hand_over(bench, document, target)
+            targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]
+            targets = [target for target in targets if has_room(target, shapes)]
+            for target in (*targets, stem.with_name(f"{stem.name}.bozz")):
+                hand_over(bench, document, target)
                 print(f"wrote {target}")
+            picture = stem.with_name(f"{stem.name}.png")
+            write_png(picture, _picture_of(bench, document))
+            print(f"wrote {picture}")
     print(f"Everything is in {options.output}. To draw, run “bozzetto” where there is a screen.")
     return 0
 

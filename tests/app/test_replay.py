@@ -88,9 +88,10 @@ def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settl
     for info in session.modelers:
         for sample in info.samples:
             window.watch(info.id, sample)
-            window._replay._speed = FAST
-            with qtbot.waitSignal(window._replay.finished, timeout=60_000):
-                pass
+            if window._replay is not None:  # marks on a picture have no strokes to be watched
+                window._replay._speed = FAST
+                with qtbot.waitSignal(window._replay.finished, timeout=60_000):
+                    pass
             settle(session, window.keeper)
             assert [n.text for n in session.heard if n.kind in ("error", "fault")] == []
             assert len(session.document) >= 1

@@ -260,3 +260,14 @@ def test_plugins_are_listed(bozzetto):
 def test_a_bundled_plugin_passes_its_check(bozzetto):
     process = bozzetto("plugins", "check", "bozzetto_mesh")
     assert process.returncode == 0, process.stdout + process.stderr
+
+
+@pytest.mark.slow
+def test_samples_of_every_modeler_are_built_in_the_formats_that_hold_them(bozzetto):
+    done = bozzetto("samples", "-o", "out")
+    assert done.returncode == 0, done.stderr
+    made = {path.name for path in Path("out").iterdir()}
+    assert {"silhouette-horse.stl", "symmetry-boat.step", "car-hatchback.step"} <= made
+    assert {f"car-hatchback.{ending}" for ending in ("stl", "glb", "bozz", "png")} <= made
+    assert "symmetry-boat.stl" not in made, "a mesh has no place for curves"
+    assert "silhouette-horse.step" not in made, "STEP has none for meshes"

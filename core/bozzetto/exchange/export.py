@@ -14,7 +14,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.storage import write_bytes
 from bozzetto.view.camera import Camera
 
-__all__ = ["encoded", "export", "write_drawing"]
+__all__ = ["encoded", "export", "has_room", "write_drawing"]
 
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
 """What people call a kind of content, where it is not the kind's own name."""
@@ -61,18 +61,35 @@ def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | No
     return data
 
 
-def _check(shapes: Shapes, chosen: Format) -> None:
-    if not shapes:
-        raise UserError("There is nothing to export yet. Draw something first.")
+def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
+    """Whether the format of a file has a place for some of the shapes.
+
+    Raises
+    ------
+    UserError
+        If the ending is unknown.
+    """
+    chosen = find(path, writers("mesh", "surfaces", "curves"))
+    return not _kinds_in(shapes).isdisjoint(chosen.holds)
+
+
+def _kinds_in(shapes: Shapes) -> set[Kind]:
+    """What shapes can be handed over as."""
     has: dict[Kind, bool] = {
         "mesh": bool(shapes.patchworks) or any(len(part.mesh.faces) for part in shapes.meshes()),
         "surfaces": bool(shapes.patchworks),
         "curves": bool(shapes.curves),
     }
-    if not any(has.get(kind) for kind in chosen.holds):
+    return {kind for kind, there in has.items() if there}
+
+
+def _check(shapes: Shapes, chosen: Format) -> None:
+    if not shapes:
+        raise UserError("There is nothing to export yet. Draw something first.")
+    kinds = _kinds_in(shapes)
+    if kinds.isdisjoint(chosen.holds):
         wanted = " or ".join(WORDS.get(kind, kind) for kind in chosen.holds)
-        endings = [f.endings[0] for kind in has if has[kind] for f in writers(kind)]
-        useful = list(dict.fromkeys(endings))
+        useful = [f.endings[0] for f in writers(*kinds)]
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
     if "mesh" in chosen.holds:
