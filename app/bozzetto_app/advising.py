@@ -66,7 +66,7 @@ class Advising(QObject):
         self._pace.timeout.connect(self._ask)
         for signal in (session.camera_changed, session.selection_changed, session.modeler_changed):
             signal.connect(self.look)
-        session.document_changed.connect(self.look_later)
+        session.document_changed.connect(self._look_at_change)
 
     @property
     def busy(self) -> bool:
@@ -96,6 +96,17 @@ class Advising(QObject):
         """The same in a moment: the shape that a stroke has just made comes first."""
         if not self._pace.isActive():
             self._pace.start()
+
+    def _look_at_change(self) -> None:
+        """A picture may have another camera now: its view should go along with it at once."""
+        if self.advice is not None and self.advice.pinned:
+            self.look()
+        else:
+            self.look_later()
+
+    def is_about(self, camera: Camera) -> bool:
+        """Whether the newest advice was given on a view."""
+        return self.advice is not None and self._seen == camera
 
     def _question(self) -> Question:
         session = self._session

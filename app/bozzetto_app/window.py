@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
     QMenuBar,
     QSizePolicy,
     QStatusBar,
+    QTabWidget,
     QWidget,
 )
 
@@ -47,8 +48,10 @@ from bozzetto_app.thumbnails import thumbnail_of
 
 __all__ = ["Window"]
 
-LAYOUT_VERSION = 2
+LAYOUT_VERSION = 3
 """Raised when docks come or go, so that an old layout is not forced on a new window."""
+
+RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
 
 FIRST_SIZE = (1280, 800)
 DOCK_HEIGHTS = (310, 340, 90)
@@ -112,7 +115,7 @@ class Window(QMainWindow):
         self.status.switched_off.connect(self._keep_off)
         self.modelers = ModelerBar(session)
         self.setCentralWidget(self._middle())
-        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
         self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
         self.parameters = ParametersPanel(session)
         self._docks = [
@@ -122,6 +125,8 @@ class Window(QMainWindow):
         ]
         self._plugin_panel = PluginPanel(session)
         self._plugin_dock = self._dock(self._plugin_panel)
+        self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
+        self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
@@ -193,7 +198,7 @@ class Window(QMainWindow):
         dock.setObjectName(f"dock-{panel.objectName()}")
         dock.setWidget(panel)
         dock.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetMovable)
-        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
+        self.addDockWidget(RIGHT, dock)
         return dock
 
     def _welcome(self) -> WelcomeStrip:
@@ -370,6 +375,8 @@ class Window(QMainWindow):
     def _show_plugin_panel(self, title: str) -> None:
         self._plugin_dock.setWindowTitle(title)
         self._plugin_dock.setVisible(bool(title) and self.panels_shown)
+        if title:
+            self._plugin_dock.raise_()
 
     @property
     def is_dark(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from PySide6.QtCore import QElapsedTimer, QEvent, QPointF, QRectF, QSize, QTimer
+from PySide6.QtCore import QCoreApplication, QElapsedTimer, QEvent, QPointF, QRectF, QSize, QTimer
 from PySide6.QtGui import (
     QColor,
     QImage,
@@ -43,7 +43,7 @@ DOT: Final = 4.5
 """Radius of the dot, px."""
 
 STILL: Final = "reducedMotion"
-"""A property of the window: whether the person wants nothing to move by itself."""
+"""A property of the application: whether the person wants nothing to move by itself."""
 
 
 class TurningCar(QWidget):
@@ -89,7 +89,8 @@ class TurningCar(QWidget):
         self._turn()
 
     def _is_still(self) -> bool:
-        return bool(self.window().property(STILL))
+        application = QCoreApplication.instance()
+        return application is not None and bool(application.property(STILL))
 
     # -- turning -----------------------------------------------------------------------------------
 

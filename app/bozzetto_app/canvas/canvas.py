@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
 from PySide6.QtGui import (
     QCursor,
     QDragEnterEvent,
@@ -170,6 +170,9 @@ class Canvas(QWidget):
         store = settings()
         self.hand.curve = PressureCurve.from_setting(store.value("pen/pressure_curve", 1.0))
         self.motion.reduced = bool(store.value("view/reduced_motion", False, type=bool))
+        application = QApplication.instance()
+        assert application is not None
+        application.setProperty("reducedMotion", self.motion.reduced)
         self._tilts = bool(store.value("view/settle_tilt", True, type=bool))
 
     def show_hint(self, text: str) -> None:
@@ -347,6 +350,19 @@ class Canvas(QWidget):
         if model is not None and model.id == self._pictured and model is advising.about:
             self._pictured = ""
             self.turn_to_better()
+        self._follow()
+
+    def _follow(self) -> None:
+        """Go along with a picture that has another camera now, unless a hand is at work.
+
+        Where it is, the view is looked at again when it has done.
+        """
+        session, advice = self._session, self._session.advising.advice
+        idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
+        if advice is None or not advice.follow or advice.better is None or not idle:
+            return
+        if session.advising.is_about(session.camera):
+            session.set_camera(advice.better.with_viewport(*session.camera.viewport))
 
     def _got_picture(self, model_id: str) -> None:
         """A sketch came in: go to where it is seen, once the modeler says where that is."""
@@ -360,6 +376,9 @@ class Canvas(QWidget):
         mode = self.hand.machine.mode
         if mode not in (Mode.IDLE, Mode.CHOOSING):
             self._menu.close_menu()
+        if mode is Mode.IDLE:
+            # Later: what the hand has just done belongs to the view in which it was done.
+            QTimer.singleShot(0, self, self._follow)
         shape = {
             Mode.NAVIGATING: Qt.CursorShape.ClosedHandCursor,
             Mode.DRAGGING: Qt.CursorShape.SizeAllCursor,
