@@ -39,6 +39,10 @@ differ from what the slopes of the body at both allow, for one to lie behind the
 EDGE_ON: Final = 1e-6
 """Least cosine between normal and line of sight at which the body is taken to be seen."""
 
+FAR: Final = 60.0
+"""Distance, mm, from which places get others between them. Where the body is seen nearly edge-on
+a few px are half a metre of it."""
+
 NEAR_MISS: Final = 4.0
 """Distance, px, from the line that a gap may take when it is bridged."""
 
@@ -137,8 +141,13 @@ def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> 
     way = arc_length(line)
     own, curve = way, CubicSpline(way, line)
     seen = seen_on_body(nets, line, camera)
-    while len(open_ := np.flatnonzero(_unclear(seen) & (np.diff(way) > FINEST))):
+    while True:
+        far = _far(seen)
+        open_ = np.flatnonzero((far | _unclear(seen)) & (np.diff(way) > FINEST))
+        if not len(open_):
+            break
         fresh = 0.5 * (way[open_] + way[open_ + 1])
+        own = np.append(own, fresh[far[open_]])
         order = np.argsort(np.concatenate((way, fresh)), kind="stable")
         way = np.concatenate((way, fresh))[order]
         seen = seen.extended(seen_on_body(nets, curve(fresh), camera))[order]
@@ -156,6 +165,12 @@ def _unclear(seen: Seen) -> Flags:
     """Between which neighbours something happens that has to be located."""
     patches = seen.places.patches
     return np.asarray((patches[1:] != patches[:-1]) | _breaks(seen))
+
+
+def _far(seen: Seen) -> Flags:
+    """Which neighbours are far from one another on the body."""
+    both = seen.hit[1:] & seen.hit[:-1]
+    return np.asarray(both & (np.linalg.norm(np.diff(seen.points, axis=0), axis=1) > FAR))
 
 
 def _breaks(seen: Seen) -> Flags:

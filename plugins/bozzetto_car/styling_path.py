@@ -44,6 +44,9 @@ CROWDED: Final = 0.3
 """Distance of a place from a crossing, per step beyond it, below which it is left out: a smooth
 line through places that crowd together would take their rounding for its form."""
 
+FEWEST: Final = 4
+"""Places on a patch, ends and crossings with them, that a cubic needs."""
+
 REAL: Final = 1e-7
 """Imaginary part of a root that is rounding."""
 
@@ -177,8 +180,13 @@ def _astray(point: Array, ends: Array) -> float:
 
 
 def _thinned(nets: Array, path: Places, passing: Flags) -> Places:
-    """Without passing places, and without those that crowd about crossings and ends."""
-    path = path[_fixed(path) | ~passing]
+    """Without passing places, and without those that crowd about crossings and ends.
+
+    A short way over a patch keeps all: a few places tell its bend.
+    """
+    staying = _fixed(path) | ~passing
+    run = np.cumsum(np.append(False, path.patches[1:] != path.patches[:-1]))
+    path = path[staying | (np.bincount(run, staying)[run] < FEWEST)]
     fixed = _fixed(path)
     steps = np.linalg.norm(np.diff(points_at(nets, path), axis=0), axis=1)
     crowded = np.zeros(len(path), bool)
