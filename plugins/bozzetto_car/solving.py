@@ -23,13 +23,13 @@ from bozzetto.view.calibration import Resection, resect
 from bozzetto_car.deformation import TRACE, Cost
 from bozzetto_car.dimensions import Overlap
 from bozzetto_car.edges import Network
-from bozzetto_car.evidence import weighed
+from bozzetto_car.evidence import probability, weighed
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.soundness import Soundness
 from bozzetto_car.stand import Stand, flat_stand
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.template import MIRROR, Template
+from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled, read_template
 
 __all__ = ["FEWEST", "Placed", "Solved", "counted_marks", "solved", "template_of"]
@@ -39,9 +39,13 @@ Array = NDArray[np.float64]
 FEWEST: Final = 6
 """Marks from which the camera of a sketch can be found."""
 
-EXCHANGED: Final = 10.0
-"""By how much the car seen in a mirror must fit better for its sides to be exchanged (Bayesian
-information criterion; beyond doubt)."""
+EXCHANGED: Final = 7.0
+"""By how much the marks must be more probable with left and right exchanged, as a natural
+logarithm: beyond doubt. A side view or an orthographic sketch tells nothing of that kind."""
+
+GENEROUS: Final = 2.0
+"""Factor of the spread that is probable. It is half of what the cost expects for most cars, whose
+shapes the cost does best for as it is; only where the template is nearly right it is too loose."""
 
 NEAR_EYE: Final = 0.05
 """Depth of a node before the eye, in mean depths of the car, below which no sketch can show it."""
@@ -234,28 +238,38 @@ def _resected(sketch: Sketch, template: Template, before: Solved | None) -> Plac
         )  # fmt: skip
     except UserError as problem:
         return Placed(sketch, flat_stand(sketch.size), problem=problem.message)
-    stand = Stand.behind(found.camera, found.shift, template.positions)
-    exchanged = before is None and _is_exchanged(sketch, template, nodes, places, found)
-    depth = found.camera.view_space(template.positions)[:, 2]
-    unseen = nodes[depth[nodes] < NEAR_EYE * depth.mean()].tolist()
+    unseen = nodes[_too_near(template, nodes, found)].tolist()
     aside = tuple(template.names[node] for node in unseen)
-    return Placed(sketch, stand, found, disagreeing=aside, exchanged=exchanged)
+    stand = Stand.behind(found.camera, found.shift, template.positions)
+    placed = Placed(sketch, stand, found, disagreeing=aside)
+    if before is None and _is_exchanged(placed, template):
+        placed = replace(placed, exchanged=True)
+    return placed
 
 
-def _is_exchanged(
-    sketch: Sketch, template: Template, nodes: NDArray[np.intp], places: Array, found: Resection
-) -> bool:
-    """Whether the marks fit the car as a mirror shows it."""
-    if (template.mirrored[nodes] == nodes).all():
+def _is_exchanged(placed: Placed, template: Template) -> bool:
+    """Whether the marks are more probable as those of the other side."""
+    view, sketch = _view(placed, template), placed.sketch
+    others = template.mirrored[view.nodes]
+    if (others == view.nodes).all():
         return False
     try:
-        other = resect(
-            template.positions[nodes] * MIRROR, places, sketch.size, kind=sketch.kind,
+        found = resect(
+            template.positions[others], view.marks, sketch.size, kind=sketch.kind,
             cropped=sketch.cropped,
         )  # fmt: skip
     except UserError:
         return False
-    return min(other.scores.values()) < min(found.scores.values()) - EXCHANGED
+    if _too_near(template, others, found).any():
+        return False
+    other = replace(view, camera=found.camera, shift=found.shift, nodes=others)
+    return probability(template, other) > probability(template, view) + EXCHANGED
+
+
+def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
+    """Which nodes (k,) a camera has so near its eye, or behind it, that it cannot show them."""
+    depth = found.camera.view_space(template.positions)[:, 2]
+    return np.asarray(depth[nodes] < NEAR_EYE * depth.mean())
 
 
 def _view(placed: Placed, template: Template) -> MarkedView:
@@ -288,10 +302,10 @@ def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp],
 def _spread(found: float, trace: float) -> float:
     """How far a car may be from the template, as a share of what the cost expects.
 
-    Who wants the marks traced more exactly than by default does not want to be told that they
+    Who wants the marks traced more exactly than by default does not want to be told that hands
     tremble.
     """
-    return float(found ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
+    return float(min(1.0, GENEROUS * found) ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
 
 
 def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> NDArray[np.bool_]:
