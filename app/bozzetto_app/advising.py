@@ -67,6 +67,7 @@ class Advising(QObject):
         for signal in (session.camera_changed, session.selection_changed, session.modeler_changed):
             signal.connect(self.look)
         session.document_changed.connect(self._look_at_change)
+        session.tool_changed.connect(self._other_tool)
 
     @property
     def busy(self) -> bool:
@@ -77,7 +78,8 @@ class Advising(QObject):
     @property
     def scene(self) -> Scene:
         """What the advice shows on the sheet."""
-        return Scene() if self.advice is None else self.advice.scene
+        layers = () if self.advice is None else self.advice.scene.layers
+        return Scene(tuple(filter(self._session.is_seen, layers)))
 
     def holds_eye(self, camera: Camera) -> bool:
         """Whether a view stands where a picture was drawn from; see `ViewAdvice.pinned`.
@@ -103,6 +105,10 @@ class Advising(QObject):
             self.look()
         else:
             self.look_later()
+
+    def _other_tool(self) -> None:
+        if self.advice is not None and any(layer.tool for layer in self.advice.scene.layers):
+            self._session.live_changed.emit()
 
     def is_about(self, camera: Camera) -> bool:
         """Whether the newest advice was given on a view."""

@@ -195,11 +195,12 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Everything visible, in the world."""
         if self._scene is None:
             layers = [*self.workbench.underlay_layers(self.document), *self.showing.layers()]
-            self._scene = Scene(tuple(filter(self._is_seen, layers)))
+            self._scene = Scene(tuple(filter(self.is_seen, layers)))
             self._ghosts_in_scene = self.show_ghost_ink
         return self._scene
 
-    def _is_seen(self, layer: Layer) -> bool:
+    def is_seen(self, layer: Layer) -> bool:
+        """Whether a layer is to be seen now, with the tool in the hand and what is switched off."""
         if layer.name == GHOST_LAYER and not self.show_ghost_ink:
             return False
         in_hand = layer.tool == self.active_tool and layer.owner == self._selected

@@ -57,6 +57,12 @@ FIRST_SIZE = (1280, 800)
 DOCK_HEIGHTS = (310, 340, 90)
 """Of objects, parameters and history at the first start, pixels."""
 
+GUIDED_HEIGHTS = (130, 560, 50)
+"""The same once a plugin has a panel of its own there, beside the parameters."""
+
+SCANT = 320
+"""Height of a plugin's panel below which room is made for it, pixels."""
+
 THEME = "view/theme"
 RADIAL = (
     "edit.undo",
@@ -239,9 +245,8 @@ class Window(QMainWindow):
         geometry, state = kept.value("window/geometry"), kept.value("window/state")
         if isinstance(geometry, QByteArray):
             self.restoreGeometry(geometry)
-        if isinstance(state, QByteArray):
-            self.restoreState(state, LAYOUT_VERSION)
-        else:
+        restored = isinstance(state, QByteArray) and self.restoreState(state, LAYOUT_VERSION)
+        if not restored:
             self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
         self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
         self.welcome.setVisible(not len(self.session.document))
@@ -377,6 +382,11 @@ class Window(QMainWindow):
         self._plugin_dock.setVisible(bool(title) and self.panels_shown)
         if title:
             self._plugin_dock.raise_()
+            QTimer.singleShot(0, self, self._make_room)
+
+    def _make_room(self) -> None:
+        if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:
+            self.resizeDocks(self._docks, list(GUIDED_HEIGHTS), Qt.Orientation.Vertical)
 
     @property
     def is_dark(self) -> bool:

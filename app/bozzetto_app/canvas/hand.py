@@ -484,7 +484,8 @@ class Hand(QObject):
         if self._targets is None:
             shown = self._session.scene.under(self._session.advising.scene)
             self._targets = HandleTargets(shown, self._session.camera)
-        reach = INKING_REACH if self._takes() == "ink" else HANDLE_REACH
+        exact = self._takes() == "ink" or self._aims()
+        reach = INKING_REACH if exact else HANDLE_REACH
         return self._targets.under(x, y, reach)
 
     def _takes(self) -> Literal["ink", "tap", "drag"]:

@@ -15,7 +15,8 @@ HANDLE_REACH: Final = 22.0
 """Radius of a handle's target, pixels: 44 px across, a fingertip."""
 
 INKING_REACH: Final = 10.0
-"""The same while the active tool inks: the disc itself, so that ink can start beside it."""
+"""The same while the active tool inks or aims: the disc itself, so that ink can start, and places
+can be met, right beside it."""
 
 
 class HandleTargets:

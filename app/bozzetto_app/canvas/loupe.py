@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import (
     QColor,
     QImage,
@@ -46,8 +46,8 @@ AWAY: Final = 100.0
 CROSS: Final = (5.0, 16.0)
 """Where the arms of the crosshair begin and end, pixels from the middle."""
 
-FARTHEST: Final = 1e6
-"""Largest coordinate of a line that is drawn, pixels: beyond, Qt's own numbers are too small."""
+FINEST: Final = 2 * DIAMETER
+"""Pixels of a picture across the loupe that can be told apart, on screens of double density."""
 
 MARK_SIZE: Final = 4.5
 """Radius of handles in the loupe, pixels: a ring, so that the place itself is seen."""
@@ -204,16 +204,15 @@ class Loupe(QWidget):
             seen = QTransform()
             if not QTransform.quadToQuad(whole, outline, seen):
                 continue
-            painter.save()
-            painter.setTransform(seen, combine=True)
-            painter.setOpacity(image.opacity)
-            pixels = image.pixels
-            painter.drawImage(
-                0,
-                0,
-                QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888),
-            )
-            painter.restore()
+            back, possible = seen.inverted()
+            if possible:
+                reach = 0.5 * DIAMETER
+                glass = QRectF(-reach, -reach, DIAMETER, DIAMETER)
+                painter.save()
+                painter.setTransform(seen, combine=True)
+                painter.setOpacity(image.opacity)
+                _paint_part(painter, image.pixels, back.mapRect(glass))
+                painter.restore()
         for _, item in self._scene.items():
             if isinstance(item, Lines):
                 self._paint_lines(painter, item)
@@ -228,18 +227,24 @@ class Loupe(QWidget):
 
     def _paint_lines(self, painter: QPainter, item: Lines) -> None:
         places = self._in_loupe(item.points)
-        near = np.asarray(np.isfinite(places).all(axis=1))
-        if not near.any():
+        if not len(places):
+            return
+        least, most = np.fmin.reduce(places), np.fmax.reduce(places)
+        if not ((most > -DIAMETER) & (least < DIAMETER)).all():
+            return  # most lines: the loupe shows little of a sheet
+        begins, ends = places[:-1], places[1:]
+        if item.starts is not None:
+            joined = np.ones(len(begins), np.bool_)
+            joined[np.asarray(item.starts[1:], np.intp) - 1] = False
+            begins, ends = begins[joined], ends[joined]
+        pieces = _within(begins, ends, 0.6 * DIAMETER)
+        if not len(pieces):
             return
         color = QColor(*self._palette.color(item.color))
         color.setAlphaF(item.opacity)
         width = float(np.max(item.width)) if np.size(item.width) else 1.0
         painter.setPen(QPen(color, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-        starts = [0] if item.starts is None else item.starts.tolist()
-        for first, last in zip(starts, [*starts[1:], len(places)], strict=True):
-            line = places[first:last]
-            if near[first:last].all() and _may_cross(line):
-                painter.drawPolyline(QPolygonF([QPointF(x, y) for x, y in line.tolist()]))
+        painter.drawLines([QLineF(*piece) for piece in pieces.tolist()])
 
     def _paint_points(self, painter: QPainter, item: Points) -> None:
         places = self._in_loupe(item.points)
@@ -256,18 +261,48 @@ class Loupe(QWidget):
     def _paint_cross(self, painter: QPainter) -> None:
         begin, end = CROSS
         for color, width in (
-            (qcolor(self._palette.paper, 0.85), 3.2),
-            (QColor(*self._palette.ink), 1.2),
+            (qcolor(self._palette.paper, 0.85), 3.6),
+            (QColor(*self._palette.ink), 1.6),
         ):
             painter.setPen(QPen(color, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             for x, y in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
                 painter.drawLine(QPointF(begin * x, begin * y), QPointF(end * x, end * y))
 
 
-def _may_cross(line: NDArray[np.float64]) -> bool:
-    """Whether the box around a line reaches into the loupe, and Qt can draw it."""
-    if not len(line):
-        return False
-    low, high = line.min(axis=0), line.max(axis=0)
-    near = bool((low < 0.5 * DIAMETER).all() and (high > -0.5 * DIAMETER).all())
-    return near and float(max(-low.min(), high.max())) < FARTHEST
+def _paint_part(painter: QPainter, pixels: NDArray[np.uint8], part: QRectF) -> None:
+    """Paint what is needed of a picture: Qt would convert all of it each time."""
+    height, width = pixels.shape[:2]
+    part = part.adjusted(-1.0, -1.0, 1.0, 1.0).intersected(QRectF(0.0, 0.0, width, height))
+    left, top = int(part.left()), int(part.top())
+    right, bottom = min(width, int(part.right()) + 1), min(height, int(part.bottom()) + 1)
+    if right <= left or bottom <= top:
+        return
+    step = max(1, (right - left) // FINEST, (bottom - top) // FINEST)
+    rows = np.ascontiguousarray(pixels[top:bottom:step, left:right:step])
+    high, wide = rows.shape[:2]
+    image = QImage(rows.data, wide, high, 4 * wide, QImage.Format.Format_RGBA8888)
+    painter.drawImage(QRectF(left, top, step * wide, step * high), image)
+
+
+def _within(
+    begins: NDArray[np.float64], ends: NDArray[np.float64], reach: float
+) -> NDArray[np.float64]:
+    """The parts of straight pieces inside a square about the middle, (k, 4): x, y, x, y.
+
+    Long lines cost Qt the more the less is seen of them. Liang & Barsky, "A new concept and
+    method for line clipping", 1984.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        way = ends - begins
+        one, other = (-reach - begins) / way, (reach - begins) / way
+        enters, leaves = np.minimum(one, other), np.maximum(one, other)
+        # Along a side of the square 0 / 0 or a / 0: in all the way, or nowhere.
+        along, inside = way == 0.0, np.abs(begins) <= reach
+        enters = np.where(along, np.where(inside, -np.inf, np.inf), enters)
+        leaves = np.where(along, np.where(inside, np.inf, -np.inf), leaves)
+        first = np.maximum(enters.max(axis=1, initial=0.0), 0.0)
+        last = np.minimum(leaves.min(axis=1, initial=1.0), 1.0)
+        crosses = first <= last  # false where something is not finite
+    begins, way = begins[crosses], way[crosses]
+    first, last = first[crosses, None], last[crosses, None]
+    return np.hstack((begins + first * way, begins + last * way))

@@ -36,6 +36,10 @@ def press(pointer="pen", button=Button.TIP, t=0.0, **more):
         (press(takes="tap"), Mode.TAPPING),
         (press(takes="drag", handle="h"), Mode.DRAGGING),
         (press(takes="drag"), Mode.TAPPING),
+        (press(takes="tap", aims=True), Mode.AIMING),
+        (press(takes="drag", aims=True), Mode.AIMING),
+        (press(takes="drag", aims=True, handle="h"), Mode.DRAGGING),
+        (press(takes="ink", aims=True), Mode.INKING),
         (press(button=Button.TURN), Mode.NAVIGATING),
         (press(button=Button.MENU), Mode.CHOOSING),
         (press(keys=Keys(alt=True)), Mode.NAVIGATING),
@@ -48,6 +52,18 @@ def test_what_a_press_means(given_press, mode):
     machine = GestureMachine()
     assert machine.begin(given_press) is (mode is not Mode.IDLE)
     assert machine.mode is mode
+
+
+def test_an_aimed_tap_is_where_it_lifts_after_any_time():
+    machine = GestureMachine()
+    machine.begin(press(takes="tap", aims=True))
+    assert machine.place == (100.0, 100.0)
+    machine.move(300.0, 40.0)
+    machine.move(280.0, 50.0)
+    assert machine.release("mouse", Button.TIP, 1.0) is Outcome.NOTHING
+    assert machine.place == (280.0, 50.0)
+    assert machine.release("pen", Button.TIP, 60.0) is Outcome.TAP
+    assert machine.mode is Mode.IDLE
 
 
 @pytest.mark.parametrize(

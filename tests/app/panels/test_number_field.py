@@ -181,6 +181,85 @@ def test_it_says_its_name(field):
     assert field.accessibleName() == "Length"
 
 
+# -- words for zero ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def given_or_not(qtbot):
+    made = NumberField("Length", minimum=0, maximum=6000, step=1, unit="mm", zero="as drawn")
+    qtbot.addWidget(made)
+    made.resize(96, 24)
+    made.show()
+    made.heard = []
+    made.edited.connect(lambda value, going: made.heard.append((value, going)))
+    return made
+
+
+def enter(field):
+    QTest.keyClick(field, Qt.Key.Key_Return)
+
+
+def test_words_stand_for_zero_and_typing_replaces_them(given_or_not):
+    line = given_or_not.lineEdit()
+    assert (line.text(), line.placeholderText()) == ("", "as drawn")
+    typed(given_or_not, "4200")
+    enter(given_or_not)
+    assert given_or_not.heard == [(4200.0, False)]
+    assert line.text() == "4200 mm"
+
+
+@pytest.mark.parametrize("text", ["", "0", "0 mm", "  ", "mm"])
+def test_clearing_the_field_is_zero(given_or_not, text):
+    given_or_not.set_silently(4200.0)
+    assert given_or_not.lineEdit().text() == "4200 mm"
+    given_or_not.setFocus()
+    given_or_not.selectAll()
+    QTest.keyClick(given_or_not, Qt.Key.Key_Backspace)
+    QTest.keyClicks(given_or_not, text)
+    enter(given_or_not)
+    assert given_or_not.heard == [(0.0, False)]
+    assert given_or_not.lineEdit().text() == ""
+
+
+def test_clearing_and_leaving_is_zero_too(given_or_not):
+    given_or_not.set_silently(4200.0)
+    given_or_not.setFocus()
+    given_or_not.selectAll()
+    QTest.keyClick(given_or_not, Qt.Key.Key_Delete)
+    given_or_not.clearFocus()
+    assert given_or_not.value() == 0.0
+    assert given_or_not.lineEdit().text() == ""
+
+
+def test_escape_brings_the_words_back(given_or_not):
+    typed(given_or_not, "12")
+    QTest.keyClick(given_or_not, Qt.Key.Key_Escape)
+    assert given_or_not.lineEdit().text() == ""
+    assert given_or_not.heard == []
+
+
+def test_a_drag_does_not_begin_where_nothing_is_given(given_or_not):
+    press(given_or_not, 20)
+    drag(given_or_not, 60)
+    release(given_or_not, 60)
+    assert given_or_not.heard == []
+    given_or_not.set_silently(4200.0)
+    given_or_not.clearFocus()
+    press(given_or_not, 20)
+    drag(given_or_not, 50)
+    release(given_or_not, 50)
+    assert given_or_not.heard[-1] == (4210.0, True)
+
+
+def test_fields_without_such_words_want_a_number(field, edits):
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClick(field, Qt.Key.Key_Backspace)
+    enter(field)
+    assert edits == []
+    assert field.value() == 120
+
+
 @given(st.floats(-1e5, 1e5), st.sampled_from([1.0, 0.5, 0.1, 0.01, 0.001]))
 def test_what_is_shown_is_the_value_to_two_digits_below_the_step(value, step):
     shown = float(format_number(value, step))
