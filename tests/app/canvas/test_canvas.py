@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
 from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
 
 from bozzetto.ink.stroke import Stroke
+from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import DARK, LIGHT, Layer, Scene
 from bozzetto.view.navigation import fit_points
 from bozzetto.view.standard import standard_view
@@ -311,19 +313,15 @@ def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
     assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() == 0
 
 
-def drop(canvas, paths):
+def drop(canvas, paths, keys=Qt.KeyboardModifier.NoModifier):
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
-    copy, left, none = (
-        Qt.DropAction.CopyAction,
-        Qt.MouseButton.LeftButton,
-        Qt.KeyboardModifier.NoModifier,
-    )
-    enter = QDragEnterEvent(QPoint(10, 10), copy, data, left, none)
+    copy, left = Qt.DropAction.CopyAction, Qt.MouseButton.LeftButton
+    enter = QDragEnterEvent(QPoint(10, 10), copy, data, left, keys)
     enter.ignore()
     QApplication.sendEvent(canvas, enter)
     if enter.isAccepted():
-        QApplication.sendEvent(canvas, QDropEvent(QPointF(10, 10), copy, data, left, none))
+        QApplication.sendEvent(canvas, QDropEvent(QPointF(10, 10), copy, data, left, keys))
     return enter.isAccepted()
 
 
@@ -337,6 +335,49 @@ def test_documents_are_opened_and_everything_else_imported(session, canvas, tmp_
         ("import_file", names[1]),
         ("import_file", names[2]),
     ]
+
+
+def test_with_shift_pictures_go_under_the_sheet(session, canvas, tmp_path):
+    names = [tmp_path / name for name in ("a.png", "b.svg")]
+    for name in names:
+        name.write_bytes(b"x")
+    assert drop(canvas, names, Qt.KeyboardModifier.ShiftModifier)
+    assert session.calls == [("take_file", names[0], True), ("import_file", names[1])]
+
+
+def test_a_new_picture_is_gone_to_once_its_advice_is_there(session, canvas):
+    canvas.motion.reduced = True
+    model = SimpleNamespace(id="m1")
+    session.selected_model = model
+    better = standard_view(session.camera, "right")
+    session.picturing.taken.emit("m1")
+    session.advising.say(ViewAdvice("warn", "of an older state", better))
+    assert session.camera != better
+    session.advising.about = model
+    session.advising.say(ViewAdvice("warn", "of this one", better))
+    assert session.camera == better
+    canvas.look("top")
+    session.advising.say(ViewAdvice("warn", "later", better))
+    assert session.camera.axes[2][2] == pytest.approx(-1)
+
+
+def test_no_ground_lies_over_a_pinned_picture(session, canvas):
+    session.show_grid = True
+    styles = []
+    canvas.viewports.current.set_style = lambda shading, grid: styles.append(grid)
+    session.view_style_changed.emit()
+    session.advising.say(ViewAdvice("good", "x", pinned=True))
+    session.advising.say(ViewAdvice("good", "y", pinned=True))
+    session.advising.say(ViewAdvice("good", "z"))
+    assert styles == [True, False, True]
+
+
+def test_the_first_shape_does_not_tilt_a_pinned_view_away(session, canvas):
+    session.advising.say(ViewAdvice("good", "x", pinned=True))
+    before = session.camera
+    session.settled.emit("m1")
+    assert not canvas.motion.is_running
+    assert session.camera == before
 
 
 def test_what_is_no_file_is_not_taken(session, canvas, tmp_path):

@@ -9,6 +9,7 @@ from PySide6.QtGui import QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.plugin import ViewAdvice
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.navigation import orbit, pan, zoom
 
@@ -190,3 +191,61 @@ def test_the_pen_takes_over_from_the_palm(session, canvas, pen, on_box, screen):
     pen.release(200, 100)
     assert session.camera == before
     assert len(session.strokes) == 1
+
+
+# -- a view that is pinned to a picture --------------------------------------------------------
+
+
+@pytest.fixture
+def pinned(session, canvas, on_box):
+    session.advising.say(ViewAdvice("good", "From where it was drawn", pinned=True))
+    return on_box
+
+
+@pytest.mark.parametrize("keys", [ALT | SHIFT, ALT | CTRL])
+def test_the_pen_moves_and_zooms_about_the_eye(session, pen, pinned, keys):
+    camera, (x, y), pivot = pinned
+    pen.modifiers = keys
+    pen.press(x, y)
+    for k in range(1, 7):
+        pen.move(x + 10 * k, y + 5 * k)
+    pen.release(x + 60, y + 30)
+    assert session.camera.eye == camera.eye
+    assert session.camera != camera
+    (seen,), _ = session.camera.project([pivot])
+    wanted = (x + 60, y + 30) if keys == ALT | SHIFT else (x, y)
+    np.testing.assert_allclose(seen, wanted, atol=1e-6)
+
+
+def test_the_wheel_narrows_the_view_and_widens_it_again(session, canvas, pinned):
+    camera, (x, y), pivot = pinned
+    wheel(canvas, x, y, 240)
+    assert session.camera.eye == camera.eye
+    assert session.camera.fov_y < camera.fov_y
+    (seen,), _ = session.camera.project([pivot])
+    np.testing.assert_allclose(seen, (x, y), atol=1e-6)
+    wheel(canvas, x, y, -240)
+    same_view(session.camera, camera)
+
+
+def test_two_fingers_keep_the_eye(session, canvas, pinned, screen):
+    camera, _, _ = pinned
+    for places in (((350, 300), (450, 300)), ((330, 320), (500, 330)), ((280, 340), (520, 360))):
+        event = QTest.touchEvent(canvas, screen)
+        for number, place in enumerate(places):
+            act = event.press if places[0] == (350, 300) else event.move
+            act(number, QPoint(*place), canvas)
+        event.commit()
+    end = QTest.touchEvent(canvas, screen)
+    end.release(0, QPoint(280, 340), canvas).release(1, QPoint(520, 360), canvas).commit()
+    assert session.camera.eye == camera.eye
+    assert session.camera.fov_y < camera.fov_y
+
+
+def test_turning_leaves_the_place_as_ever(session, pen, pinned):
+    camera, (x, y), pivot = pinned
+    pen.modifiers = ALT
+    pen.press(x, y)
+    pen.move(x + 60, y + 40)
+    pen.release(x + 60, y + 40)
+    same_view(session.camera, orbit(camera, 60, 40, pivot))
