@@ -155,7 +155,12 @@ def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     for edge, places in strokes.items():
         points = _places(places, f"{where}.{edge}")
         stroke = Stroke(points[:, 0], points[:, 1], camera, tool="imported")
-        made.append(TracedEdges(strokes=Strokes((stroke,)), sketch=sketch.id, edges=(str(edge),)))
+        # The drawn line knows better than a mark beside it where the edge ends.
+        made.append(
+            TracedEdges(
+                strokes=Strokes((stroke,)), sketch=sketch.id, edges=(str(edge),), nodes_follow=True
+            )
+        )
     return made
 
 
@@ -166,8 +171,10 @@ def _dimensioned(state: CarState, told: object) -> CarState:
         if key not in long:
             raise UserError(f"There is no dimension “{str(key)[:40]}”. Give {_row(long)}.")
         values[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
+    # A car that is solved with its dimensions fits its sketches better than one stretched after.
     return replace(
         state,
+        lock=bool(values),
         length=values.get("length", 0.0),
         width=values.get("width", 0.0),
         height=values.get("height", 0.0),
