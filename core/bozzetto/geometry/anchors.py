@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+from collections import Counter
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +17,13 @@ __all__ = ["Anchors", "anchored", "with_edges"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 Pairs = list[tuple[int, int]]
+Row = list[tuple[int, int]]
+
+EVENING: Final = 8
+"""How often the steps along a curve are evened: some edges far, so that rows of vertices beside
+the curve need not shear."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +45,7 @@ class Anchors:
     links: Pairs
 
 
-def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Array) -> Anchors:
+def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flags) -> Anchors:
     """Choose the vertices that follow the curves most closely.
 
     Each place of a curve is given to the nearest vertex. The row of vertices along a curve is
@@ -52,74 +61,97 @@ def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Arra
     reached : (n,) bool
         The places that it should be fixed to.
     """
+    places = frame.places
+    distance, owner = _owners(sphere, vertices, frame)
+    rows = _rows(sphere, owner, distance, frame, reached)
+    shared = Counter(vertex for row in rows for vertex in {vertex for vertex, _ in row})
+    held: dict[int, Array] = {}
+    near: dict[int, float] = {}
+    links: Pairs = []
+    for pairs in rows:
+        row = [vertex for vertex, _ in pairs]
+        at = np.array([place for _, place in pairs])
+        fixed = frame.sharp[at] | np.array([shared[vertex] > 1 for vertex in row])
+        where = _evened(at.astype(float), fixed)
+        low = np.minimum(where.astype(int), len(places) - 2)
+        share = (where - low)[:, None]
+        on_curve = (1.0 - share) * places[low] + share * places[low + 1]
+        for vertex, place, gap, sharp in zip(
+            row, on_curve, distance[at].tolist(), frame.sharp[at].tolist(), strict=True
+        ):
+            gap = gap - 1.0 if sharp else gap  # ends and corners before others
+            if gap < near.get(vertex, np.inf):
+                held[vertex], near[vertex] = place, gap
+        links += list(itertools.pairwise(row))
+    number, at = np.array(list(held), np.intp), np.array(list(held.values()))
+    if frame.symmetric:
+        image = sphere.mirrored
+        aside = image[number] != number
+        at = np.where(aside[:, None], at, at * (1.0, 0.0, 1.0))
+        number = np.concatenate((number, image[number[aside]]))
+        at = np.vstack((at, at[aside] * MIRROR))
+        links += [(int(image[a]), int(image[b])) for a, b in links]
+    return Anchors(number, at, links)
+
+
+def _changes(*columns: Index) -> Flags:
+    """Where any of some columns differs from its row before, from the second row on."""
+    return np.any([np.diff(column) != 0 for column in columns], axis=0)
+
+
+def _evened(at: Array, fixed: Flags) -> Array:
+    """Places along a curve moved toward even steps, those that are fixed left where they are."""
+    fixed = fixed.copy()
+    fixed[[0, -1]] = True
+    for _ in range(EVENING):
+        between = 0.25 * at[:-2] + 0.5 * at[1:-1] + 0.25 * at[2:]
+        at[1:-1] = np.where(fixed[1:-1], at[1:-1], between)
+    return at
+
+
+def _owners(sphere: Icosphere, vertices: Array, frame: Wireframe) -> tuple[Array, Index]:
     from scipy.spatial import cKDTree
 
-    places = frame.places
-    distance, owner = cKDTree(vertices).query(places)
+    distance, owner = cKDTree(vertices).query(frame.places)
     owner = np.asarray(owner, np.intp)
     if frame.symmetric:
         middle = np.flatnonzero(sphere.mirrored == np.arange(len(vertices)))
-        level = np.flatnonzero(places[:, 1] == 0)
-        distance[level], nearest = cKDTree(vertices[middle]).query(places[level])
+        level = np.flatnonzero(frame.places[:, 1] == 0)
+        distance[level], nearest = cKDTree(vertices[middle]).query(frame.places[level])
         owner[level] = middle[nearest]
-        other = sphere.mirrored[owner]
-        owner = np.where(vertices[owner, 1] < 0, other, owner)
-    links, kept = _rows(sphere, owner, frame, reached)
-    order = np.lexsort((distance, ~frame.sharp, owner))
-    order = order[kept[owner[order]] & reached[order]]
-    first = np.append(True, np.diff(owner[order]) != 0)[: len(order)]
-    chosen = order[first]
-    held, at = owner[chosen], places[chosen]
-    if frame.symmetric:
-        aside = sphere.mirrored[held] != held
-        at = np.where(aside[:, None], at, at * (1.0, 0.0, 1.0))
-        held = np.concatenate((held, sphere.mirrored[held[aside]]))
-        at = np.vstack((at, at[aside] * MIRROR))
-        image = sphere.mirrored
-        links += [(int(image[a]), int(image[b])) for a, b in links]
-    return Anchors(held, at, links)
+        owner = np.where(vertices[owner, 1] < 0, sphere.mirrored[owner], owner)
+    return np.asarray(distance), owner
 
 
 def _rows(
-    sphere: Icosphere, owner: Index, frame: Wireframe, reached: Array
-) -> tuple[Pairs, NDArray[np.bool_]]:
-    """The straightened row of vertices of each piece: its links, and which vertices it keeps."""
-    edges = edges_of(sphere.faces)[0]
-    beside = set(map(tuple, edges.tolist()))
-    changes = np.append(True, (np.diff(owner) != 0) | (np.diff(frame.piece) != 0))
-    changes |= frame.sharp
-    kept = np.zeros(len(sphere.directions), bool)
-    links: Pairs = []
-    at = np.flatnonzero(changes & reached)
-    rows: dict[int, list[tuple[int, bool]]] = {}
-    for piece, vertex, sharp in zip(
-        frame.piece[at].tolist(), owner[at].tolist(), frame.sharp[at].tolist(), strict=True
-    ):
-        row = rows.setdefault(piece, [])
-        _append(row, vertex, sharp, beside)
-    for row in rows.values():
-        names = [vertex for vertex, _ in row]
-        kept[names] = True
-        links += list(zip(names[:-1], names[1:], strict=True))
-    return links, kept
+    sphere: Icosphere, owner: Index, distance: Array, frame: Wireframe, reached: Flags
+) -> list[Row]:
+    """The straightened row of vertices along each piece."""
+    gap = np.where(frame.sharp, -1.0, distance)
+    kept = np.flatnonzero(reached)
+    starts = np.flatnonzero(np.append(True, _changes(owner[kept], frame.piece[kept])))[: len(kept)]
+    rows: dict[int, Row] = {}
+    for run in np.split(kept, starts[1:]):
+        best = int(run[np.argmin(gap[run])])
+        row = rows.setdefault(int(frame.piece[best]), [])
+        _append(row, int(owner[best]), best, gap, sphere.neighbours)
+    return list(rows.values())
 
 
-def _append(
-    row: list[tuple[int, bool]], vertex: int, sharp: bool, beside: set[tuple[int, ...]]
-) -> None:
+def _append(row: Row, vertex: int, at: int, gap: Array, beside: frozenset[tuple[int, int]]) -> None:
     """Go on to a vertex, by the shortest way."""
     while row:
-        last, fixed = row[-1]
+        last, place = row[-1]
         if last == vertex:
-            row[-1] = (vertex, sharp or fixed)
+            row[-1] = (vertex, at if gap[at] < gap[place] else place)
             return
-        if len(row) < 2 or fixed:
+        if len(row) < 2 or gap[place] < 0:
             break
         before = row[-2][0]
         if before != vertex and (min(before, vertex), max(before, vertex)) not in beside:
             break
         row.pop()
-    row.append((vertex, sharp))
+    row.append((vertex, at))
 
 
 def with_edges(faces: Index, links: Pairs) -> Index:
@@ -140,9 +172,7 @@ def with_edges(faces: Index, links: Pairs) -> Index:
     edges, of_face = edges_of(faces)
     order = np.argsort(of_face, axis=None, kind="stable").reshape(-1, 2)
     opposite = np.sort(np.roll(faces, 1, axis=1).ravel()[order], axis=1)
-    crossed = {
-        (a, b): number for number, (a, b) in enumerate(opposite.tolist())
-    }
+    crossed = {(a, b): number for number, (a, b) in enumerate(opposite.tolist())}
     taken = set(map(tuple, edges.tolist()))
     wanted = {(min(link), max(link)) for link in links}
     flipped, used = faces.copy(), set()

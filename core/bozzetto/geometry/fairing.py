@@ -7,59 +7,48 @@ least sum of |L p|². Weights are uniform, so that vertices spread evenly as wel
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.icosphere import edges_of, icosphere
+from bozzetto.geometry.icosphere import icosphere
 from bozzetto.geometry.mesh_feet import Feet
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-__all__ = ["Stiffness", "drawn_to", "held_at"]
+__all__ = ["Energy", "drawn_to", "even_energy", "held_at", "true_energy"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-Sparse = Any
+
+Energy = Any
+"""A sparse symmetric matrix, (v, v): half of the second derivative of an energy by the vertices,
+the same for each coordinate."""
+
+THINNEST: Final = 1e-3
+"""Area of a triangle, per mean of all, from which on down it counts as one of that area."""
+
+COTANGENTS: Final = (0.02, 5.0)
+"""Least and greatest weight of an edge: obtuse triangles have weights below zero, with which a
+membrane folds, and slivers have huge ones."""
 
 
-@dataclass(frozen=True)
-class Stiffness:
-    """How a skin resists.
-
-    Parameters
-    ----------
-    tension : float
-        Of the membrane, per unit of a vertex's pull.
-    bending : float
-        Of the plate. Its ratio to the tension is the square of the number of edges over which
-        the skin goes from one to the other.
-    """
-
-    tension: float
-    bending: float
-
-
-def drawn_to(
-    level: int, feet: Feet, points: Array, weights: Array, stiffness: Stiffness
-) -> Array:
+def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array:
     """The skin that is drawn to points by springs.
 
     Parameters
     ----------
-    level : int
-        Of the icosphere whose triangles the skin has.
+    energy : Energy
+        With which the skin resists.
     feet : Feet
         Where each spring takes hold.
     points : (n, 3) float
         Where it leads to.
     weights : (n,) float
         Its strength, above 0.
-    stiffness : Stiffness
 
     Returns
     -------
@@ -67,31 +56,28 @@ def drawn_to(
     """
     from scipy.sparse import csr_array
 
-    count = len(icosphere(level).directions)
     row = np.repeat(np.arange(len(points)), 3)
-    shape = (len(points), count)
+    shape = (len(points), energy.shape[0])
     hold = csr_array((feet.weights.ravel(), (row, feet.corners.ravel())), shape)
     pulled = hold.multiply(weights[:, None]).tocsr().T
-    return _solved((pulled @ hold) + _energy(level, stiffness), pulled @ points)
+    return _solved((pulled @ hold) + energy, pulled @ points)
 
 
-def held_at(level: int, held: Index, places: Array, stiffness: Stiffness) -> Array:
+def held_at(energy: Energy, held: Index, places: Array) -> Array:
     """The skin that is held at some of its vertices.
 
     Parameters
     ----------
-    level : int
+    energy : Energy
     held : (k,) int
         Vertices, each once.
     places : (k, 3) float
         Where they are, exactly.
-    stiffness : Stiffness
 
     Returns
     -------
     (v, 3) float
     """
-    energy = _energy(level, stiffness)
     free = np.ones(energy.shape[0], bool)
     free[held] = False
     rows = energy[free]
@@ -101,9 +87,56 @@ def held_at(level: int, held: Index, places: Array, stiffness: Stiffness) -> Arr
     return made
 
 
-def _energy(level: int, stiffness: Stiffness) -> Sparse:
+def even_energy(level: int, tension: float, bending: float) -> Energy:
+    """Resistance of an icosphere's edges, all of the same weight: vertices spread evenly.
+
+    Parameters
+    ----------
+    level : int
+    tension : float
+        Of the membrane, above 0.
+    bending : float
+        Of the plate. Its ratio to the tension is the square of the number of edges over which
+        the skin bends.
+    """
     membrane, plate = _operators(level)
-    return stiffness.tension * membrane + stiffness.bending * plate
+    return tension * membrane + bending * plate
+
+
+def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
+    """Resistance of a mesh as it lies in space, whatever its triangles are like.
+
+    With the cotangent weights of Pinkall & Polthier (*Computing discrete minimal surfaces*,
+    1993), each vertex having a third of the area round it, so that uneven steps along a curve do
+    not show beside it.
+
+    Parameters
+    ----------
+    faces : (f, 3) int
+    vertices : (v, 3) float
+    length : float
+        Over which the skin bends; 0 for a membrane.
+    """
+    from scipy.sparse import coo_array, diags_array
+
+    count = len(vertices)
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)  # twice
+    area = np.maximum(area, THINNEST * area.mean())
+    rows, columns, values = [], [], []
+    for k in range(3):
+        p, q, r = (vertices[faces[:, (k + turn) % 3]] for turn in range(3))
+        cotangent = 0.5 * np.einsum("ij,ij->i", q - p, r - p) / area
+        rows += [faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]]
+        columns += [faces[:, (k + 2) % 3], faces[:, (k + 1) % 3]]
+        values += [cotangent, cotangent]
+    beside = coo_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (count, count)
+    ).tocsr()
+    beside.data = np.clip(beside.data, *COTANGENTS)
+    membrane = diags_array(np.asarray(beside.sum(axis=0))) - beside
+    mass = np.bincount(faces.ravel(), np.repeat(area, 3) / 6.0, count)
+    return membrane + length**2 * (membrane @ diags_array(1.0 / mass) @ membrane)
 
 
 @lru_cache(maxsize=8)
@@ -112,8 +145,8 @@ def _operators(level: int) -> tuple[csc_array, csc_array]:
     from scipy.sparse import coo_array, diags_array
 
     sphere = icosphere(level)
-    edges, count = edges_of(sphere.faces)[0], len(sphere.directions)
-    ends = np.concatenate((edges, edges[:, ::-1])).T
+    count = len(sphere.directions)
+    ends = np.concatenate((sphere.edges, sphere.edges[:, ::-1])).T
     beside = coo_array((np.ones(len(ends[0])), tuple(ends)), (count, count)).tocsr()
     valence = np.asarray(beside.sum(axis=0))
     membrane = diags_array(valence) - beside
@@ -121,7 +154,7 @@ def _operators(level: int) -> tuple[csc_array, csc_array]:
     return membrane.tocsc(), (umbrella.T @ umbrella).tocsc()
 
 
-def _solved(matrix: Sparse, right: Array) -> Array:
+def _solved(matrix: Energy, right: Array) -> Array:
     """Solve a positive definite system: one factorisation, and a column for each axis."""
     from scipy.sparse.linalg import splu
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -51,6 +51,16 @@ class Icosphere:
     rings: Index
     mirrored: Index
 
+    @cached_property
+    def edges(self) -> Index:
+        """All edges, (m, 2): see `edges_of`."""
+        return edges_of(self.faces)[0]
+
+    @cached_property
+    def neighbours(self) -> frozenset[tuple[int, int]]:
+        """The edges as pairs, the lower vertex first."""
+        return frozenset((a, b) for a, b in self.edges.tolist())
+
     def refined(self, vertices: Array) -> Array:
         """Places of the coarser sphere's vertices, and the middles of its edges, (n, 3)."""
         return np.vstack((vertices, 0.5 * vertices[self.parents].sum(axis=1)))
@@ -83,9 +93,12 @@ def edges_of(faces: Index) -> tuple[Index, Index]:
     of_face : (f, 3) int
         The edges that lead from each corner of a face to the next.
     """
-    pairs = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    edges, number = np.unique(pairs, axis=0, return_inverse=True)
-    return np.asarray(edges, np.intp), np.asarray(number, np.intp).reshape(-1, 3)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    count = int(faces.max()) + 1
+    keys, number = np.unique(
+        np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True
+    )
+    return np.stack((keys // count, keys % count), axis=1), number.reshape(-1, 3)
 
 
 def _icosahedron() -> tuple[Array, Index]:
@@ -103,14 +116,12 @@ def _icosahedron() -> tuple[Array, Index]:
 
 
 def _subdivided(coarse: Icosphere) -> tuple[Array, Index, Index]:
-    edges, of_face = edges_of(coarse.faces)
+    of_face = edges_of(coarse.faces)[1]
     middle = of_face + len(coarse.directions)
     corner = coarse.faces
-    pieces = [
-        np.stack((corner[:, k], middle[:, k], middle[:, k - 1]), axis=1) for k in range(3)
-    ]
-    places = np.vstack((coarse.directions, _unit(coarse.directions[edges].sum(axis=1))))
-    return places, np.vstack((*pieces, middle)), edges
+    pieces = [np.stack((corner[:, k], middle[:, k], middle[:, k - 1]), axis=1) for k in range(3)]
+    places = np.vstack((coarse.directions, _unit(coarse.directions[coarse.edges].sum(axis=1))))
+    return places, np.vstack((*pieces, middle)), coarse.edges
 
 
 def _unit(places: Array) -> Array:

@@ -39,6 +39,15 @@ class Feet:
         row = np.arange(len(self.corners))
         return np.asarray(self.corners[row, np.argmax(self.weights, axis=1)])
 
+    def taken(self, kept: NDArray[np.bool_]) -> Feet:
+        """Some of them."""
+        return Feet(self.corners[kept], self.weights[kept], self.distances[kept])
+
+    def outside(self, vertices: Array, points: Array) -> NDArray[np.bool_]:
+        """Whether the points that they are nearest to lie before their triangles, (n,)."""
+        a, b, c = np.moveaxis(vertices[self.corners], 1, 0)
+        return np.asarray(_dot(np.cross(b - a, c - a), points - a) > 0)
+
 
 def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
     """The nearest place of the triangles round the vertex that is nearest to each point.

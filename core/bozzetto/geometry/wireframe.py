@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.geometry.arrays import frozen
 
 __all__ = ["Wireframe", "wireframe"]
 
@@ -51,7 +53,8 @@ class Wireframe:
     piece : (n,) int
         The number of the piece that each place belongs to. Pieces end in corners.
     sharp : (n,) bool
-        The ends of pieces, which the skin should pass through.
+        The ends of pieces, which the skin should pass through; not where a piece was cut in
+        the plane of symmetry.
     symmetric : bool
         Whether the curves are their own mirror image about the plane y = 0.
     centre : (3,) float
@@ -69,14 +72,14 @@ class Wireframe:
 
     def every(self, step: int) -> Wireframe:
         """A coarser row of places: every `step`-th of them, and the ends of pieces."""
-        kept = self.sharp | (np.arange(len(self.places)) % step == 0)
-        return Wireframe(
-            self.places[kept],
-            self.piece[kept],
-            self.sharp[kept],
-            self.symmetric,
-            self.centre,
-            self.size,
+        turn = np.diff(self.piece) != 0
+        ends = np.append(True, turn) | np.append(turn, True)
+        kept = ends | (np.arange(len(self.places)) % step == 0)
+        return replace(
+            self,
+            places=self.places[kept],
+            piece=self.piece[kept],
+            sharp=self.sharp[kept],
         )
 
     def both_sides(self) -> Array:
@@ -86,7 +89,8 @@ class Wireframe:
         return np.vstack((self.places, self.places[self.places[:, 1] > 0] * MIRROR))
 
 
-MIRROR: Final = np.array([1.0, -1.0, 1.0])
+MIRROR: Final = frozen([1.0, -1.0, 1.0], np.float64)
+"""Factors that make a place its mirror image about the plane y = 0."""
 
 
 def wireframe(curves: Sequence[ArrayLike]) -> Wireframe:
@@ -103,6 +107,8 @@ def wireframe(curves: Sequence[ArrayLike]) -> Wireframe:
         If there is no curve, a coordinate is not finite or beyond `FARTHEST`, or the curves
         have no extent or lie in a plane.
     """
+    from scipy.spatial import cKDTree
+
     lines = [_checked(curve) for curve in curves]
     lines = [line for line in lines if len(line)]
     if not lines:
@@ -122,7 +128,10 @@ def wireframe(curves: Sequence[ArrayLike]) -> Wireframe:
     if not (sides and _is_symmetric(whole)):
         return _assembled(whole, False, centre, size)
     halves = [_spaced(half, spacing) for piece in pieces for half in _half(piece)]
-    return _assembled(halves, True, centre, size)
+    frame = _assembled(halves, True, centre, size)
+    ends = cKDTree(np.vstack([piece[[0, -1]] for piece in pieces]))
+    true_end = ends.query(frame.places, distance_upper_bound=SAME)[0] <= SAME
+    return replace(frame, sharp=frame.sharp & true_end)
 
 
 def _checked(curve: ArrayLike) -> Array:
@@ -165,7 +174,7 @@ def _pieces(lines: list[Array]) -> list[Array]:
     made = []
     for line, turn in zip(lines, turns, strict=True):
         ends = [0, *turn, len(line) - 1]
-        made += [line[a : b + 1] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        made += [line[a : b + 1] for a, b in itertools.pairwise(ends)]
     return made
 
 
