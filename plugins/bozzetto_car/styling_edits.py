@@ -37,6 +37,9 @@ JUMP: Final = 20.0
 """Farthest, mm, that a changed stretch may begin or end from the curve that it is a part of: what
 is farther is another part of the body in front of it."""
 
+TURNED_AWAY: Final = 60.0
+"""Length, mm, of what turns away from the eye at the end of a curve and goes with the end."""
+
 CLOSE: Final = 0.5
 """Distance from the joint within which a place of the old curve is left out, per usual step."""
 
@@ -152,7 +155,8 @@ def oversketched(
     stretch = resample(bent.points[ends[0] : ends[1] + 1], spacing=STEP)
     way = np.interp(along[-1] * np.array(ends) / (len(nodes) - 1), along, picture.along)
     # An end of the curve that moves has nothing beyond it to be joined to.
-    free = bent.moved[[0, -1]] & (way == [0.0, picture.course.length])
+    unseen = picture.along[0], picture.course.length - picture.along[-1]
+    free = bent.moved[[0, -1]] & (np.array(unseen) < TURNED_AWAY)
     laid = laid_paths(body.template, body.nets, stretch, camera)
     if len(laid) > 1 and not free.any():
         raise UserError(OFF)
