@@ -39,8 +39,12 @@ GOOD_WHEN_TRUE = frozenset(
 ACRONYMS = {"iou": "IoU", "rms": "RMS", "id": "id"}
 """Words that are written in their own way."""
 
-UNREAD = frozenset({"id", "unit", "degree"})
+UNREAD = frozenset({"id", "unit", "degree", "camera"})
 """Keys that are there for other programs."""
+
+MOST_ROWS = 12
+"""Entries of a mapping that get rows; of a longer one, such as all nodes of a network, only a
+sum of its numbers is for people."""
 
 MOST_IN_A_ROW = 4
 """Numbers of a list that are written out; longer ones, and lists of lists, are no figures."""
@@ -106,13 +110,13 @@ def _said(value: Any, known: KnownFigure | None = None) -> str:
 
 
 def _is_figure(report: Mapping[str, Any], key: str) -> bool:
-    """Whether a value is for people: ids, long lists and what is only expected are not."""
-    if key in UNREAD or (key.startswith("expected_") and key.removeprefix("expected_") in report):
+    """Whether a value is for people: long lists and what is only expected are not."""
+    if key.startswith("expected_") and key.removeprefix("expected_") in report:
         return False
     value = report[key]
     if not isinstance(value, list):
         return True
-    if _is_spread(value, known_figures().get(key)):
+    if _is_spread(value, _known(key)):
         return True
     return 0 < len(value) <= MOST_IN_A_ROW and not any(isinstance(e, list) for e in value)
 
@@ -144,8 +148,8 @@ def figures_of(report: Mapping[str, Any], depth: int = 0, part: str = "") -> Ite
     """The rows of a report, in its own order.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
-    single part without a name needs no heading. Ids are for other programs, and so are long
-    lists, unless it is known how to sum them up.
+    single part without a name needs no heading. Mappings and long lists are summed up where it
+    is known how; other long ones, and ids, are for other programs.
 
     Parameters
     ----------
@@ -156,9 +160,15 @@ def figures_of(report: Mapping[str, Any], depth: int = 0, part: str = "") -> Ite
         Id of the part that is chosen: where a list tells of it, only this part is shown.
     """
     for key, value in report.items():
+        if key in UNREAD:
+            continue
         parts = _parts(value)
         parts = [entry for entry in parts if part and entry.get("id") == part] or parts
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and _is_spread([*value.values()], _known(key)):
+            yield _row({key: [*value.values()]}, key, depth)
+        elif isinstance(value, Mapping) and len(value) > MOST_ROWS:
+            continue
+        elif isinstance(value, Mapping):
             yield Figure(readable_key(key)[0], None, depth=depth)
             yield from figures_of(value, depth + 1, part)
         elif len(parts) == 1 and not parts[0].get("name"):
@@ -181,12 +191,16 @@ def _is_verdict(report: Mapping[str, Any], key: str) -> bool:
     return key.lower().split("_")[-1] in GOOD_WHEN_TRUE and "knots" not in report
 
 
+def _known(key: str) -> KnownFigure | None:
+    """What is known of a figure, by its key with or without the unit."""
+    bare = key.rpartition("_")[0] if readable_key(key)[1] else ""
+    return known_figures().get(key) or known_figures().get(bare)
+
+
 def _row(report: Mapping[str, Any], key: str, depth: int) -> Figure:
     value = report[key]
     name, unit = readable_key(key)
-    known = known_figures().get(key) or known_figures().get(
-        key.rpartition("_")[0] if unit[:2] == "mm" else ""
-    )
+    known = _known(key)
     if known is not None:
         name, unit = known.label, known.unit
     said = _said(value, known)

@@ -164,6 +164,37 @@ def known_figures() -> dict[str, KnownFigure]:
             unit="px",
             digits=2,
         ),
+        "residual": KnownFigure(
+            tr("Figures", "Off the marks"),
+            tr("Figures", "Distance of the marks from where their points are seen"),
+            unit="px",
+            digits=1,
+            spread=True,
+        ),
+        "leave_one_out": KnownFigure(
+            tr("Figures", "Without its say"),
+            tr("Figures", "Distance of each mark from where all the others have it"),
+            unit="px",
+            digits=1,
+            spread=True,
+        ),
+        "crease": KnownFigure(
+            tr("Figures", "Creases"),
+            tr("Figures", "Angles at which surfaces meet along their edges"),
+            unit="°",
+            digits=1,
+            spread=True,
+        ),
+        **{
+            short: KnownFigure(words, tip, unit="mm", digits=0)
+            for short, words, tip in (
+                ("LN", tr("Figures", "Length"), tr("Figures", "From nose to tail")),
+                ("WD", tr("Figures", "Width"), tr("Figures", "Without mirrors")),
+                ("HG", tr("Figures", "Height"), tr("Figures", "From the ground to the roof")),
+                ("FO", tr("Figures", "Front overhang"), tr("Figures", "Nose to front wheel")),
+                ("WB", tr("Figures", "Wheelbase"), tr("Figures", "Front wheel to rear wheel")),
+            )
+        },
     }
 
 

@@ -170,3 +170,23 @@ def test_a_report_of_the_same_kind_keeps_its_rows(qtbot):
     assert [id(w) for w in after] == [id(w) for w in before]
     assert after[0].text() == "Sill"
     assert "1.50\u00a0px" in [w.text() for w in after]
+
+
+def test_what_is_told_of_many_places_is_summed_up_or_left_out():
+    many = {f"N{k}": float(k) for k in range(39)}
+    report = {
+        "nodes": {name: [0.0, 1.0, 2.0] for name in many},
+        "residual_px": many,
+        "leave_one_out_px": {"C1": 1.0, "C2": 7.25},
+        "constraints": many,
+        "camera": {"kind": "perspective", "eye": [0, 0, 0]},
+        "dimensions": {"LN": 4500.2, "WB": 2700.0},
+    }
+    told = [(figure.key, figure.value) for figure in figures_of(report)]
+    assert told == [
+        ("Off the marks", "19.0, at most 38.0\u00a0px"),
+        ("Without its say", "4.1, at most 7.2\u00a0px"),
+        ("Dimensions", None),
+        ("Length", "4\u202f500\u00a0mm"),
+        ("Wheelbase", "2\u202f700\u00a0mm"),
+    ]
