@@ -35,8 +35,8 @@ __all__ = ["Body", "Trouble", "body_of", "drawn_through", "in_world_of", "unstre
 Array = NDArray[np.float64]
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
 
-REMEMBERED: Final = 64
-"""Bodies that are remembered: the last few, each after every edit."""
+REMEMBERED: Final = 1024
+"""Bodies that are remembered: the last ones, each after every edit; some kilobytes each."""
 
 DRAWN: Final = 1e2
 """How much firmer an edge is that was drawn or bent by hand, when lengths of tangents are evened
@@ -156,15 +156,34 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
     While a mark is dragged edits are not made again: what they have changed is carried along.
     """
     base = solved(state, before)
-    if before is not None and state.edits and state.edits == before.edits:
+    if before is not None and state.edits and state.edits is before.edits:
         old = unstretched_body_of(before)
         if old.template is base.template and old.solved is not base:
             return _carried(old, _right_after(old.solved, before), _deformed(base, state))
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
         work = partial(_edited, body, edit, number, state.smooth)
-        body = _bodies.recall((body, edit, number, state.smooth), work)
+        body = _bodies.recall((body, _Same(edit), number, state.smooth), work)
     return body
+
+
+class _Same:
+    """Something that is equal to itself alone.
+
+    To compare all samples of fifty strokes with those of the last time would take longer than
+    to make one more edit.
+    """
+
+    __slots__ = ("own",)
+
+    def __init__(self, own: object) -> None:
+        self.own = own
+
+    def __hash__(self) -> int:
+        return id(self.own)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.own is self.own
 
 
 # -- deformation -----------------------------------------------------------------------------------

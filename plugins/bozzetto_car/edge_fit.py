@@ -62,7 +62,7 @@ STEPS: Final = 40
 HALVINGS: Final = 8
 """Most halvings of a step that does not help."""
 
-SETTLED: Final = 1e-6
+SETTLED: Final = 2e-5
 """Longest step of a control point, per chord of the edge, at which the iteration ends."""
 
 FOOT_PLACES: Final = 48

@@ -117,7 +117,7 @@ def run_along(
         row = _directed(paths, rows[0], places)
     else:
         row = _nearest_row(network, camera, paths, rows, places)
-    distance = _distance(places, paths, row)
+    distance = float(distances_to_polyline(places, _laid_out(paths, row)).mean())
     shown = np.concatenate([path for path, good in zip(paths, visible, strict=True) if good])
     if distance > REACH * float(np.linalg.norm(np.ptp(shown, axis=0))):
         raise UserError("The stroke is far from every edge of the car. Draw along one of them.")
@@ -154,9 +154,18 @@ def _nearest_row(
     """The edges that a stroke goes along, in its direction, of the row that is meant."""
     toward = facing(network.template, network.positions, camera)
     faces = np.asarray(toward[network.template.edges].all(axis=1))
-    order = np.argsort([_cost(places, paths, row, faces) for row in rows])
-    found = [_passed(paths, rows[which], places) for which in order[:CANDIDATES]]
-    return min(found, key=lambda row: _cost(places, paths, row, faces))
+    known = sorted({max(edge, ~edge) for row in rows for edge in row})
+    away = np.full((len(places), len(paths)), np.inf)
+    away[:, known] = _distances(places, paths[known])
+    best, least = rows[0], np.inf
+    for whole in sorted(rows, key=lambda row: _cost(away, row, faces))[:CANDIDATES]:
+        if _distance(away, whole) >= least:
+            continue  # a part of it is no nearer than the whole
+        row = _passed(paths, whole, places)
+        cost = _cost(away, row, faces)
+        if cost < least:
+            best, least = row, cost
+    return best
 
 
 def _rows(template: Template) -> list[tuple[int, ...]]:
@@ -180,15 +189,30 @@ def _laid_out(paths: Array, row: tuple[int, ...]) -> Array:
     return np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
 
 
-def _distance(places: Array, paths: Array, row: tuple[int, ...]) -> float:
-    return float(distances_to_polyline(places, _laid_out(paths, row)).mean())
+def _distances(places: Array, paths: Array) -> Array:
+    """Distances of places (k, 2) from the pictures of edges (m, l, 2), (k, m) px."""
+    middle = places.mean(axis=0)
+    own, laid = places - middle, paths - middle
+    begin, step = laid[:, :-1].reshape(-1, 2), np.diff(laid, axis=1).reshape(-1, 2)
+    squares = np.maximum((step**2).sum(axis=1), np.finfo(float).tiny)
+    along = own @ step.T - (begin * step).sum(axis=1)
+    share = np.clip(along / squares, 0.0, 1.0)
+    away = (own**2).sum(axis=1)[:, None] + (begin**2).sum(axis=1) - 2.0 * own @ begin.T
+    away += share * (share * squares - 2.0 * along)
+    least = away.reshape(len(own), len(paths), -1).min(axis=2)
+    return np.asarray(np.sqrt(np.maximum(least, 0.0)))
 
 
-def _cost(places: Array, paths: Array, row: tuple[int, ...], faces: NDArray[np.bool_]) -> float:
-    """The mean distance of a stroke from a row, with what is added where the row is hidden."""
-    distance = _distance(places, paths, row)
+def _distance(away: Array, row: tuple[int, ...]) -> float:
+    """The mean distance of a stroke from a row."""
+    return float(away[:, [max(edge, ~edge) for edge in row]].min(axis=1).mean())
+
+
+def _cost(away: Array, row: tuple[int, ...], faces: NDArray[np.bool_]) -> float:
+    """The same, with what is added where the row is hidden."""
+    distance = _distance(away, row)
     factor, more = HIDDEN
-    hidden = float(np.mean([not faces[max(edge, ~edge)] for edge in row]))
+    hidden = sum(not faces[max(edge, ~edge)] for edge in row) / len(row)
     return distance + hidden * ((factor - 1.0) * distance + more)
 
 
