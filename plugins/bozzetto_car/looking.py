@@ -7,13 +7,15 @@ they go along to the same window of the picture, so that nothing but the car mov
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import replace
+from typing import Final, Literal
 
 from bozzetto.plugin import Memory, ViewAdvice
+from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.asking import asked_of, in_work, titled
 from bozzetto_car.body import Body
-from bozzetto_car.showing import hanging_on_view
+from bozzetto_car.showing import body_layers, hanging_on_view, is_shown
 from bozzetto_car.solving import FEWEST, Placed
 from bozzetto_car.stand import Stand
 from bozzetto_car.state import CarState, Sketch
@@ -26,6 +28,9 @@ EXCHANGED: Final = (
     "Left and right seem to be exchanged. The command “Exchange left and right” puts it right."
 )
 """What is said of marks that fit a car as a mirror shows it."""
+
+DRAFTED: Final = ("body", "wheels")
+"""Layers that would hide the drawing under them."""
 
 MOST_SKETCHES: Final = 32
 """Sketches whose stands are remembered."""
@@ -57,23 +62,33 @@ def stand_seen(sketch: Sketch, body: Body, camera: Camera) -> Stand | None:
 
 def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
     """What to say of a view: which mark is asked for, or that the sketch is seen from elsewhere."""
-    placed = in_work(state, body.solved)
+    scene, placed = hanging_on_view(state, body, camera), in_work(state, body.solved)
     if placed is None:
-        return ViewAdvice("good", NO_SKETCH)
+        return ViewAdvice("good", NO_SKETCH, scene=scene)
     sketch = placed.sketch
-    stand = body.stands[sketch.id]
-    seen = stand_seen(sketch, body, camera)
+    stand, seen = body.stands[sketch.id], stand_seen(sketch, body, camera)
     note_stand(sketch, stand)
-    if seen is stand:
-        return _said_of(state, body, placed)
     if seen is not None:
+        level, message = _said_of(state, body, placed)
+        if seen is stand:
+            return ViewAdvice(level, message, None, scene + _draft(state, body), pinned=True)
         better = stand.windowed(camera.viewport, seen.window(camera))
-        said = _said_of(state, body, placed)
-        return ViewAdvice(said.level, said.message, better, pinned=True, follow=True)
-    better, scene = stand.view(camera.viewport), hanging_on_view(state, body, camera)
+        scene = hanging_on_view(state, body, better) + _draft(state, body)
+        return ViewAdvice(level, message, better, scene, pinned=True, follow=True)
+    better = stand.view(camera.viewport)
     if state.selected == sketch.id and _sees_another(state, body, camera):
         return ViewAdvice("good", f"“{sketch.name}” is chosen.", better, scene, follow=True)
     return ViewAdvice("good", f"Not seen through “{sketch.name}”.", better, scene)
+
+
+def _draft(state: CarState, body: Body) -> Scene:
+    """The body so thin that the drawing shows through, unless its own look is wanted."""
+    sketch = state.sketch
+    drawn = sketch is not None and sketch.picture is not None and sketch.opacity > 0.0
+    if not drawn or state.shading != "shaded" or not is_shown(state, body):
+        return Scene()
+    thin = replace(state, shading="draft")
+    return Scene(tuple(layer for layer in body_layers(thin, body) if layer.name in DRAFTED))
 
 
 def _sees_another(state: CarState, body: Body, camera: Camera) -> bool:
@@ -82,15 +97,14 @@ def _sees_another(state: CarState, body: Body, camera: Camera) -> bool:
     return any(stand_seen(other, body, camera) is not None for other in others)
 
 
-def _said_of(state: CarState, body: Body, placed: Placed) -> ViewAdvice:
+def _said_of(state: CarState, body: Body, placed: Placed) -> tuple[Literal["good", "warn"], str]:
     """What to say where the sketch in work is seen through its own camera."""
     sketch = placed.sketch
     if placed.problem and len(sketch.marks) >= FEWEST:
-        return ViewAdvice("warn", placed.problem, pinned=True)
+        return "warn", placed.problem
     if placed.exchanged:
-        return ViewAdvice("warn", EXCHANGED, pinned=True)
+        return "warn", EXCHANGED
     asked = asked_of(state, body.solved)
     if asked is None:
-        return ViewAdvice("good", f"All of “{sketch.name}” is marked.", pinned=True)
-    title = titled(asked.node, sketch, body.template)
-    return ViewAdvice("good", f"Next mark: {title}", pinned=True)
+        return "good", f"All of “{sketch.name}” is marked."
+    return "good", f"Next mark: {titled(asked.node, sketch, body.template)}"

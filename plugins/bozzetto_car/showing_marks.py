@@ -22,6 +22,7 @@ from bozzetto_car.body import Body
 from bozzetto_car.solving import Placed, counted_marks
 from bozzetto_car.stand import Stand
 from bozzetto_car.state import CarState, Mark
+from bozzetto_car.visibility import facing
 
 __all__ = ["MARK", "MARK_TOOL", "mark_layers", "preview_of"]
 
@@ -47,7 +48,7 @@ ALONG: Final = 16
 CROSS: Final = 0.006
 """Half the width of a cross, in diagonals of the picture."""
 
-HIDDEN_MEANWHILE: Final = ("body", "wheels", "nodes", "network", "styling")
+HIDDEN_MEANWHILE: Final = ("body", "wheels", "nodes", "network", "handles", "angles", "styling")
 """Layers that show the car as it was before a mark moved."""
 
 
@@ -93,14 +94,18 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
 
 
 def _network(body: Body, now: Stand, on: Stand) -> Iterator[Lines]:
-    """The edges where the picture would show them."""
+    """The edges where the picture would show them, faint on the side that is not seen."""
     curves = bernstein(np.linspace(0.0, 1.0, ALONG + 1)) @ body.network.control_points
     seen = now.pixels(curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
-    seen = seen[np.isfinite(seen).all(axis=(1, 2))]
-    if len(seen):
-        starts = np.arange(0, seen.shape[0] * seen.shape[1], seen.shape[1])
-        places = on.lifted(seen.reshape(-1, 2)).astype(np.float32)
-        yield Lines(places, starts, color="ink", width=1.4, opacity=0.75, hidden="show")
+    there = np.isfinite(seen).all(axis=(1, 2))
+    near = facing(body.template, body.network.positions, now.camera)
+    front = near[body.template.edges].all(axis=1)
+    for side, opacity in ((front, 0.8), (~front, 0.25)):
+        pixels = seen[there & side]
+        if len(pixels):
+            starts = np.arange(0, pixels.shape[0] * pixels.shape[1], pixels.shape[1])
+            places = on.lifted(pixels.reshape(-1, 2)).astype(np.float32)
+            yield Lines(places, starts, color="ink", width=1.4, opacity=opacity, hidden="show")
 
 
 def _marks(
@@ -190,5 +195,5 @@ def _direct(placed: Placed, body: Body, stand: Stand) -> Iterator[Lines]:
         size = CROSS * float(np.hypot(*stand.camera.viewport))
         strokes = np.array([[-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]])
         corners = (seen[:, None] + size * strokes).reshape(-1, 2)
-        starts = np.arange(0, len(corners), 2)
+        starts = np.arange(0, len(corners), 2, dtype=np.int32)
         yield Lines(stand.lifted(corners).astype(np.float32), starts, color="ghost", hidden="show")

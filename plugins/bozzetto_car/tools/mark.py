@@ -30,6 +30,9 @@ FARTHEST: Final = 5.0
 REACH: Final = 2.0
 """Distance from a mark, in tolerances of the pen, at which an eraser meets it."""
 
+TOUCH: Final = 2.0
+"""Farthest way of a pen that only touches a mark, px."""
+
 NOT_THROUGH: Final = (
     "Marks are set where the sketch is seen as it was drawn. Go back to it with T, then touch "
     "the point."
@@ -74,6 +77,8 @@ class MarkPoints:
         body = body_of(state)
         if isinstance(gesture, Ink):
             return _erased(state, body, gesture, context.pen.tolerance)
+        if isinstance(gesture, Drag) and _is_touch(gesture):
+            return state
         mark = _mark(state, body, gesture)
         return marked(state, mark.node, (mark.u, mark.v), template_of(state))
 
@@ -93,6 +98,12 @@ def _mark(state: CarState, body: Body, gesture: Tap | Drag) -> Mark:
         node, at = asked.node, np.array([gesture.x, gesture.y])
     ((u, v),) = _pixels(state, body, gesture.camera, [at]).tolist()
     return Mark(node, u, v)
+
+
+def _is_touch(gesture: Drag) -> bool:
+    """Whether a mark was touched, and not moved."""
+    path = gesture.path.points
+    return float(np.abs(path - path[0]).max()) < TOUCH
 
 
 def _pixels(state: CarState, body: Body, camera: Camera, places: Sequence[Array]) -> Array:
