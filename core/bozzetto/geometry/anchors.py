@@ -96,7 +96,7 @@ def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flag
 
 def _changes(*columns: Index) -> Flags:
     """Where any of some columns differs from its row before, from the second row on."""
-    return np.any([np.diff(column) != 0 for column in columns], axis=0)
+    return np.asarray(np.any([np.diff(column) != 0 for column in columns], axis=0), bool)
 
 
 def _evened(at: Array, fixed: Flags) -> Array:
@@ -110,17 +110,18 @@ def _evened(at: Array, fixed: Flags) -> Array:
 
 
 def _owners(sphere: Icosphere, vertices: Array, frame: Wireframe) -> tuple[Array, Index]:
+    """The distance of each place from the vertex that is nearest to it, and that vertex."""
     from scipy.spatial import cKDTree
 
-    distance, owner = cKDTree(vertices).query(frame.places)
-    owner = np.asarray(owner, np.intp)
+    found = cKDTree(vertices).query(frame.places)
+    distance, owner = np.array(found[0], np.float64), np.array(found[1], np.intp)
     if frame.symmetric:
         middle = np.flatnonzero(sphere.mirrored == np.arange(len(vertices)))
         level = np.flatnonzero(frame.places[:, 1] == 0)
         distance[level], nearest = cKDTree(vertices[middle]).query(frame.places[level])
         owner[level] = middle[nearest]
         owner = np.where(vertices[owner, 1] < 0, sphere.mirrored[owner], owner)
-    return np.asarray(distance), owner
+    return distance, owner
 
 
 def _rows(

@@ -54,13 +54,13 @@ def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array
     -------
     (v, 3) float
     """
-    from scipy.sparse import csr_array
+    from scipy.sparse import csr_array, diags_array
 
     row = np.repeat(np.arange(len(points)), 3)
     shape = (len(points), energy.shape[0])
     hold = csr_array((feet.weights.ravel(), (row, feet.corners.ravel())), shape)
-    pulled = hold.multiply(weights[:, None]).tocsr().T
-    return _solved((pulled @ hold) + energy, pulled @ points)
+    pulled = hold.T @ diags_array(weights)
+    return _solved((pulled @ hold) + energy, np.asarray(pulled @ points))
 
 
 def held_at(energy: Energy, held: Index, places: Array) -> Array:

@@ -79,7 +79,7 @@ def shrink_wrap(
     *,
     level: int = 5,
     tightness: float = 1.0,
-    smoothing: float = 0.25,
+    smoothing: float = 0.2,
     checkpoint: Checkpoint = _nobody,
 ) -> Mesh:
     """Draw a closed skin over curves.

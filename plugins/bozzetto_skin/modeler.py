@@ -1,0 +1,171 @@
+"""The modeler of rough skins: curves in, a closed mesh out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Mesh, Shapes, Solid, frozen
+from bozzetto.geometry.shrink_wrap import LEVELS, curve_distances, shrink_wrap
+from bozzetto.plugin import Context, Job, Parameter, Tool
+from bozzetto.scene import Layer, Lines, Scene, Shaded
+from bozzetto_skin.reading import polylines
+
+__all__ = ["RoughSkin", "Skin", "SkinState"]
+
+Array = NDArray[np.float64]
+
+PREVIEW_LEVEL: Final = 4
+"""Finest level of a preview: 2562 vertices, a tenth of a second."""
+
+
+def _no_points() -> Array:
+    return np.zeros((0, 3))
+
+
+def _no_starts() -> NDArray[np.int32]:
+    return np.zeros(0, np.int32)
+
+
+@dataclass(frozen=True, eq=False)
+class SkinState:
+    """Curves, and how tightly a skin is drawn over them.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        All polylines, one after the other, mm.
+    starts : (k,) int32
+        The first point of each.
+    detail : int
+        How often the triangles of the sphere are subdivided.
+    tightness : float
+        Percent.
+    smoothing : float
+        Percent.
+    """
+
+    points: Array = field(default_factory=_no_points)
+    starts: NDArray[np.int32] = field(default_factory=_no_starts)
+    detail: Annotated[
+        int,
+        Parameter(
+            "Detail",
+            *LEVELS,
+            1,
+            help="How fine the skin is; each step has four times as many faces.",
+        ),
+    ] = 5
+    tightness: Annotated[
+        float,
+        Parameter("Tightness", 0, 100, 1, "%", "How far the skin is drawn into hollow places."),
+    ] = 100.0
+    smoothing: Annotated[
+        float,
+        Parameter("Smoothing", 0, 100, 1, "%", "From taut with sharp edges to round and full."),
+    ] = 20.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points, np.float64, 3))
+        object.__setattr__(self, "starts", frozen(self.starts, np.int32))
+
+    @property
+    def curves(self) -> tuple[Array, ...]:
+        """The polylines."""
+        return tuple(np.split(self.points, self.starts[1:])) if len(self.starts) else ()
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """A skin, if there are curves.
+
+    Attributes
+    ----------
+    mesh : Mesh or None
+    distances : (n,) float
+        Of places along the curves from it, mm.
+    """
+
+    mesh: Mesh | None
+    distances: Array
+
+
+class RoughSkin:
+    """A sphere shrunk onto curves. There is nothing to draw: the curves come from elsewhere."""
+
+    id = "bozzetto.skin"
+    title = "Rough skin"
+    state_type = SkinState
+    state_version = 1
+
+    def create(self, context: Context) -> SkinState:
+        """No curves."""
+        return SkinState()
+
+    def tools(self) -> Sequence[Tool[SkinState]]:
+        """None: curves are drawn with other modelers."""
+        return ()
+
+    def read_shapes(self, shapes: Shapes) -> SkinState:
+        """A state from the curves and patches of another model, or of a file."""
+        lines = polylines(shapes)
+        lengths = [0, *(len(line) for line in lines[:-1])]
+        return SkinState(np.vstack(lines), np.cumsum(lengths).astype(np.int32))
+
+    def solve(self, state: SkinState, job: Job) -> Skin:
+        """Shrink the sphere."""
+        if not len(state.starts):
+            return Skin(None, np.zeros(0))
+        level = min(state.detail, PREVIEW_LEVEL) if job.quality == "preview" else state.detail
+        mesh = shrink_wrap(
+            state.curves,
+            level=level,
+            tightness=state.tightness / 100.0,
+            smoothing=state.smoothing / 100.0,
+            checkpoint=job.checkpoint,
+        )
+        if job.quality == "preview":
+            return Skin(mesh, np.zeros(0))
+        return Skin(mesh, curve_distances(state.curves, mesh))
+
+    def scene(self, state: SkinState, result: Skin | None) -> Scene:
+        """The skin in clay, and the curves on it."""
+        curves = Lines(state.points.astype(np.float32), state.starts, color="ghost", width=1.0)
+        layers = [Layer("curves", (curves,))] if len(state.starts) else []
+        if result is not None and result.mesh is not None:
+            layers.insert(0, Layer("skin", (Shaded(result.mesh),)))
+        return Scene(tuple(layers))
+
+    def shapes(self, state: SkinState, result: Skin) -> Shapes:
+        """The skin as a solid."""
+        if result.mesh is None:
+            return Shapes()
+        return Shapes(solids=(Solid(result.mesh, name="skin"),))
+
+    def report(self, state: SkinState, result: Skin) -> Mapping[str, Any]:
+        """How far the curves are from the skin."""
+        if result.mesh is None:
+            return {"curves": 0}
+        told: dict[str, Any] = {
+            "curves": len(state.starts),
+            "vertices": len(result.mesh.vertices),
+            "faces": len(result.mesh.faces),
+        }
+        if len(result.distances):
+            size = float(np.linalg.norm(np.ptp(state.points, axis=0)))
+            median, most, greatest = np.quantile(result.distances, [0.5, 0.95, 1.0])
+            told["distance_mm"] = {
+                "median": float(median),
+                "95_percent": float(most),
+                "greatest": float(greatest),
+            }
+            told["greatest_distance_percent_of_size"] = 100.0 * float(greatest) / size
+        return told
+
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """There is no older form yet."""
+        return state
