@@ -28,7 +28,7 @@ from bozzetto_car.deformation import Cost, Prior
 from bozzetto_car.marked_view import MarkedView, Sight
 from bozzetto_car.template import Template
 
-__all__ = ["Weighed", "probability", "weighed"]
+__all__ = ["Evidence", "Weighed", "evidence_of", "weighed"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -110,7 +110,7 @@ def weighed(
     counted = [~flags for flags in before]
     prices = [np.where(flags, -RETURNING, 0.0) + ASTRAY + SINGLE * len(flags) for flags in before]
     while True:
-        now = _Evidence(sketches, counted)
+        now = Evidence(sketches, counted)
         best = max(_losses(now, counted, prices), default=NO_CHANGE)
         if best[0] <= 0.0:
             best = max(_returns(sketches, counted, prices), default=NO_CHANGE)
@@ -120,11 +120,8 @@ def weighed(
         counted[sketch][mark] = not counted[sketch][mark]
 
 
-def probability(template: Template, view: MarkedView) -> float:
-    """How probable the marks of a sketch are, as a natural logarithm, but for a constant.
-
-    The constant is that of the number of marks: cameras and the nodes that marks are taken for
-    may be compared.
+def evidence_of(template: Template, view: MarkedView) -> Evidence:
+    """How probable the marks of one sketch are, all of them.
 
     Parameters
     ----------
@@ -132,11 +129,11 @@ def probability(template: Template, view: MarkedView) -> float:
     view : MarkedView
         As for `weighed`.
     """
-    return _Evidence(_linear(template, [view]), [np.ones(len(view.nodes), bool)]).total
+    return Evidence(_linear(template, [view]), [np.ones(len(view.nodes), bool)])
 
 
 def _losses(
-    now: _Evidence, counted: list[Flags], prices: list[Array]
+    now: Evidence, counted: list[Flags], prices: list[Array]
 ) -> Iterator[tuple[float, int, int]]:
     """What is gained by setting the best mark of each sketch aside, which sketch, and which."""
     for number, (flags, price) in enumerate(zip(counted, prices, strict=True)):
@@ -155,7 +152,7 @@ def _returns(
         for mark in np.flatnonzero(~flags).tolist():
             more = flags.copy()
             more[mark] = True
-            with_it = _Evidence(sketches, [*counted[:number], more, *counted[number + 1 :]])
+            with_it = Evidence(sketches, [*counted[:number], more, *counted[number + 1 :]])
             rank = int(more[:mark].sum())
             yield float(prices[number][mark] - with_it.improbable[number][rank]), number, mark
 
@@ -193,15 +190,16 @@ def _linear(template: Template, views: Sequence[MarkedView]) -> list[_Linear]:
     return made
 
 
-class _Evidence:
+class Evidence:
     """How probable marks are, for all spreads and hands together.
 
     Attributes
     ----------
     total : float
-        Logarithm of the probability of all marks, but for a constant.
+        Natural logarithm of the probability of all marks, but for a constant that depends on
+        their number alone.
     spread : float
-        Mean of the logarithm, as a factor.
+        See `Weighed`; the mean of the logarithm, as a factor.
     improbable : list of (k,) float
         For each sketch: by how much the rest is more probable without each mark, as a logarithm.
     """

@@ -23,7 +23,7 @@ from bozzetto.view.calibration import Resection, resect
 from bozzetto_car.deformation import TRACE, Cost
 from bozzetto_car.dimensions import Overlap
 from bozzetto_car.edges import Network
-from bozzetto_car.evidence import probability, weighed
+from bozzetto_car.evidence import evidence_of, weighed
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.soundness import Soundness
@@ -42,6 +42,10 @@ FEWEST: Final = 6
 EXCHANGED: Final = 7.0
 """By how much the marks must be more probable with left and right exchanged, as a natural
 logarithm: beyond doubt. A side view or an orthographic sketch tells nothing of that kind."""
+
+UNLIKE: Final = 0.85
+"""Spread from which that is asked at all: marks that left and right are exchanged of make a car
+that is most unlike the template."""
 
 GENEROUS: Final = 2.0
 """Factor of the spread that is probable. It is half of what the cost expects for most cars, whose
@@ -251,7 +255,8 @@ def _is_exchanged(placed: Placed, template: Template) -> bool:
     """Whether the marks are more probable as those of the other side."""
     view, sketch = _view(placed, template), placed.sketch
     others = template.mirrored[view.nodes]
-    if (others == view.nodes).all():
+    right = evidence_of(template, view)
+    if right.spread < UNLIKE or (others == view.nodes).all():
         return False
     try:
         found = resect(
@@ -263,7 +268,7 @@ def _is_exchanged(placed: Placed, template: Template) -> bool:
     if _too_near(template, others, found).any():
         return False
     other = replace(view, camera=found.camera, shift=found.shift, nodes=others)
-    return probability(template, other) > probability(template, view) + EXCHANGED
+    return evidence_of(template, other).total > right.total + EXCHANGED
 
 
 def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
