@@ -32,6 +32,9 @@ FINE: Final = 1.0
 MOST: Final = 6000
 """Most places on which a stroke is smoothed; they are farther apart on a longer one."""
 
+MOST_PLACES: Final = 1000
+"""Most places of a line: a sheet or two."""
+
 DEGREE: Final = 3
 """Of the polynomials that smooth."""
 
@@ -106,7 +109,7 @@ def smoothed_line(points: ArrayLike) -> Array:
             before, after = fine[half:0:-1], fine[-2 : -half - 2 : -1]
             whole = np.vstack((2.0 * fine[0] - before, fine, 2.0 * fine[-1] - after))
             fine = np.column_stack([np.convolve(c, weights, "valid") for c in whole.T])
-    return resample(fine, spacing=STEP)
+    return resample(fine, spacing=max(STEP, length / MOST_PLACES))
 
 
 def _weights(half: int) -> Array:
