@@ -232,15 +232,15 @@ def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
 
 
 def _told(sketch: Sketch, placed: Placed) -> str:
-    count = len(sketch.marks)
+    count, wrong = len(sketch.marks), len(placed.disagreeing)
     words = [f"{count} mark" if count == 1 else f"{count} marks"]
-    if placed.is_known:
+    if wrong:
+        words.insert(0, "1 mark disagrees" if wrong == 1 else f"{wrong} marks disagree")
+    elif placed.is_known:
         words.insert(0, placed.stand.camera.kind)
     agreeing = [px for node, px in (placed.missed or {}).items() if node not in placed.disagreeing]
     if agreeing:
         words.append(f"{np.sqrt(np.mean(np.square(agreeing))):.1f} px")
-    if placed.disagreeing:
-        words.append(f"{len(placed.disagreeing)} disagreeing")
     return " · ".join(words)
 
 

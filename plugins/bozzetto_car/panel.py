@@ -115,6 +115,7 @@ class GuidePanel(QScrollArea):
         self.rules.setObjectName("car-guide-rules")
         self.rules.setAccessibleName("Soundness")
         self.rules.setWordWrap(True)
+        self.rules.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rules.setMinimumHeight(220)
         self.rules.itemChanged.connect(self._switch)
         column.addWidget(Fold("Sketches", self._rows, inside, is_open=True))

@@ -24,8 +24,8 @@ from bozzetto_car.template import Template
 
 __all__ = ["STILL", "TurningCar"]
 
-HEIGHT: Final = 148
-"""px."""
+SHAPE: Final = 0.5
+"""Height of the picture per width."""
 
 TURN: Final = 700.0
 """Time in which the car turns to another point, ms."""
@@ -53,7 +53,6 @@ class TurningCar(QWidget):
         super().__init__(parent)
         self.setObjectName("car-guide-picture")
         self.setAccessibleName("The point on a small car")
-        self.setFixedHeight(HEIGHT)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._template: Template | None = None
         self._node = ""
@@ -135,10 +134,11 @@ class TurningCar(QWidget):
     # -- Qt ----------------------------------------------------------------------------------------
 
     def sizeHint(self) -> QSize:
-        return QSize(260, HEIGHT)
+        return QSize(260, round(260 * SHAPE))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
+        self.setFixedHeight(round(SHAPE * self.width()))
         self._turn()
 
     def showEvent(self, event: QShowEvent) -> None:

@@ -138,7 +138,7 @@ class SketchButton(QAbstractButton):
         font = self.font()
         font.setPixelSize(max(10, round(0.86 * self.fontInfo().pixelSize())))
         painter.setFont(font)
-        painter.setPen(warning_of(self) if self.row.wrong else role(self, Role.PlaceholderText))
+        painter.setPen(warning_of(self) if self.row.wrong else role(self, Role.WindowText, 0.65))
         painter.drawText(
             below,
             Qt.AlignmentFlag.AlignVCenter,
