@@ -34,7 +34,7 @@ class ParametersPanel(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(256)
+        self.setMinimumWidth(264)
 
         self._empty = QLabel()
         self._locked = QLabel(tr("Parameters", "This object is locked."))

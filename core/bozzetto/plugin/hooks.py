@@ -43,7 +43,7 @@ def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
 
 
 @hookspec
-def bozzetto_faults(file: Path) -> Sequence[str] | None:  # type: ignore[empty-body]
+def bozzetto_faults(file: Path) -> Sequence[str] | None:
     """What is wrong with a file of a kind that is the plugin's own, such as a template.
 
     Only called where the manifest says ``checks_files = true``, by ``bozzetto plugins check
