@@ -1,25 +1,50 @@
-"""The car: cameras and shape solved together, cold and while a mark is dragged."""
+"""The car: solved and dragged, traced and styled; its surfaces, dimensions, files and skin."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import count
 
 import numpy as np
 
+from bozzetto.exchange.step import write_shapes
 from bozzetto.geometry.coons import coons_nets
-from bozzetto.geometry.patch import extent
+from bozzetto.geometry.patch import bernstein, extent, grid
+from bozzetto.geometry.shrink_wrap import shrink_wrap
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Context, Drag
+from bozzetto_car.body import body_of
 from bozzetto_car.certainty import certainty, further_views
 from bozzetto_car.deformation import Cost, Prior
 from bozzetto_car.dimensions import Dimensions
+from bozzetto_car.edges import Network, edge_called
+from bozzetto_car.handing_over import shapes_of
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.marked_view import MarkedView
 from bozzetto_car.quadratic import constrained_minimum
 from bozzetto_car.reshaping import Reshaping, reshaped
+from bozzetto_car.showing import scene_of
+from bozzetto_car.showing_marks import MARK
+from bozzetto_car.solving import solved
 from bozzetto_car.soundness import Soundness
+from bozzetto_car.state import CarState, Mark, Sketch
+from bozzetto_car.styling import laid
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled
+from bozzetto_car.tools.mark import MarkPoints
+from bozzetto_car.tracing import traced
 from tests.benchmarks.timing import Row, in_turn, processor_ms
-from tests.plugins.car.sketched import FRONT, FRONT_QUARTER, REAR_QUARTER, SIDE, sketched, styled
+from tests.plugins.car.sketched import (
+    FRONT,
+    FRONT_QUARTER,
+    PICTURE,
+    REAR_QUARTER,
+    SIDE,
+    Sketched,
+    sketched,
+    styled,
+)
 
 VIEWS = (FRONT_QUARTER, REAR_QUARTER, SIDE, FRONT)
 
@@ -69,18 +94,16 @@ def slsqp(form: np.ndarray, slope: np.ndarray, rows: np.ndarray, least: np.ndarr
     )
 
 
-def rows() -> Iterator[Row]:
-    """Solves of one to four sketches, then what is asked about a solved car."""
-    template = bundled("sedan")
+def joint_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
+    """Joint solves of one to four sketches, then what is asked about a solved car."""
     sound, cost = Soundness.of(template), Cost.balanced()
-    sketch = sketched(template, styled(template, 3), VIEWS, 3)
-    for count in (1, 2, 4):
-        given = sketch.views[:count]
+    for number in (1, 2, 4):
+        given = sketch.views[:number]
         cold = processor_ms(lambda given=given: solve(template, given, cost, sound), repeats=15)
-        yield Row("car", f"joint solve, cold, sketches: {count}", cold, "ms", "< 100 ms")
+        yield Row("car", f"joint solve, cold, sketches: {number}", cold, "ms", "< 100 ms")
         dragging = Dragging(template, solve(template, given, cost, sound), cost, sound)
         frame = processor_ms(dragging.frame, repeats=30)
-        yield Row("car", f"joint solve, drag frame, sketches: {count}", frame, "ms", "< 30 ms")
+        yield Row("car", f"joint solve, drag frame, sketches: {number}", frame, "ms", "< 30 ms")
     exact = Cost.balanced(1.0)
     one = sketch.views[:1]
     cold = processor_ms(lambda: solve(template, one, exact, sound), repeats=15)
@@ -94,9 +117,109 @@ def rows() -> Iterator[Row]:
     joint = solve(template, one, cost, sound)
     yield Row("car", "certainty", processor_ms(lambda: certainty(template, cost, joint)))
     yield Row("car", "further views", processor_ms(lambda: further_views(template, cost, joint)))
-    sides = np.array([patch.edges for patch in template.patches])
-    edges = template.control_points
-    box = extent(coons_nets(edges, sides))
+
+
+# -- as a person has it --
+
+
+def marked(template: Template, sketch: Sketched, number: int) -> CarState:
+    """A car of so many sketches with all of their marks."""
+    sketches = []
+    for view in sketch.views[:number]:
+        names = [template.names[node] for node in view.nodes.tolist()]
+        places = zip(names, view.marks.tolist(), strict=True)
+        marks = tuple(Mark(name, u, v) for name, (u, v) in places)
+        key = f"sketch-{len(sketches)}"
+        sketches.append(Sketch(key, key, width=PICTURE[0], height=PICTURE[1], marks=marks))
+    return CarState(nodes=tuple(sketches), selected=sketches[0].id)
+
+
+def never_seen(state: CarState) -> Callable[[], CarState]:
+    """The same car at each call, but for a trillionth of a pixel: nothing of it is remembered."""
+    numbers = count()
+    sketch = state.sketches[0]
+    mark = sketch.marks[0]
+
+    def car() -> CarState:
+        moved = replace(mark, u=mark.u + 1e-12 * next(numbers) * abs(mark.u))
+        return state.with_node(replace(sketch, marks=(moved, *sketch.marks[1:])))
+
+    return car
+
+
+def dragging(state: CarState) -> Callable[[], object]:
+    """A mark under the pen: all that the Mark tool does for one frame."""
+    body = body_of(state)
+    sketch = state.sketches[0]
+    stand, mark = body.stands[sketch.id], sketch.marks[5]
+    camera = stand.view(PICTURE)
+    tool, numbers = MarkPoints(), count()
+
+    def frame() -> object:
+        turn = 0.1 * next(numbers)
+        there = mark.u + 6.0 * np.sin(turn), mark.v + 4.0 * np.cos(turn)
+        way = stand.lifted([(mark.u, mark.v), there])
+        x, y = camera.project(way)[0].T
+        return tool.preview(state, Drag(MARK + mark.node, Stroke(x, y, camera)), Context())
+
+    return frame
+
+
+def working_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
+    """From marks to what is seen, and what is done to the body."""
+    for number in (1, 2, 4):
+        state = marked(template, sketch, number)
+        car = never_seen(state)
+        cold = processor_ms(lambda car=car: solved(car()), repeats=15)
+        yield Row("car", f"marks to solved car, cold, sketches: {number}", cold, "ms", "≤ 100 ms")
+        frame = processor_ms(dragging(state), repeats=30)
+        yield Row("car", f"a mark dragged, frame, sketches: {number}", frame, "ms", "≤ 30 ms")
+    state = marked(template, sketch, 1)
+    base, car = body_of(state), never_seen(state)
+    skin = replace(state, shading="zebra")
+    whole = processor_ms(lambda: scene_of(skin, body_of(car())), repeats=15)
+    yield Row("car", "marks to body and scene, cold", whole)
+    camera = base.stands[state.sketches[0].id].camera
+    edge = base.network.control_points[edge_called(template, "C1-C2")]
+    places = camera.project(bernstein(np.linspace(0.02, 0.98, 60)) @ edge)[0]
+    stroke = places + 6.0 * np.sin(np.linspace(0.0, np.pi, 60))[:, None] * (0.0, -1.0)
+    trace = processor_ms(lambda: traced(base.network, stroke, camera), repeats=15)
+    yield Row("car", "an edge traced by a stroke", trace)
+    low, high = (camera.project(base.network.positions[[template.node[name] for name in names]])[0]
+                 for names in (("S2.R", "S4.R"), ("B2.R", "B4.R")))  # fmt: skip
+    ends = 0.5 * (low + high)
+    line = ends[0] + np.linspace(0.0, 1.0, 200)[:, None] * (ends[1] - ends[0])
+    lay = processor_ms(lambda: laid(base, line, camera), repeats=15)
+    yield Row("car", "a styling curve of 200 samples laid on the body", lay)
+    shapes = shapes_of(state, base)
+    yield Row("car", "STEP of the body, written", processor_ms(lambda: write_shapes(shapes)))
+
+
+# -- surfaces --
+
+
+def spline_by_spline(nets: np.ndarray, places: np.ndarray) -> list[np.ndarray]:
+    """The same places of patches by SciPy's tensor product splines."""
+    from scipy.interpolate import NdBSpline
+
+    knots = np.repeat((0.0, 1.0), 4)
+    return [NdBSpline((knots, knots), net, k=3)(places) for net in nets]
+
+
+def surface_rows(template: Template) -> Iterator[Row]:
+    """Patches from edges, dimensions, and a skin over the edges."""
+    edges, sides = Network.of(template).control_points, template.sides
+    steps = np.linspace(0.0, 1.0, 13)
+    square = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
+    nets = coons_nets(edges, sides)
+    ours, other = in_turn(
+        lambda: grid(coons_nets(edges, sides), steps, steps),
+        lambda: spline_by_spline(nets, square),
+        repeats=51,
+    )
+    yield Row("car", "28 patches from their edges, 13 × 13 places", ours, "ms", "≤ 0.5 ms",
+              "SciPy's NdBSpline, without making the patches", other)  # fmt: skip
+    box = extent(nets)
     wheels = template.positions[template.wheels[:, 0], 0]
 
     def measure(map_: Reshaping) -> np.ndarray:
@@ -104,3 +227,15 @@ def rows() -> Iterator[Row]:
 
     wanted = Dimensions(wheelbase=2880.0, width=1850.0)
     yield Row("car", "dimensions", processor_ms(lambda: reshaped(wanted, box, wheels, measure)))
+    lines = bernstein(np.linspace(0.0, 1.0, 25)) @ edges
+    skin = processor_ms(lambda: shrink_wrap(lines), repeats=3)
+    yield Row("car", "rough skin over 62 edges, 10,242 vertices", skin)
+
+
+def rows() -> Iterator[Row]:
+    """One car from four sides."""
+    template = bundled("sedan")
+    sketch = sketched(template, styled(template, 3), VIEWS, 3)
+    yield from joint_rows(template, sketch)
+    yield from working_rows(template, sketch)
+    yield from surface_rows(template)
