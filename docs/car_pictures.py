@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 CARS = GALLERY / "car"
 DRAWN = ("sedan", "hatchback", "minivan")
-PANEL = (800, 500)
+PANEL = (640, 400)
 """Size of one of six pictures, px: cut like the sketches."""
 
-TRIMMED = (25, 35)
+TRIMMED = (20, 28)
 """What is cut off each above and below, px."""
 
-GAP, CAPTION = 12, 34
+GAP, CAPTION = 10, 30
 """Between panels, and for the words below each, px."""
 
 WORDS = (
@@ -44,6 +44,9 @@ LARGE = (1200, 750)
 LOOKS = {"sedan": (142.0, 15.0), "hatchback": (-140.0, 13.0), "minivan": (138.0, 17.0)}
 """From where each car is seen best: angle from the tail and above the floor, degrees."""
 
+BEHIND = (-35.0, 16.0)
+"""Where one looks at what a sketch of the front does not show."""
+
 DRAWN_FROM = {"sedan": 0, "hatchback": 0, "minivan": 1}
 """The sketch through which the steps are seen."""
 
@@ -51,7 +54,7 @@ DRAWN_FROM = {"sedan": 0, "hatchback": 0, "minivan": 1}
 def gallery() -> None:
     """Each drawn car in six steps, seen as it was drawn."""
     for name in DRAWN:
-        save(strip(name), f"{name}-steps.png", CARS)
+        save(strip(name), f"{name}-steps.png", CARS, smooth=True)
 
 
 def bodies() -> None:
@@ -60,9 +63,11 @@ def bodies() -> None:
 
     for name in DRAWN:
         palette = DARK if name == "minivan" else LIGHT
-        save(large(name, palette, "styling"), f"car-{name}.png")
+        save(large(name, palette, "styling", look=LOOKS[name]), f"car-{name}.png", smooth=True)
     for shading in ("zebra", "curvature", "certainty"):
-        save(large("hatchback", LIGHT, shading=shading), f"car-{shading}.png")
+        look = BEHIND if shading == "certainty" else LOOKS["hatchback"]
+        plain = large("hatchback", LIGHT, look=look, shading=shading)
+        save(plain, f"car-{shading}.png", smooth=True)
 
 
 def built(name: str) -> tuple[Workbench, Model]:
@@ -92,7 +97,7 @@ def strip(name: str) -> np.ndarray:
     width, height = PANEL[0], PANEL[1] - above - below
     size = (3 * width + 2 * GAP, 2 * (height + CAPTION) + GAP)
     sheet = Image.new("RGB", size, LIGHT.paper)
-    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(21)
+    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(18)
     for number, (scene, stand) in enumerate(steps(bench, model, DRAWN_FROM[name])):
         pixels = picture(scene, camera=stand.view(PANEL), size=PANEL)[above:-below]
         row, column = divmod(number, 3)
@@ -137,8 +142,8 @@ def dots(drawn: Sketch, stand: Stand) -> Scene:
     from bozzetto.scene import Layer, Points, Scene
 
     places = stand.lifted([(mark.u, mark.v) for mark in drawn.marks])
-    rim = Points(places, color="paper", size=13.0, hidden="show")
-    return Scene((Layer("marks", (rim, Points(places, color="accent", size=9.0, hidden="show"))),))
+    rim = Points(places, color="paper", size=11.0, hidden="show")
+    return Scene((Layer("marks", (rim, Points(places, color="accent", size=7.5, hidden="show"))),))
 
 
 def lines(network: object) -> Scene:
@@ -146,7 +151,7 @@ def lines(network: object) -> Scene:
     from bozzetto.scene import Layer, Scene
     from bozzetto_car.showing import network_lines
 
-    edges = network_lines(network.control_points, "second", 2.2)
+    edges = network_lines(network.control_points, "second", 1.8)
     return Scene((Layer("edges", (replace(edges, hidden="show"),)),))
 
 
@@ -161,7 +166,7 @@ def shown(bench: Workbench, model: Model, layers: Sequence[str], **values: objec
     kept = {layer.name: layer for layer in scene.layers if layer.name in layers}
     if "styling" in kept:
         hidden = "hide" if "body" in kept else "show"
-        broad = (replace(item, width=3.0, hidden=hidden) for item in kept["styling"].items)
+        broad = (replace(item, width=2.6, hidden=hidden) for item in kept["styling"].items)
         kept["styling"] = Layer("styling", tuple(broad))
     return Scene(tuple(kept.values()))
 
@@ -169,10 +174,12 @@ def shown(bench: Workbench, model: Model, layers: Sequence[str], **values: objec
 # -- large --
 
 
-def large(name: str, palette: Palette, *layers: str, **values: object) -> np.ndarray:
-    """A drawn car from where it is seen best."""
+def large(
+    name: str, palette: Palette, *layers: str, look: tuple[float, float], **values: object
+) -> np.ndarray:
+    """A drawn car, with some more layers than its body and wheels."""
     from bozzetto.scene.picture import picture
 
     scene = shown(*built(name), ("body", "wheels", *layers), **values)
-    view = camera(scene, *LOOKS[name], size=LARGE)
+    view = camera(scene, *look, size=LARGE)
     return picture(scene, camera=view, size=LARGE, palette=palette)

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import PIL.Image
+
     from bozzetto_app.window import Window
 
 HERE = Path(__file__).parent
@@ -21,12 +23,25 @@ EXACT = 64
 """Colours that a picture keeps as they are, the most frequent ones."""
 
 
-def save(pixels: object, name: str, folder: Path | None = None) -> None:
-    """Write a picture small enough for a repository."""
+def save(pixels: object, name: str, folder: Path | None = None, *, smooth: bool = False) -> None:
+    """Write a picture small enough for a repository.
+
+    Smooth ones keep every colour, for shades over large faces would fall into steps.
+    """
     import numpy as np
     from PIL import Image
 
     image = Image.fromarray(np.asarray(pixels)).convert("RGB")
+    target = (folder or PICTURES) / name
+    (image if smooth else reduced(image)).save(target, optimize=True)
+    print(f"wrote {target.parent.name}/{name}")
+
+
+def reduced(image: PIL.Image.Image) -> PIL.Image.Image:
+    """The same picture in 256 colours."""
+    import numpy as np
+    from PIL import Image
+
     # The papers and panels keep their very colours; the rest, few pixels of the accent too,
     # goes to what covers it best, where the usual median cut makes the accent brown.
     colors, inverse, counts = np.unique(
@@ -40,9 +55,7 @@ def save(pixels: object, name: str, folder: Path | None = None) -> None:
     indices = nearest[inverse].reshape(image.height, image.width)
     small = Image.fromarray(indices.astype(np.uint8), "P")
     small.putpalette(palette.astype(np.uint8).ravel().tolist())
-    target = (folder or PICTURES) / name
-    small.save(target, optimize=True)
-    print(f"wrote {target.parent.name}/{name}")
+    return small
 
 
 def pen_stroke(
