@@ -129,6 +129,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._blank = False
         self._broken = False
         self._read_back = QImage()
+        self._is_newer = True
         self._read_back_at = -math.inf
         self._marks = MarksSheet(self)
 
@@ -153,6 +154,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
     def set_camera(self, camera: Camera) -> None:
         """Look through this camera."""
         self._camera = camera
+        self._is_newer = True
         self._place_ground()
         self._show_marks()
         self.update()
@@ -179,10 +181,11 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return image
 
     def shown(self) -> QImage:
-        """The picture that is on the screen, read back now and then."""
+        """The picture that is on the screen, read back now and then where it has changed."""
         now = perf_counter()
-        if now - self._read_back_at > READ_BACK_INTERVAL:
+        if self._is_newer and now - self._read_back_at > READ_BACK_INTERVAL:
             self._read_back, self._read_back_at = self.grab(), now
+            self._is_newer = False
         return self._read_back
 
     def describe(self) -> str:
@@ -195,6 +198,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return self._camera.with_viewport(max(self.width(), 1), max(self.height(), 1))
 
     def _changed(self) -> None:
+        self._is_newer = True
         both = self._scene.under(self._live)
         self._bounds = both.bounds()
         wanted = {
@@ -291,6 +295,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
+        self._is_newer = True
         self._marks.setGeometry(self.rect())
         self._place_ground()  # the lines' distance depends on the scale
         self._show_marks()

@@ -213,6 +213,26 @@ def test_the_picture_has_the_size_of_the_widget(make, box_scene):
     assert (image.width(), image.height()) == (round(500 * scale), round(420 * scale))
 
 
+def test_what_is_shown_can_be_had_at_once_and_follows(make, box_scene, qtbot):
+    viewport = make()
+
+    def follows():
+        shown = pixels(viewport.shown())
+        wanted = pixels(viewport.grab())
+        assert shown.shape == wanted.shape
+        assert np.abs(shown - wanted).mean() < 1.0
+
+    for scene, camera in (
+        (Scene(), CAMERA),
+        (box_scene, CAMERA),
+        (box_scene, standard_view(CAMERA, "right")),
+    ):
+        viewport.set_scene(scene)
+        viewport.set_camera(camera)
+        qtbot.waitUntil(follows, timeout=10_000)
+        assert viewport.shown().cacheKey() == viewport.shown().cacheKey()
+
+
 def test_the_ground_is_shown_when_asked_for(make):
     viewport = make()
     plain = pixels(viewport.grab())
