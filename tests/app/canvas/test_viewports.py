@@ -217,6 +217,7 @@ def test_what_is_shown_can_be_had_at_once_and_follows(make, box_scene, qtbot):
     viewport = make()
 
     def follows():
+        assert not viewport.shown().isNull()
         shown = pixels(viewport.shown())
         wanted = pixels(viewport.grab())
         assert shown.shape == wanted.shape
