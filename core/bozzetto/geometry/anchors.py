@@ -170,17 +170,17 @@ def with_edges(faces: Index, links: Pairs) -> Index:
     (f, 3) int
         The same triangles but for pairs whose common edge was flipped.
     """
+    if not links:
+        return faces
+    count = int(faces.max()) + 1
     edges, of_face = edges_of(faces)
     order = np.argsort(of_face, axis=None, kind="stable").reshape(-1, 2)
     opposite = np.sort(np.roll(faces, 1, axis=1).ravel()[order], axis=1)
-    crossed = {(a, b): number for number, (a, b) in enumerate(opposite.tolist())}
-    taken = set(map(tuple, edges.tolist()))
-    wanted = {(min(link), max(link)) for link in links}
-    flipped, used = faces.copy(), set()
-    for link in sorted(wanted - taken):
-        number = crossed.get(link)
-        if number is None or tuple(edges[number].tolist()) in wanted:
-            continue
+    keys, crossed = edges @ (count, 1), opposite @ (count, 1)
+    wanted = np.unique(np.sort(np.array(links), axis=1) @ (count, 1))
+    free = np.isin(crossed, wanted) & ~np.isin(crossed, keys) & ~np.isin(keys, wanted)
+    flipped, used = faces.copy(), set[int]()
+    for number in np.flatnonzero(free):
         one, two = (order[number] // 3).tolist()
         if one in used or two in used:
             continue

@@ -35,6 +35,9 @@ START: Final = 3
 """Level at which the sphere begins to shrink: 642 vertices get anywhere in a few rounds. The
 coarsest skins begin one level below."""
 
+FINE: Final = 5
+"""Level for which places along curves lie close enough; one below can do with every other."""
+
 FIRST_ROUNDS: Final = 8
 """How often nearest places are looked for anew on the first level; deeper ones each time."""
 
@@ -119,7 +122,7 @@ def shrink_wrap(
     if not (LEVELS[0] <= level <= LEVELS[1] and 0 <= tightness <= 1 and 0 <= smoothing <= 1):
         raise ValueError("a level, a tightness or a smoothing that there is not")
     checkpoint(0.0, "Reading the curves")
-    frame = wireframe(curves)
+    frame = wireframe(curves).every(2 ** max(0, FINE - level))
     vertices = _shrunk(frame, level, tightness, checkpoint)
     vertices, faces = _anchored(frame, level, vertices, smoothing, checkpoint)
     checkpoint(1.0, "Skin")

@@ -34,6 +34,10 @@ MOST_CORNERS: Final = 2000
 THIN: Final = 1e-3
 """Thickness per diagonal below which curves lie in a plane, so that a skin has no inside."""
 
+APART: Final = 3.0
+"""Gap between two groups of curves, per diagonal of the larger group, beyond which one skin
+would hang between them like a thread."""
+
 SAME: Final = 1e-4
 """Distance per diagonal between the curves of one side and the mirror images of the other's
 below which they count as symmetric: less than one sees."""
@@ -125,6 +129,7 @@ def wireframe(curves: Sequence[ArrayLike]) -> Wireframe:
     length = sum(float(_steps(piece).sum()) for piece in pieces)
     spacing = max(SPACING, length / MOST_PLACES)
     whole = [_spaced(piece, spacing) for piece in pieces]
+    _require_nearness(np.vstack(whole))
     if not (sides and _is_symmetric(whole)):
         return _assembled(whole, False, centre, size)
     halves = [_spaced(half, spacing) for piece in pieces for half in _half(piece)]
@@ -159,6 +164,22 @@ def _require_extent(points: Array, size: float) -> None:
         raise UserError(
             "The curves lie in one plane, so a skin over them would have no inside. "
             "Add a curve that leaves the plane."
+        )
+
+
+def _require_nearness(points: Array) -> None:
+    """Refuse groups of curves that lie far apart along the axis of their greatest extent."""
+    offset = points - points.mean(axis=0)
+    height = offset @ np.linalg.eigh(offset.T @ offset)[1][:, -1]
+    order = np.argsort(height)
+    gaps = np.diff(height[order])
+    widest = int(np.argmax(gaps))
+    groups = points[order[: widest + 1]], points[order[widest + 1 :]]
+    larger = max(float(np.linalg.norm(np.ptp(group, axis=0))) for group in groups)
+    if gaps[widest] > APART * larger > 0:
+        raise UserError(
+            "There are two groups of curves that lie far apart. "
+            "Draw a skin over each by itself, or a curve from one to the other."
         )
 
 
