@@ -70,7 +70,7 @@ class Placed:
     resection : Resection or None
         The camera as the template has it; None where it cannot be found.
     missed : mapping of str to float
-        By node: distance of its mark from where it is seen, px.
+        By node: distance of its mark from where it is seen, px; not of nodes behind the eye.
     left_out : mapping of str to float
         By node: distance of its mark from where the others have it, px.
     disagreeing : tuple of str
@@ -329,13 +329,15 @@ def _told(
     """What a solve says of a sketch and its marks."""
     view = joint.views[number]
     stand = Stand.behind(view.camera, view.shift, positions)
-    nodes, marks = counted_marks(placed, template)
+    nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
     off = np.linalg.norm(stand.pixels(positions[nodes]) - marks, axis=1)
-    missed = {template.names[n]: float(px) for n, px in zip(nodes, off, strict=True)}
+    # A node behind the eye is seen nowhere, so that nobody can tell how far off its mark is.
+    told = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
+    missed = {name: px for name, px in told if np.isfinite(px)}
     alone = zip(view.nodes, joint.left_out[number].missed, strict=True)
     others = {template.names[n]: float(px) for n, px in alone}
     # A mark that was set aside has no say: what it is missed by is what the others miss it by.
-    others |= {name: missed[name] for name in aside}
+    others |= {name: missed[name] for name in aside if name in missed}
     return replace(placed, stand=stand, missed=missed, left_out=others, disagreeing=aside)
 
 
