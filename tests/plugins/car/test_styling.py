@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -103,9 +104,7 @@ def test_a_stroke_that_leads_behind_the_roof_is_cut_there() -> None:
     camera = view(90.0, 12.0)
     # Up the door, over the roof's outline, into the air.
     stroke = camera.project([[2300, 850, 500], [2300, 600, 1400], [2300, 0, 2200]])[0]
-    stroke = np.concatenate(
-        [np.linspace(a, b, 80) for a, b in zip(stroke, stroke[1:], strict=False)]
-    )
+    stroke = np.concatenate([np.linspace(a, b, 80) for a, b in pairwise(stroke)])
     points = dense(kept(body, stroke, camera), body)
     assert_sound(kept(body, stroke, camera), body)
     assert points[:, 2].max() > 1300.0
@@ -142,7 +141,7 @@ def test_a_short_gap_beside_the_outline_is_bridged_and_a_long_one_is_not() -> No
     pixels = camera.project(columns.reshape(-1, 3))[0]
     hit = cast_rays(scene, camera.rays(pixels)).hit.reshape(200, 300)
     outline = np.array([camera.project(c[h][-1:])[0][0] for c, h in zip(columns, hit, strict=True)])
-    inside, beside = outline + [0.0, 6.0], outline.copy()
+    inside, beside = outline + np.array([0.0, 6.0]), outline.copy()
     wave = 4.0 * np.sin(np.linspace(0.0, np.pi, 60)) ** 2
     beside[:, 1] += 2.0
     beside[70:130, 1] -= wave  # up to 2 px outside

@@ -62,7 +62,7 @@ def test_most_of_it_takes_all() -> None:
 def test_beside_it_nothing_goes() -> None:
     body = template_body()
     curve = styled(body)
-    assert without_stretch(curve, body, STROKE + [0.0, 30.0], QUARTER) == (curve,)
+    assert without_stretch(curve, body, STROKE + np.array([0.0, 30.0]), QUARTER) == (curve,)
 
 
 def drawn(*curves: StylingCurve) -> CarState:
