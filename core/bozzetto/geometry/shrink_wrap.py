@@ -131,7 +131,7 @@ def shrink_wrap(
     if not np.einsum("ij,ij->", a, np.cross(b, c)) > 0:
         raise UserError(
             "No skin with an inside was found for these curves. "
-            "Add curves that lead round the shape, or leave out those that cross it."
+            "Ask for more detail, or add curves that lead round the shape."
         )
     return mesh
 
@@ -174,7 +174,7 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
         energy = even_energy(now, SLACK, bending)
         rounds = FIRST_ROUNDS if now == start else NEXT_ROUNDS
         for done in range(1, rounds + 1):
-            checkpoint(0.1 + 0.4 * done / rounds, "Shrinking")
+            checkpoint(0.5 * (now - start + done / rounds) / (level - start), "Shrinking")
             feet = mesh_feet(sphere, vertices, points)
             share = done / rounds if now == start else 1.0
             limit = _edge(now) + share * tightness * DEEPEST
@@ -195,7 +195,7 @@ def _anchored(
     sphere = icosphere(level)
     energy = even_energy(level, 1.0, HOLD)
     for done in range(ANCHOR_ROUNDS):
-        checkpoint(0.5 + 0.1 * done, "Anchoring")
+        checkpoint(0.55 + 0.1 * done, "Anchoring")
         reached = mesh_feet(sphere, vertices, frame.places).distances < REACHED * _edge(level)
         anchors = anchored(sphere, vertices, frame, reached)
         held = held_at(energy, anchors.vertices, anchors.places)
