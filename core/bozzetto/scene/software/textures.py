@@ -20,6 +20,9 @@ Floats = NDArray[np.float32]
 KEPT = 8
 """How many reduced pictures are remembered."""
 
+AT_ONCE = 1 << 14
+"""Places whose colours are mixed in one go: what is in hand stays in the cache."""
+
 WHOLE = 255.0
 """Texture coordinates run from 0 to this, in the columns that hold colours elsewhere."""
 
@@ -62,18 +65,40 @@ def sampled(image: Image, place: Floats, soup: Soup) -> Floats:
     area = 0.5 * float(np.abs(soup.doubled_areas()).sum())
     stride = int(np.sqrt(height * width / max(area, 1.0)))
     texels = _texels(image.pixels, max(1, min(stride, height, width)))
+    colors = np.empty((len(place), 4), np.float32)
+    for begin in range(0, len(place), AT_ONCE):
+        part = slice(begin, begin + AT_ONCE)
+        colors[part] = _mixed(texels, place[part, 0], place[part, 1])
+    return colors
+
+
+def _mixed(texels: Floats, across: Floats, down: Floats) -> Floats:
+    """Bilinear mixtures of the texels around places; (n, 4), not multiplied."""
     height, width = texels.shape[:2]
-    x = np.clip(place[:, 0] * np.float32(width / WHOLE) - np.float32(0.5), 0, width - 1)
-    y = np.clip(place[:, 1] * np.float32(height / WHOLE) - np.float32(0.5), 0, height - 1)
-    left, top = x.astype(np.intp), y.astype(np.intp)
-    right, below = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
-    u, v = (x - left)[:, None], (y - top)[:, None]
-    upper = texels[top, left] * (1 - u) + texels[top, right] * u
-    lower = texels[below, left] * (1 - u) + texels[below, right] * u
-    mixed = upper * (1 - v) + lower * v
+    x = np.clip(across * np.float32(width / WHOLE) - np.float32(0.5), 0, width - 1)
+    y = np.clip(down * np.float32(height / WHOLE) - np.float32(0.5), 0, height - 1)
+    left, top = x.astype(np.int32), y.astype(np.int32)
+    u = (x - left.astype(np.float32))[:, None]
+    v = (y - top.astype(np.float32))[:, None]
+    right = (left < width - 1).astype(np.int32)
+    below = np.where(top < height - 1, np.int32(width), np.int32(0))
+    rows = texels.reshape(-1, 4)
+    first = top * np.int32(width) + left
+    mixed = _between(rows.take(first, 0), rows.take(first + right, 0), u)
+    first += below
+    lower = _between(rows.take(first, 0), rows.take(first + right, 0), u)
+    mixed = _between(mixed, lower, v)
     alpha = mixed[:, 3:]
-    rgb = np.divide(mixed[:, :3], alpha, out=np.zeros_like(mixed[:, :3]), where=alpha > 0)
-    return np.concatenate((rgb, alpha), 1)
+    np.divide(mixed[:, :3], alpha, out=mixed[:, :3], where=alpha > 0)
+    return mixed
+
+
+def _between(one: Floats, other: Floats, share: Floats) -> Floats:
+    """Part of the way from one to the other; both arrays are used up."""
+    other -= one
+    other *= share
+    one += other
+    return one
 
 
 def _texels(pixels: NDArray[np.uint8], stride: int) -> Floats:
