@@ -145,6 +145,6 @@ def _wheel_layer(state: CarState, body: Body) -> Layer:
     items: tuple[Item, ...] = ()
     if state.wheels and state.body:
         opacity = DRAFT if state.shading == "draft" else 1.0
-        meshes = wheel_meshes(body.network)
+        meshes = wheel_meshes(body.network, body.nets)
         items = tuple(Shaded(mesh, opacity=opacity, pickable=False) for mesh in meshes)
     return Layer("wheels", items)
