@@ -147,7 +147,7 @@ def _panel(nets: Array, places: Array) -> Array:
         found = Places(patches, np.clip(found.parameters + step, -OVER_EDGE, 1.0 + OVER_EDGE))
     met = points_at(own, found)
     good = np.linalg.norm(met[:, [0, 2]] - goal, axis=1) <= MET
-    reach = np.where(good, met[:, 1], -np.inf).reshape(len(own), -1)
+    reach = np.where(good, met[:, 1], -np.inf).reshape(len(own), len(places))
     highest = reach.max(axis=0, initial=-np.inf)
     return np.where(np.isfinite(highest), highest, np.nan)
 
@@ -162,10 +162,10 @@ def _gap(band: Array) -> list[Piece]:
     quads = quads[np.isfinite(band[..., 1]).ravel()[quads].all(axis=1)]
     if not len(quads):
         return []
-    faces = np.concatenate((quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]))
-    vertices = np.nan_to_num(band.reshape(-1, 3))
+    used, faces = np.unique(quads[:, [0, 1, 2, 0, 2, 3]], return_inverse=True)
+    vertices = band.reshape(-1, 3)[used]
     normals = np.tile((0.0, 1.0, 0.0), (len(vertices), 1))
-    return [(vertices, normals, faces, _paint(DARK, len(vertices)))]
+    return [(vertices, normals, faces.reshape(-1, 3), _paint(DARK, len(vertices)))]
 
 
 # -- a wheel ---------------------------------------------------------------------------------------
