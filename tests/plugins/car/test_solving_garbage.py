@@ -104,7 +104,7 @@ def survive(name: Name, seed: int, count: int) -> int:
 
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_marks_without_sense_give_a_sound_car_or_a_sentence(name: Name) -> None:
-    assert survive(name, 0, 8) >= 3
+    assert survive(name, 0, 5) >= 2
 
 
 @pytest.mark.slow
