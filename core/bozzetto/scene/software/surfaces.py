@@ -19,6 +19,7 @@ from bozzetto.scene.software.shading import (
     colored,
     curvature_colors,
     fragments,
+    tints,
 )
 from bozzetto.scene.software.sight import Sight
 from bozzetto.scene.software.soup import Soup, gather
@@ -226,7 +227,7 @@ def _picture_sheet(item: Image, sight: Sight) -> Sheet:
     soup = rectangle(item, sight)
     buffer = blank(sight.width, sight.height)
     rasterize(buffer, soup.places, soup.faces)
-    seen = fragments(buffer.triangle, soup, sight, tinted=True)
-    rgba = sampled(item, seen.color, soup)
+    pixel, place = tints(buffer.triangle, soup, sight)
+    rgba = sampled(item, place, soup)
     opacity = rgba[:, 3] * np.float32(item.opacity)
-    return Sheet(seen.pixel, buffer.nearness[seen.pixel], rgba[:, :3], opacity)
+    return Sheet(pixel, buffer.nearness[pixel], rgba[:, :3], opacity)
