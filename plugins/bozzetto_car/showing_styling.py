@@ -30,7 +30,7 @@ SPACING: Final = 4.0
 """Distance of the places that are shown, mm: from how near one ever looks at a car, straight
 pieces so short look round."""
 
-_lines: Memory[tuple[Array, ...]] = Memory(limit=256)
+_lines: Memory[tuple[Array, ...]] = Memory(limit=64)
 
 
 def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:

@@ -18,14 +18,14 @@ from bozzetto.ink.snake import modified
 from bozzetto.view import Camera
 from bozzetto_car.body import Body
 from bozzetto_car.state import StylingCurve
-from bozzetto_car.styling import with_paths
+from bozzetto_car.styling import curve_paths, with_paths
 from bozzetto_car.styling_course import Course, courses_on
 from bozzetto_car.styling_laying import laid_paths
 from bozzetto_car.styling_line import STEP, smoothed_line
-from bozzetto_car.styling_path import connected, joined
+from bozzetto_car.styling_path import connected, is_closed, joined
 from bozzetto_car.styling_seen import seen_parts, sight_of
 
-__all__ = ["oversketched", "smoothed"]
+__all__ = ["begun_away", "oversketched", "smoothed"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -141,6 +141,7 @@ def oversketched(
         part of it.
     """
     line = smoothed_line(stroke)
+    curve, given = begun_away(curve, body, line, camera), curve
     courses = courses_on(curve, body.nets, body.template)
     picture = _picture_near(body, courses, line, camera)
     if picture is None:
@@ -149,7 +150,7 @@ def oversketched(
     nodes = resample(picture.pixels, spacing=NODES)
     bent = modified(nodes, [(line, np.ones(len(line)))])
     if np.linalg.norm(bent.points - nodes, axis=1).max() < UNCHANGED:
-        return curve
+        return given
     moved = np.flatnonzero(bent.moved)
     ends = max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, len(nodes) - 1)
     stretch = resample(bent.points[ends[0] : ends[1] + 1], spacing=STEP)
@@ -174,6 +175,24 @@ def oversketched(
     paths = [course.path for course in courses]
     paths[picture.number] = changed[0]
     return with_paths(curve, body, paths)
+
+
+def begun_away(curve: StylingCurve, body: Body, line: ArrayLike, camera: Camera) -> StylingCurve:
+    """A closed curve with its ends, where it does not change, as far as can be from a line.
+
+    An open one as it is.
+    """
+    paths = curve_paths(curve, body.nets, body.template)
+    if len(paths) != 1 or not is_closed(body.nets, paths[0]):
+        return curve
+    (path,) = paths
+    pixels = camera.project(points_at(body.nets, path))[0]
+    away = distances_to_polyline(np.nan_to_num(pixels, nan=0.0), line)
+    away[np.append(True, np.diff(path.patches) != 0)] = -1.0  # a crossing stays a pair
+    begin = int(np.argmax(away))
+    if not begin:
+        return curve
+    return with_paths(curve, body, [joined([path[begin:], path[1 : begin + 1]])])
 
 
 def _picture_near(

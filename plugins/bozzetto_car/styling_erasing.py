@@ -21,7 +21,8 @@ from bozzetto_car.showing_styling import shown_styling
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling import mirrored, stem_of, with_paths
 from bozzetto_car.styling_course import Course, courses_on
-from bozzetto_car.styling_path import joined
+from bozzetto_car.styling_edits import begun_away
+from bozzetto_car.styling_path import is_closed, joined
 from bozzetto_car.styling_seen import seen_parts
 
 __all__ = ["erased", "without_stretch"]
@@ -64,12 +65,13 @@ def without_stretch(
         cut out with its ends, so up to two parts of each path are left, with the curve's id.
     """
     paths, rubbed, length = [], 0.0, 0.0
-    for course in courses_on(curve, body.nets, body.template):
+    turned = begun_away(curve, body, eraser, camera)
+    for course in courses_on(turned, body.nets, body.template):
         under = _rubbed(body, course, np.asarray(eraser, float), camera)
         length += course.length
         if len(under):
             rubbed += float(under[-1] - under[0])
-            paths += _left(course, under)
+            paths += _left(body.nets, course, under)
         else:
             paths.append(course.path)
     if not rubbed:
@@ -88,12 +90,14 @@ def _rubbed(body: Body, course: Course, eraser: Array, camera: Camera) -> Array:
     return np.concatenate(found)
 
 
-def _left(course: Course, under: Array) -> list[Places]:
-    """A path before and behind the lengths that are rubbed over."""
+def _left(nets: Array, course: Course, under: Array) -> list[Places]:
+    """A path before and behind the lengths that are rubbed over; of a closed one both as one."""
     low, high = float(under[0]), float(under[-1])
     cut = course.places(np.array([low, high]))
     before, behind = course.path[course.along < low], course.path[course.along > high]
     left = [joined([before, cut[:1]]), joined([cut[1:], behind])]
+    if is_closed(nets, course.path):
+        return [joined([left[1], left[0][1:]])]
     lengths = (low, course.length - high)
     return [path for path, rest in zip(left, lengths, strict=True) if rest > SHORTEST]
 

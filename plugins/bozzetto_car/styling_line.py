@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto.ink.closing import close_stroke, end_gap, is_closed_gesture
 from bozzetto.ink.resample import arc_length, distinct, resample
 from bozzetto.ink.settle import fading, settle
 from bozzetto.ink.sheet import places_on_sheet
@@ -38,15 +39,19 @@ MOST_PLACES: Final = 1000
 DEGREE: Final = 3
 """Of the polynomials that smooth."""
 
-SHARE: Final = 0.09
+SHARE: Final = 0.07
 """Half of the window that smooths, per length of the stroke."""
 
-WINDOW: Final = (8.0, 48.0)
+WINDOW: Final = (8.0, 40.0)
 """Least and greatest half of the window, px."""
 
 PASSES: Final = 2
 """Times that it is smoothed: the second pass takes the ripples that the first one leaves of a
 tremor, and with them half of the knots of the curve in space."""
+
+CLOSING: Final = 0.06
+"""Widest gap of a loop as a share of the diagonal of its box. Of an arch that makes 95 % of a
+turn it is 0.11, and that is open."""
 
 SHORTEST: Final = 6.0
 """Length, px, below which a stroke is a dot."""
@@ -75,10 +80,10 @@ def one_stroke(strokes: Sequence[Stroke]) -> Array:
 
 
 def smoothed_line(points: ArrayLike) -> Array:
-    """A stroke without the tremor of the hand.
+    """A stroke without the tremor of the hand; a loop is closed.
 
-    The window is a share of the arc length, whatever the sampling rate. Beyond its ends the
-    stroke is continued by its point reflection, which keeps the ends where they are.
+    The window is a share of the arc length, whatever the sampling rate. Beyond its ends an
+    open stroke is continued by its point reflection, which keeps the ends where they are.
 
     Parameters
     ----------
@@ -88,7 +93,7 @@ def smoothed_line(points: ArrayLike) -> Array:
     Returns
     -------
     (m, 2) float
-        Places at equal steps of about `STEP`, px.
+        Places at equal steps of about `STEP`, px. A loop ends in its first place.
 
     Raises
     ------
@@ -100,16 +105,34 @@ def smoothed_line(points: ArrayLike) -> Array:
     length = float(arc_length(place)[-1])
     if length < SHORTEST:
         raise UserError("The stroke is a dot. Draw the whole line on the body.")
-    fine = resample(place, spacing=max(FINE, length / MOST))
-    step = length / (len(fine) - 1)
+    ring = _ring(place)
+    spacing = max(FINE, length / MOST)
+    fine = resample(place, spacing=spacing) if ring is None else _closed(ring, spacing)
+    step = float(arc_length(fine)[-1]) / (len(fine) - 1)
     half = min(round(float(np.clip(SHARE * length, *WINDOW)) / step), len(fine) - 1)
     if 2 * half > DEGREE:
         weights = _weights(half)
         for _ in range(PASSES):
-            before, after = fine[half:0:-1], fine[-2 : -half - 2 : -1]
-            whole = np.vstack((2.0 * fine[0] - before, fine, 2.0 * fine[-1] - after))
+            before, after = fine[-half - 1 : -1], fine[1 : half + 1]
+            if ring is None:
+                before, after = 2.0 * fine[0] - after[::-1], 2.0 * fine[-1] - before[::-1]
+            whole = np.vstack((before, fine, after))
             fine = np.column_stack([np.convolve(c, weights, "valid") for c in whole.T])
     return resample(fine, spacing=max(STEP, length / MOST_PLACES))
+
+
+def _ring(points: Array) -> Array | None:
+    """The loop that a stroke closes, without its first place at the end; None if it is open."""
+    if not is_closed_gesture(points):
+        return None
+    ring = close_stroke(points)
+    return ring if end_gap(ring) <= CLOSING else None
+
+
+def _closed(ring: Array, spacing: float) -> Array:
+    """Places at equal steps round a loop, the first one at the end, too."""
+    places = resample(ring, spacing=spacing, closed=True)
+    return np.vstack((places, places[:1]))
 
 
 def _weights(half: int) -> Array:

@@ -18,7 +18,7 @@ from bozzetto.geometry.coons import sides_of
 from bozzetto.geometry.patch import Places, bernstein, points_at
 from bozzetto_car.template import Template
 
-__all__ = ["SAME", "connected", "joined", "unbroken"]
+__all__ = ["SAME", "connected", "is_closed", "joined", "unbroken"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -68,6 +68,12 @@ def unbroken(nets: Array, places: Places) -> list[Places]:
     apart = np.linalg.norm(np.diff(points_at(nets, places), axis=0), axis=1) > GAP
     cuts = np.flatnonzero((np.diff(places.patches) != 0) & apart) + 1
     return [places[part] for part in np.split(np.arange(len(places)), cuts)]
+
+
+def is_closed(nets: Array, path: Places) -> bool:
+    """Whether a path ends where it begins."""
+    ends = points_at(nets, path[np.array([0, -1])])
+    return len(path) > FEWEST and bool(np.linalg.norm(ends[1] - ends[0]) <= GAP)
 
 
 # -- from patch to patch ---------------------------------------------------------------------------

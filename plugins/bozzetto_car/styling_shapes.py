@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bozzetto.geometry import Curve
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling_course import courses_on, spline_of
+from bozzetto_car.styling_path import is_closed
 from bozzetto_car.template import MIRROR, Template
 
 __all__ = ["as_curves"]
@@ -34,7 +35,10 @@ def as_curves(curve: StylingCurve, nets: Array, template: Template) -> tuple[Cur
         images have the same numbers but for the sign of y.
     """
     made = [
-        spline_of(nets, course).to_curve(curve.name, curve.color)
+        replace(
+            spline_of(nets, course).to_curve(curve.name, curve.color),
+            closed=is_closed(nets, course.path),
+        )
         for course in courses_on(curve, nets, template)
     ]
     if not curve.both:

@@ -12,6 +12,8 @@ from bozzetto_car.body import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling import laid
 from bozzetto_car.styling_edits import oversketched, smoothed
+from bozzetto_car.styling_erasing import without_stretch
+from bozzetto_car.styling_shapes import as_curves
 from tests.plugins.car.styled_body import (
     QUARTER,
     SHOULDER,
@@ -170,3 +172,48 @@ def test_smoothing_over_creases_stays_on_the_body() -> None:
 def test_there_is_nothing_to_smooth_without_patches() -> None:
     with pytest.raises(UserError, match="no part"):
         smoothed(StylingCurve("n1", "Empty"), template_body(), 0.02)
+
+
+# -- loops -----------------------------------------------------------------------------------------
+
+
+def loop(body: Body) -> tuple[StylingCurve, Array]:
+    """A ring over the shut line of a door, and the stroke that it was drawn with."""
+    (middle,) = QUARTER.project([[2400.0, 880.0, 600.0]])[0]
+    at = np.linspace(0.0, 2.0 * np.pi, 300)
+    ring = middle + np.column_stack((90.0 * np.cos(at), 45.0 * np.sin(at)))
+    return StylingCurve("n1", "Loop", True, "", *laid(body, ring, QUARTER)), ring
+
+
+def test_a_loop_stays_closed_wherever_it_is_drawn_over() -> None:
+    body = template_body()
+    curve, ring = loop(body)
+    assert len(curve.patches) > 1
+    for first in (0, 120, 260):  # the last one goes over the place where it was begun
+        part = ring[np.arange(first, first + 80) % 299].copy()
+        outward = part - ring.mean(axis=0)
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        over = part + 8.0 * outward * np.sin(np.linspace(0.0, np.pi, 80))[:, None] ** 2
+        bent = oversketched(curve, body, over, QUARTER)
+        assert_sound(bent, body)
+        ends = dense(bent, body)[[0, -1]]
+        assert np.abs(ends[0] - ends[1]).max() < 1e-6
+        assert np.median(distances_to_polyline(over, seen(bent, body))) < 0.6
+
+
+def test_a_loop_is_handed_over_as_one() -> None:
+    body = template_body()
+    handed = as_curves(loop(body)[0], body.nets, body.template)
+    assert [curve.closed for curve in handed] == [True, True]
+    assert not as_curves(styled(body), body.nets, body.template)[0].closed
+
+
+def test_what_is_left_of_a_loop_is_one_open_curve() -> None:
+    body = template_body()
+    curve, ring = loop(body)
+    for first in (0, 120, 270):
+        rubber = ring[np.arange(first, first + 60) % 299]
+        (left,) = without_stretch(curve, body, rubber, QUARTER)
+        assert_sound(left, body)
+        assert 0.5 < whole(left, body).length / whole(curve, body).length < 0.85
+        assert distances_to_polyline(rubber[20:40], seen(left, body)).min() > 9.0
