@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.view.calibration import predicted
+from bozzetto_car.expecting import expected
 from bozzetto_car.marking import near_wheels
 from bozzetto_car.solving import FEWEST, Placed, Solved
 from bozzetto_car.state import CarState, Sketch
@@ -45,8 +45,7 @@ class Asked:
     place : (2,) float or None
         Where the picture shows it as far as is known, px; None while the camera is not known.
     ellipse : (2, 2) float or None
-        Half axes of the region in which the camera has it nine times of ten, px, as rows; how
-        far this car differs there from all that is known of it comes on top.
+        Half axes of the region in which it lies nine times of ten, px, as rows.
     hidden : bool
         It is on a side of the car that this sketch does not show.
     """
@@ -136,14 +135,12 @@ def shown_nodes(placed: Placed, solved: Solved) -> NDArray[np.bool_] | None:
 
 def _described(node: int, placed: Placed, solved: Solved, shown: NDArray[np.bool_] | None) -> Asked:
     name = solved.template.names[node]
-    if shown is None or placed.resection is None:
+    if shown is None:
         return Asked(name)
-    point = solved.positions[node]
-    place = placed.stand.pixels(point[None])[0]
-    axes = predicted(placed.resection, point[None]).ellipses()[0]
-    if not (np.isfinite(place).all() and np.isfinite(axes).all()):
+    places = expected(solved, placed.sketch.id, node)
+    if places is None:
         return Asked(name, hidden=True)
-    return Asked(name, place, axes, hidden=not bool(shown[node]))
+    return Asked(name, places.pixels[0], places.ellipses()[0], hidden=not bool(shown[node]))
 
 
 # -- in words --------------------------------------------------------------------------------------

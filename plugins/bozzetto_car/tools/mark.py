@@ -137,7 +137,7 @@ def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarS
     if any(stroke.tool != "eraser" for stroke in gesture.strokes):
         raise UserError("Touch the point that is asked for.")
     stand = body.stands[sketch.id]
-    places = stand.lifted([(mark.u, mark.v) for mark in sketch.marks])
+    places = stand.lifted(np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2))
     met = set()
     for stroke in gesture.strokes:
         seen = stroke.camera.project(places)[0]

@@ -1,0 +1,100 @@
+"""A hand that marks a sketch of a known car, as the window would let it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Context, Drag, Tap
+from bozzetto.view import Camera
+from bozzetto_car.asking import asked_of
+from bozzetto_car.body import body_of
+from bozzetto_car.looking import advice_on
+from bozzetto_car.state import CarState, Sketch
+from bozzetto_car.template import Template
+from bozzetto_car.template_file import bundled
+from bozzetto_car.tools.mark import MarkPoints
+from tests.plugins.car.sketched import PICTURE, looking
+
+CANVAS = (987.0, 727.0)
+TOOL = MarkPoints()
+CONTEXT = Context()
+
+
+def view_of(azimuth: float, elevation: float = 12.0, away: float = 8.0) -> Camera:
+    """A camera of the sedan as it stands; azimuth 0 looks at the nose, -90 at the left side."""
+    exact = ((azimuth, azimuth), (elevation, elevation), (away, away))
+    return looking(bundled("sedan").positions, exact, np.random.default_rng(1))
+
+
+def places_of(camera: Camera, template: Template | None = None) -> dict[str, tuple[float, float]]:
+    """Where the picture of a camera shows each node."""
+    template = template or bundled("sedan")
+    seen = camera.project(template.positions)[0].tolist()
+    return {name: (u, v) for name, (u, v) in zip(template.names, seen, strict=True)}
+
+
+def blank() -> CarState:
+    """A car with one sketch and no mark."""
+    sketch = Sketch(id="one", name="Sketch", width=PICTURE[0], height=PICTURE[1])
+    return CarState().with_node(sketch)
+
+
+def through(state: CarState) -> Camera:
+    """The view with the whole sketch in work in it."""
+    return body_of(state).stands[state.sketch.id].view(CANVAS)
+
+
+def on_canvas(state: CarState, camera: Camera, pixel) -> tuple[float, float]:
+    """Where a view shows a pixel of the sketch as it stands now."""
+    stand = body_of(state).stands[state.sketch.id]
+    ((x, y),) = camera.project(stand.lifted([pixel]))[0].tolist()
+    return x, y
+
+
+def tapped(state: CarState, pixel, camera: Camera | None = None) -> CarState:
+    """Touch a pixel of the sketch."""
+    camera = camera or through(state)
+    return TOOL.apply(state, Tap(*on_canvas(state, camera, pixel), camera), CONTEXT)
+
+
+def stroke_on(state: CarState, camera: Camera, pixels, tool: str = "pen") -> Stroke:
+    """A stroke over pixels of the sketch."""
+    path = np.array([on_canvas(state, camera, pixel) for pixel in pixels])
+    count = len(path)
+    return Stroke(
+        x=path[:, 0], y=path[:, 1], pressure=np.full(count, 0.5),
+        t=0.01 * np.arange(count), camera=camera, tool=tool,
+    )  # fmt: skip
+
+
+def dragged(state: CarState, node: str, pixels) -> Drag:
+    """The drag of a mark over pixels of the sketch."""
+    return Drag(f"mark {node}", stroke_on(state, through(state), pixels))
+
+
+def guided(camera: Camera, count: int, state: CarState | None = None) -> CarState:
+    """Do as one is told, `count` times, with a sketch that was drawn by a camera.
+
+    A person sees which wheel is the front one, and marks what is asked for on the near or far
+    side as the sketch shows it, whatever the program calls the sides.
+    """
+    state = state or blank()
+    truth = places_of(camera)
+    near = "R" if camera.eye[1] > 0.0 else "L"
+    while len(state.sketch.marks) < count:
+        asked = asked_of(state, body_of(state).solved)
+        stem, _, side = asked.node.partition(".")
+        if side:
+            meant = near if side == state.sketch.shows else {"L": "R", "R": "L"}[near]
+            node = f"{stem}.{meant}"
+        else:
+            node = stem
+        state = tapped(state, truth[node])
+    return state
+
+
+def followed(state: CarState, camera: Camera) -> Camera:
+    """The view after it has gone along with the sketch."""
+    advice = advice_on(state, body_of(state), camera)
+    return advice.better if advice.follow else camera
