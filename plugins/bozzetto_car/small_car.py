@@ -144,8 +144,8 @@ def _painted(template: Template, node: str, palette: Palette) -> Scene:
 def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Scene:
     network = Network.of(template)
     sides = template.sides.astype(np.int32)
-    patchwork = Patchwork(coons_nets(network.control_points, sides), network.control_points, sides)
-    mesh = shaded(patchwork, DIVISIONS)
+    nets = coons_nets(network.control_points, sides)
+    mesh = shaded(Patchwork(nets, network.control_points, sides), DIVISIONS)
     clay = np.array(palette.clay, float)
     colors = np.full((len(template.patches), (DIVISIONS + 1) ** 2, 4), 255, np.uint8)
     for number, patch in enumerate(template.patches):
@@ -154,5 +154,5 @@ def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Sce
         colors[number, :, :3] = np.rint(TINT * np.array(over) + (1.0 - TINT) * clay)
     body = Shaded(replace(mesh, colors=colors.reshape(-1, 4)))
     lines = network_lines(network.control_points, "ink", 1.0, 0.35, hidden="hide")
-    wheels = tuple(Shaded(wheel) for wheel in wheel_meshes(network))
+    wheels = tuple(Shaded(wheel) for wheel in wheel_meshes(network, nets))
     return Scene((Layer("car", (body, *wheels, lines)),))
