@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,10 +10,10 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto_car.deformation import Cost
 from bozzetto_car.solving import Solved, solved
-from bozzetto_car.state import CarState, Mark, Sketch
+from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import TEMPLATES, bundled
-from tests.plugins.car.marking import Marked, aside, marked, with_marks
+from tests.plugins.car.marking import Marked, aside, marked
 from tests.plugins.car.sketched import (
     FRONT,
     FRONT_QUARTER,
@@ -106,89 +105,6 @@ def test_the_slider_goes_from_the_template_to_the_marks() -> None:
         assert missed[-1] <= 1.0
         moved = [rms(apart(car.positions, template.positions)) for car in cars]
         assert moved[0] < moved[2] < moved[-1] + 1.0
-
-
-# -- wrong marks -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("count", [27, 10])
-def test_a_wrong_mark_is_named_every_time(template: Template, count: int) -> None:
-    errors = []
-    for seed in range(6):
-        case = marked(template, template.positions, (FRONT_QUARTER,), seed, 3.0, count, wrong=1)
-        car = solved(case.state)
-        assert aside(car) == set(case.wrong)
-        told = car.placed["s0"].left_out
-        assert told is not None
-        assert 90.0 < told[case.wrong[0]] < 150.0
-        errors.append(case.hidden(car))
-    assert np.median(errors) <= (3.0 if count == 27 else 6.0)
-
-
-@pytest.mark.parametrize("cars", CARS)
-@pytest.mark.parametrize("views", [(FRONT_QUARTER,), (FRONT_QUARTER, REAR_QUARTER)])
-def test_a_wrong_mark_is_named_on_other_cars(
-    template: Template, cars: str, views: tuple[View, ...]
-) -> None:
-    for seed in range(3):
-        true = CARS[cars](template, seed)
-        case = marked(template, true, views, seed, wrong=1 + seed % 2)
-        assert aside(solved(case.state)) == set(case.wrong)
-
-
-def test_two_marks_that_were_exchanged_are_both_named(template: Template) -> None:
-    for seed in SEEDS:
-        case = marked(template, styled(template, seed), (SIDE,), seed)
-        places = {m.node: (m.u, m.v) for m in case.state.sketches[0].marks}
-        wheels = [name for name in template.names if name[0] == "W" and name in places][:2]
-        swapped: dict[str, tuple[float, float]] = {
-            name: places[other] for name, other in zip(wheels, reversed(wheels), strict=True)
-        }
-        assert aside(solved(with_marks(case.state, swapped))) == set(wheels)
-
-
-def test_sides_that_were_exchanged_are_told(template: Template) -> None:
-    for seed in SEEDS:
-        case = marked(template, styled(template, seed), (FRONT_QUARTER,), seed)
-        sketch = case.state.sketches[0]
-        other = {"R": "L", "L": "R"}
-        marks = tuple(
-            Mark(m.node[:-1] + other[m.node[-1]], m.u, m.v) if "." in m.node else m
-            for m in sketch.marks
-        )
-        assert not solved(case.state).placed["s0"].exchanged
-        assert solved(case.state.with_node(replace(sketch, marks=marks))).placed["s0"].exchanged
-
-
-# -- dragging --------------------------------------------------------------------------------------
-
-
-def test_a_drag_ends_where_a_fresh_solve_does() -> None:
-    template = bundled("sedan")
-    for seed in SEEDS:
-        state = marked(template, styled(template, seed), (FRONT_QUARTER,), seed).state
-        mark = state.sketches[0].marks[7]
-        moved = with_marks(state, {mark.node: (mark.u + 6.0, mark.v - 4.0)})
-        after = solved(moved, before=state)  # first, for what is remembered is not solved again
-        fresh = solved(moved)
-        assert np.abs(after.positions - fresh.positions).max() < 1.0
-
-
-def test_a_mark_that_is_dragged_away_is_named_once_and_for_all() -> None:
-    """Pulled out by 160 px and back, it changes sides once on each way."""
-    template = bundled("hatchback")
-    before = marked(template, styled(template, 1), (FRONT_QUARTER,), 1).state
-    mark = before.sketches[0].marks[9]
-    told = []
-    for off in (*np.linspace(0.0, 160.0, 17), *np.linspace(160.0, 0.0, 17)):
-        state = with_marks(before, {mark.node: (mark.u + off, mark.v)})
-        told.append(aside(solved(state, before=before)))
-        before = state
-    assert all(names <= {mark.node} for names in told)
-    flags = [bool(names) for names in told]
-    assert flags[16]
-    assert not flags[-1]
-    assert sum(a != b for a, b in pairwise(flags)) == 2
 
 
 # -- what stays as it is ---------------------------------------------------------------------------
