@@ -8,7 +8,7 @@ arch is laid on the panel. None of it is handed over.
 from __future__ import annotations
 
 from functools import cache
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ __all__ = ["wheel_meshes"]
 
 Array = NDArray[np.float64]
 Color = tuple[int, int, int, int]
-Piece = tuple[Array, Array, Array, Array]
+Piece = tuple[Array, Array, NDArray[np.integer[Any]], Array]
 
 RUBBER: Final = (46, 45, 44, 255)
 METAL: Final = (198, 196, 192, 255)
