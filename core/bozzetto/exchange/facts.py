@@ -41,6 +41,11 @@ def facts_of(path: Path) -> dict[str, Any]:
             "strokes": len(drawing.strokes),
             "samples": sum(len(stroke) for stroke in drawing.strokes),
             "pressure": any(stroke.has_pressure for stroke in drawing.strokes),
+            "facts": sorted(drawing.extra),
+            "pictures": [
+                f"{name}, {picture.width} × {picture.height} px"
+                for name, picture in drawing.pictures.items()
+            ],
         }
     parts = list(read_mesh(path).meshes())
     bounds = np.array([part.mesh.bounds for part in parts])

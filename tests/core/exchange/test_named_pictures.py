@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import FormatError, UserError
+from bozzetto.exchange.facts import facts_of
 from bozzetto.exchange.importing import read_drawing
 from bozzetto.scene.png import write_png
 from bozzetto.view import Camera
@@ -143,3 +144,11 @@ def test_what_holds_no_facts_is_no_drawing(folder, said):
 def test_half_an_ink_file_is_not_taken_for_facts(folder, key):
     with pytest.raises(FormatError):
         read(folder, {key: [], "template": "sedan"})
+
+
+def test_what_a_file_of_facts_holds_is_told(folder):
+    (folder / "marks.json").write_text(json.dumps(MARKS))
+    told = facts_of(folder / "marks.json")
+    assert told["strokes"] == 0
+    assert told["facts"] == ["image", "template", "views"]
+    assert told["pictures"] == ["front.png, 8 × 6 px", "more/rear.png, 8 × 6 px"]
