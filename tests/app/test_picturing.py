@@ -11,6 +11,9 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent, QGuiApplication, QImage, QWheelEvent
 from PySide6.QtTest import QTest
 
+from bozzetto.document.container import ContainerReader
+from bozzetto.plugin import ViewAdvice
+from bozzetto.scene import Layer, Points, Scene
 from bozzetto.scene.png import write_png
 from bozzetto_app import files
 from bozzetto_app.picturing import pixels_of
@@ -238,13 +241,22 @@ def test_a_picture_out_of_a_browser_is_taken(window, settle):
 
 
 def test_a_document_is_saved_with_its_pictures_and_a_small_one_of_what_is_seen(
-    window, settle, page, tmp_path
+    window, settle, page, tmp_path, sketches
 ):
     session = window.session
     session.import_file(page)
     settle(session)
+
+    def advise(state, camera):
+        place = camera.on_plane([(128.0, 128.0)], camera.target, camera.axes[2])
+        dot = Points(place.astype(np.float32), color=(0, 0, 255), size=40.0, hidden="show")
+        return ViewAdvice("good", "x", scene=Scene((Layer("dot", (dot,)),)))
+
+    sketches.view_advice = advise
     session.files.save(tmp_path / "car.bozz")
     settle(session)
+    kept = ContainerReader((tmp_path / "car.bozz").read_bytes()).read("thumbnail.png")
+    assert QImage.fromData(kept).pixelColor(128, 128).getRgb()[:3] == (0, 0, 255)
     session.files.new()
     session.files.open(tmp_path / "car.bozz")
     settle(session)

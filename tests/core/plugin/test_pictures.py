@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from bozzetto import cli_build
+from bozzetto import cli, cli_build
 from bozzetto.cli import main
 from bozzetto.document.file import read_document
 from bozzetto.document.model import Document
 from bozzetto.errors import UserError
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.importing import read_drawing, read_image
 from bozzetto.geometry import Placement
 from bozzetto.plugin import Context, Parameter, Tap, ViewAdvice
 from bozzetto.plugin.guard import PluginFault
@@ -23,7 +23,7 @@ from bozzetto.plugin.registry import Registry
 from bozzetto.plugin.testing import Shell
 from bozzetto.plugin.testing.checks import CHECKS
 from bozzetto.plugin.testing.subject import Broken, Subject
-from bozzetto.scene import Image, Picture
+from bozzetto.scene import Image, Layer, Picture, Points, Scene
 from bozzetto.scene.png import write_png
 from bozzetto.view import Camera
 from bozzetto.view.navigation import pan
@@ -187,6 +187,32 @@ def test_pictures_of_a_document_show_what_hangs_on_the_view(shell):
     assert bench.advice_scene(document, Camera()).layers == ()
     hidden = Document((replace(shell.model, visible=False),))
     assert bench.advice_scene(hidden, STAND).layers == ()
+
+
+def test_a_rendered_document_looks_as_in_the_window(
+    bozzetto, registry, sketches, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(cli, "workbench", lambda: Workbench(registry))
+    write_png(tmp_path / "page.png", np.full((60, 90, 4), 200, np.uint8))
+    bozzetto("build", "sketches", "page.png", "-o", "x.bozz", "--set", "length=5")
+    size = ("--size", "120x90", "--view", "front")
+    assert bozzetto("render", "x.bozz", "-o", "plain.png", *size)[0] == 0
+    seen = []
+
+    def advise(state, camera):
+        seen.append(camera)
+        place = camera.on_plane([(60.0, 45.0)], camera.target, camera.axes[2])
+        dot = Points(place.astype(np.float32), color=(0, 0, 255), size=20.0, hidden="show")
+        return ViewAdvice("good", "x", scene=Scene((Layer("dot", (dot,)),)))
+
+    sketches.view_advice = advise
+    assert bozzetto("render", "x.bozz", "-o", "advised.png", *size)[0] == 0
+    plain, advised = (read_image(tmp_path / name) for name in ("plain.png", "advised.png"))
+    assert seen[0].viewport == (120.0, 90.0)
+    assert tuple(advised[45, 60, :3]) == (0, 0, 255)
+    changed = np.argwhere((plain != advised).any(2))
+    assert len(changed) > 0
+    assert np.abs(changed - (45, 60)).max() <= 11
 
 
 # -- advice, aims, zero ------------------------------------------------------------------------
