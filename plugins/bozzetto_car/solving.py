@@ -58,6 +58,10 @@ REMEMBERED: Final = 32
 """Solves that are remembered."""
 
 
+FRAMES: Final = 4
+"""Frames of a drag that are remembered, for the next one to start from and for nothing else."""
+
+
 @dataclass(frozen=True, eq=False)
 class Placed:
     """A sketch with its camera.
@@ -125,6 +129,7 @@ class Solved:
 
 
 _solves: Memory[Solved] = Memory(REMEMBERED)
+_frames: Memory[Solved] = Memory(FRAMES)
 _templates: Memory[Template] = Memory(8)
 
 
@@ -148,8 +153,9 @@ def solved(state: CarState, before: CarState | None = None) -> Solved:
     ----------
     state : CarState
     before : CarState, optional
-        The car as it was before one of its marks was dragged: where to start from. What is
-        found then is not remembered.
+        The car as it was before one of its marks was dragged, or in the frame before: where to
+        start from. A mark that was aside there comes back later than it went, so that none
+        flickers. Nothing but the next frame sees what is found then.
 
     Raises
     ------
@@ -162,18 +168,24 @@ def solved(state: CarState, before: CarState | None = None) -> Solved:
     if known is not None:
         return known
     if before is not None:
-        return _solved(state, solved(before))
+        last = _frames.known(_question(before))
+        found = _solved(state, solved(before) if last is None else last)
+        _frames.put(key, found)
+        return found
     return _solves.recall(key, lambda: _solved(state, None))
 
 
 def _question(state: CarState) -> tuple[object, ...]:
     """All that a solve depends on."""
-    sketches = tuple(
-        (s.id, s.size, s.marks, s.kind, s.cropped) for s in _taking_part(state)
-    )  # fmt: skip
+    sketches = tuple((sketch.id, *_told_by(sketch)) for sketch in _taking_part(state))
     locked = state.dimensions if state.lock else None
     shape = (state.own or state.template, state.trace, state.cost, state.without, locked)
     return (*shape, sketches)
+
+
+def _told_by(sketch: Sketch) -> tuple[object, ...]:
+    """What a sketch says of the car."""
+    return sketch.size, sketch.marks, sketch.kind, sketch.cropped
 
 
 def _taking_part(state: CarState) -> tuple[Sketch, ...]:
@@ -226,29 +238,43 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
 
 def _resected(sketch: Sketch, template: Template, before: Solved | None) -> Placed:
     """The camera of a sketch from the template as it stands."""
+    resumed = None
+    if before is not None and before.template is template:
+        resumed = before.placed.get(sketch.id)
     nodes, places = counted_marks(Placed(sketch, flat_stand(sketch.size)), template)
-    resumed = None if before is None else before.placed.get(sketch.id)
-    marked = {template.names[node] for node in nodes}
-    further = {
-        name: place
-        for name, place in zip(template.names, template.positions, strict=True)
-        if name not in marked and name not in sketch.skipped
-    }
     try:
-        found = resect(
-            template.positions[nodes], places, sketch.size, kind=sketch.kind,
-            cropped=sketch.cropped, further=further,
-            before=None if resumed is None else resumed.resection,
-        )  # fmt: skip
+        found = _camera_of(sketch, template, nodes, places, resumed)
     except UserError as problem:
         return Placed(sketch, flat_stand(sketch.size), problem=problem.message)
     unseen = nodes[_too_near(template, nodes, found)].tolist()
     aside = tuple(template.names[node] for node in unseen)
     stand = Stand.behind(found.camera, found.shift, template.positions)
     placed = Placed(sketch, stand, found, disagreeing=aside)
-    if before is None and _is_exchanged(placed, template):
-        placed = replace(placed, exchanged=True)
-    return placed
+    exchanged = _is_exchanged(placed, template) if resumed is None else resumed.exchanged
+    return replace(placed, exchanged=exchanged)
+
+
+def _camera_of(
+    sketch: Sketch,
+    template: Template,
+    nodes: NDArray[np.intp],
+    places: Array,
+    resumed: Placed | None,
+) -> Resection:
+    """The camera that sees the template at the marks; that of before if no mark has moved."""
+    last = None if resumed is None else resumed.resection
+    if last is not None and resumed is not None and _told_by(resumed.sketch) == _told_by(sketch):
+        return last
+    marked = {template.names[node] for node in nodes}
+    further = {
+        name: place
+        for name, place in zip(template.names, template.positions, strict=True)
+        if name not in marked and name not in sketch.skipped
+    }
+    return resect(
+        template.positions[nodes], places, sketch.size, kind=sketch.kind,
+        cropped=sketch.cropped, further=further, before=last,
+    )  # fmt: skip
 
 
 def _is_exchanged(placed: Placed, template: Template) -> bool:
