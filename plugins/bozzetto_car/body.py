@@ -142,10 +142,10 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     Raises
     ------
     UserError
-        As of `solved`. An edit or a dimension that cannot be is left out, and told.
+        As of `solved`. An edit or dimensions that cannot be are left out, and told.
     """
     body, wanted = unstretched_body_of(state, before), state.dimensions
-    if not wanted.given():
+    if not wanted.given() or body.dimensions_problem:
         return body
     return _bodies.recall((body, wanted), partial(_finished, body, wanted))
 
@@ -155,7 +155,13 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
 
     While a mark is dragged edits are not made again: what they have changed is carried along.
     """
-    base = solved(state, before)
+    try:
+        base = solved(state, before)
+    except UserError as problem:
+        if not (state.lock and state.dimensions.given()):
+            raise
+        loose = unstretched_body_of(replace(state, lock=False), before)
+        return replace(loose, dimensions_problem=problem.message)
     if before is not None and state.edits and state.edits is before.edits:
         old = unstretched_body_of(before)
         if old.template is base.template and old.solved is not base:

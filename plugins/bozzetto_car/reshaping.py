@@ -41,6 +41,10 @@ LEAST_SLOPE: Final = 0.2
 """Least value of the map's slope coefficients, as a share of those of the map that changes
 nothing: what is drawn together further is a crease and no body."""
 
+CORRECTED_SLOPE: Final = 0.15
+"""The same of a map that is corrected: what is within the range that a person is told can be had,
+to its very ends."""
+
 AIMED: Final = 1e-7
 """The same while the map is being corrected, so that it holds when it is measured again."""
 
@@ -199,8 +203,9 @@ def reshaped(
     goal = {name: value * growth if name in ALONG else value for name, value in now.items()}
     goal.update(wishes)
     asked = dict(goal)
-    for _ in range(MOST_CORRECTIONS):
-        made = _mapping(asked, goal, now, float(extents[0, 0]))
+    for number in range(MOST_CORRECTIONS):
+        least = CORRECTED_SLOPE if number else LEAST_SLOPE
+        made = _mapping(asked, goal, now, float(extents[0, 0]), least)
         ends = made.along([front, rear]).tolist()
         found = measured(np.asarray(measure(made), float), ends[0], ends[1]).given()
         if all(abs(found[name] - value) <= AIMED for name, value in goal.items()):
@@ -213,7 +218,11 @@ def reshaped(
 
 
 def _mapping(
-    asked: dict[str, float], goal: dict[str, float], now: dict[str, float], nose: float
+    asked: dict[str, float],
+    goal: dict[str, float],
+    now: dict[str, float],
+    nose: float,
+    least: float,
 ) -> Reshaping:
     """The map for dimensions as the map itself has them."""
     length = asked["length"]
@@ -229,7 +238,7 @@ def _mapping(
     solving = np.asarray(np.linalg.inv(weights), float)
     inner = solving @ (to / length - share**3)
     steps = np.array([inner[0], inner[1] - inner[0], 1.0 - inner[1]])
-    if steps.min() < LEAST_SLOPE / 3.0:
+    if steps.min() < least / 3.0:
         raise UserError(_folding(goal, share, solving))
     factors = length / now["length"], asked["width"] / now["width"], asked["height"] / now["height"]
     return Reshaping(nose, now["length"], factors, (float(inner[0]), float(inner[1])))
