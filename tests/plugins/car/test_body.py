@@ -308,7 +308,7 @@ def test_while_a_mark_is_dragged_edits_are_carried_along() -> None:
         body = body_of(state)
         stroke = pen(body.stands["1"].view((1200.0, 800.0)), another(body, name, number))
         state = TraceEdges().apply(state, Ink((stroke,)), Context())
-    later = with_mark_moved(state, f"S1.{side}", (5.0, 3.0))
+    later = with_mark_moved(state, f"S1.{side}", (2.0, 1.0))
     carried, exact = body_of(later, state), body_of(later)
     gap = carried.network.control_points - exact.network.control_points
     plain = body_of(replace(later, edits=()))
