@@ -239,11 +239,12 @@ def test_from_inside_the_body_there_is_nothing_to_draw_on() -> None:
         laid(template_body(), [[300.0, 450.0], [900.0, 450.0]], camera)
 
 
-def test_any_stroke_is_one_sound_curve_that_is_seen_where_it_was_drawn_or_refused() -> None:
+@pytest.mark.parametrize("trials", [9, pytest.param(90, marks=pytest.mark.slow)])
+def test_any_stroke_is_one_sound_curve_seen_where_it_was_drawn_or_refused(trials: int) -> None:
     rng = np.random.default_rng(8)
     bodies = [template_body(name) for name in TEMPLATES]
     refused = 0
-    for trial in range(12):
+    for trial in range(trials):
         body = bodies[trial % 3]
         kind = ("perspective", "orthographic")[trial % 2]
         camera = view(rng.uniform(-180, 180), rng.uniform(-10, 80), kind)  # type: ignore[arg-type]
@@ -259,4 +260,4 @@ def test_any_stroke_is_one_sound_curve_that_is_seen_where_it_was_drawn_or_refuse
         assert_sound(curve, body)
         seen = camera.project(dense(curve, body))[0]
         assert distances_to_polyline(seen, line_of(stroke)).max() < 0.5
-    assert refused < 6
+    assert refused < 0.4 * trials
