@@ -1,0 +1,334 @@
+"""The guide panel: what it says of a car, the small car, and what a hand can do there."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import replace
+
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6")
+
+from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QWidget
+
+from bozzetto.scene import DARK, LIGHT
+from bozzetto_car.body import body_of
+from bozzetto_car.guide import chart_of, guide_of
+from bozzetto_car.marking import with_asked, with_skipped
+from bozzetto_car.panel import GuidePanel
+from bozzetto_car.panel_car import STILL
+from bozzetto_car.panel_chart import told
+from bozzetto_car.small_car import Pose, between, pose_of, small_car
+from bozzetto_car.soundness import soundness_names
+from bozzetto_car.state import CarState, Mark, Sketch
+from bozzetto_car.template_file import bundled
+from tests.plugins.car.penned import blank, guided, places_of, view_of
+from tests.plugins.car.sketched import PICTURE
+
+SEDAN = bundled("sedan")
+FRONT = view_of(40.0)
+
+
+@pytest.fixture(scope="module")
+def twelve():
+    return guided(FRONT, 12)
+
+
+@pytest.fixture(scope="module")
+def astray():
+    """Twenty marks, one of them 120 px off; one node noted as not visible."""
+    state = guided(FRONT, 20)
+    marks = tuple(
+        replace(mark, u=mark.u + 120.0) if mark.node == "C3" else mark
+        for mark in state.sketch.marks
+    )
+    return with_skipped(state.with_node(replace(state.sketch, marks=marks)), ["B5.L"])
+
+
+# -- what it says ----------------------------------------------------------------------------------
+
+
+def statuses(guide):
+    return {row.node: row.status for row in guide.rows}
+
+
+def test_every_node_has_its_status(astray):
+    guide = guide_of(astray)
+    found = statuses(guide)
+    assert list(found) == [SEDAN.names[n] for n in SEDAN.asked("R")]
+    assert found["C3"] == "wrong"
+    assert found["B5.L"] == "skipped"
+    assert found[guide.asked] == "asked"
+    marked = {mark.node for mark in astray.sketch.marks} - {"C3"}
+    assert {node for node, status in found.items() if status == "set"} == marked
+    row = next(row for row in guide.rows if row.node == "C3")
+    assert row.off == pytest.approx(120.0, abs=3.0)
+    assert "disagrees by 1" in told(row)
+    assert guide.count == 20
+
+
+def test_a_sketch_in_a_few_words(astray, twelve):
+    (row,) = guide_of(astray).sketches
+    assert row.wrong
+    assert row.told.startswith("1 mark disagrees · 20 marks · ")
+    (row,) = guide_of(twelve).sketches
+    assert not row.wrong
+    assert row.told.startswith("perspective · 12 marks · 0.0 px")
+    assert guide_of(blank()).sketches[0].told == "0 marks"
+
+
+def test_what_is_missing_is_said():
+    assert guide_of(CarState()).note == "Drop a sketch of a car on the sheet."
+    assert guide_of(CarState()).rows == ()
+    assert guide_of(blank()).note.startswith("6 more marks")
+    assert guide_of(guided(FRONT, 5)).note.startswith("1 more mark until")
+    everything = with_skipped(guided(FRONT, 6), SEDAN.names)
+    guide = guide_of(everything)
+    assert (guide.asked, guide.title, guide.after) == ("", "", "")
+    assert guide.before == everything.sketch.marks[-1].node
+    assert "All points" in guide.note
+
+
+def test_the_view_that_would_help_most_is_named(twelve):
+    """Of a car seen from the front on the right, what is behind is known least."""
+    advice = guide_of(twelve).advice
+    assert advice.startswith("Would help most: a ")
+    now, then = (float(figure) for figure in re.findall(r"(\d+)(?= →| mm)", advice))
+    assert now > then > 0.0
+    assert guide_of(blank()).advice == ""
+
+
+def test_dimensions_are_those_of_the_body(twelve):
+    found = dict(guide_of(twelve).dimensions)
+    body = body_of(twelve)
+    assert found["Wheelbase"] == pytest.approx(
+        np.ptp(body.network.positions[SEDAN.wheels[:, 0], 0])
+    )
+    assert set(found) == {"Length", "Width", "Height", "Front overhang", "Wheelbase"}
+
+
+def test_all_constraints_are_there(twelve):
+    name = "The windscreen leans back"
+    guide = guide_of(replace(twelve, without=(name,)))
+    assert tuple(rule.name for rule in guide.rules) == soundness_names(SEDAN)
+    assert [rule.name for rule in guide.rules if not rule.is_on] == [name]
+    assert not any(rule.is_broken for rule in guide.rules)
+
+
+# -- drawings --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["sedan", "hatchback", "minivan"])
+@pytest.mark.parametrize("near", ["L", "R"])
+def test_in_the_chart_every_node_can_be_hit(name, near):
+    """At 250 px no two dots are closer than a pen can tell, and the nose points where it does."""
+    template = bundled(name)
+    chart = chart_of(template, near)
+    assert chart.places.min() >= -1e-9
+    assert chart.places[:, 0].max() <= 1.0 + 1e-9
+    gaps = np.linalg.norm(chart.places[:, None] - chart.places, axis=2) + np.eye(len(chart.places))
+    assert gaps.min() * 230.0 > 4.5
+    front = chart.places[template.node[f"WF.{near}"], 0]
+    rear = chart.places[template.node[f"WR.{near}"], 0]
+    assert (front < rear) == (near == "L")
+    assert 0.2 < chart.front.mean() < 1.0
+
+
+def test_the_small_car_shows_its_node():
+    """In the picture, on the car, and on the patch that is tinted where it is on the body."""
+    for node in SEDAN.names:
+        made = small_car(SEDAN, node, pose_of(SEDAN, node), LIGHT, (120, 60))
+        x, y = made.place
+        assert 0.0 <= x <= 120.0
+        assert 0.0 <= y <= 60.0
+        near = made.pixels[max(0, int(y) - 2) : int(y) + 3, max(0, int(x) - 2) : int(x) + 3]
+        assert near[..., 3].max() == 255, f"{node} is beside the car"
+    plain = small_car(SEDAN, "", Pose(40.0, 15.0), LIGHT, (120, 60))
+    tinted = small_car(SEDAN, "S1.R", Pose(40.0, 15.0), LIGHT, (120, 60))
+    assert redness(tinted.pixels) > 5.0 * max(redness(plain.pixels), 1.0)
+
+
+def redness(pixels):
+    seen = pixels[pixels[..., 3] > 0].astype(float)
+    return (seen[:, 0] - seen[:, 2] > 60.0).sum()
+
+
+def test_the_small_car_turns_the_shorter_way():
+    start, end = Pose(-170.0, 10.0), Pose(160.0, 20.0)
+    way = [between(start, end, share) for share in np.linspace(0.0, 1.0, 21)]
+    assert way[0] == start
+    assert way[-1].azimuth % 360.0 == pytest.approx(160.0)
+    turns = np.diff([pose.azimuth for pose in way])
+    assert (turns <= 0.0).all()
+    assert -turns.sum() == pytest.approx(30.0)
+    assert max(abs(turns)) < 3.0 * 30.0 / 20.0
+
+
+# -- the widget ------------------------------------------------------------------------------------
+
+
+class Host:
+    """The program, as far as a panel sees it."""
+
+    def __init__(self, state):
+        self.state, self.steps, self.callbacks = state, [], []
+
+    def change(self, state, label):
+        self.steps.append(label)
+        self.put(state)
+
+    def put(self, state):
+        self.state = state
+        for callback in self.callbacks:
+            callback()
+
+    def on_change(self, callback):
+        self.callbacks.append(callback)
+
+
+@pytest.fixture
+def shown(qtbot):
+    """A function that shows a panel for a state, and waits until it has looked at it."""
+    application = QApplication.instance()
+    application.setProperty(STILL, True)
+    kept = []
+
+    def show(state):
+        host, parent = Host(state), QWidget()
+        kept.append(parent)
+        parent.resize(280, 900)
+        qtbot.addWidget(parent)
+        panel = GuidePanel(host, parent)
+        panel.resize(280, 900)
+        parent.show()
+        calm(qtbot, panel)
+        return panel, host
+
+    yield show
+    application.setProperty(STILL, False)
+
+
+def calm(qtbot, panel):
+    qtbot.waitUntil(lambda: not panel.busy, timeout=30_000)
+    qtbot.waitUntil(lambda: not panel.busy and not panel.car.busy, timeout=30_000)
+
+
+def test_the_asked_point_is_told(shown, twelve, qtbot):
+    panel, host = shown(twelve)
+    guide = guide_of(twelve)
+    assert panel.title.text() == guide.title
+    assert panel.prompt.text() == SEDAN.prompts[guide.asked]
+    assert panel.car.node == guide.asked
+    assert panel.count.text() == "12 of 39 marked"
+    host.put(with_asked(twelve, "C8"))
+    calm(qtbot, panel)
+    assert panel.title.text() == "Rear bumper, lower edge"
+    assert "Not seen from here" in panel.note.text()
+
+
+def test_buttons_pass_points_over(shown, qtbot):
+    panel, host = shown(blank())
+    first = guide_of(blank()).asked
+    panel.skip.click()
+    calm(qtbot, panel)
+    second = guide_of(host.state).asked
+    assert second != first
+    panel.back.click()
+    calm(qtbot, panel)
+    assert guide_of(host.state).asked == first
+    panel.hide_.click()
+    calm(qtbot, panel)
+    assert host.state.sketch.skipped == (first,)
+    assert len(host.steps) == 3
+
+
+def test_a_click_on_the_chart_asks_for_a_node(shown, twelve, qtbot):
+    panel, host = shown(twelve)
+    for node in ("S3.R", "C7", "WR.R"):
+        QTest.mouseClick(
+            panel.chart, Qt.MouseButton.LeftButton, pos=panel.chart.place_of(node).toPoint()
+        )
+        calm(qtbot, panel)
+        assert host.state.asked == node
+    panel.chart.chosen.emit("C1")
+    before = host.state
+    QTest.mouseClick(panel.chart, Qt.MouseButton.LeftButton, pos=QPointF(1.0, 1.0).toPoint())
+    assert host.state is before
+
+
+def test_the_chart_is_of_use_without_a_mouse(shown, twelve, qtbot):
+    panel, host = shown(twelve)
+    names = [row.node for row in guide_of(twelve).rows]
+    asked = guide_of(twelve).asked
+    QTest.keyClick(panel.chart, Qt.Key.Key_Right)
+    assert panel.chart.accessibleDescription()
+    QTest.keyClick(panel.chart, Qt.Key.Key_Return)
+    assert host.state.asked == names[(names.index(asked) + 1) % len(names)]
+
+
+def test_a_click_never_undoes_what_came_after_the_panel_was_drawn(shown, twelve):
+    """The panel lags behind by some milliseconds; the newest state counts."""
+    panel, host = shown(twelve)
+    newer = twelve.with_node(replace(twelve.sketch, opacity=0.3))
+    host.put(newer)
+    panel.skip.click()
+    assert host.state.sketch.opacity == 0.3
+
+
+def test_sketches_are_chosen(shown, twelve, qtbot):
+    marks = tuple(Mark(n, *p) for n, p in places_of(view_of(-90.0)).items() if "R" not in n[1:])
+    side = Sketch(id="two", name="Side", width=PICTURE[0], height=PICTURE[1], marks=marks)
+    panel, host = shown(twelve.with_node(side))
+    from bozzetto_car.panel_parts import SketchButton
+
+    first, second = sorted(panel.findChildren(SketchButton), key=lambda one: one.row.id)
+    assert second.row.in_work
+    first.click()
+    calm(qtbot, panel)
+    assert host.state.selected == "one"
+
+
+def test_constraints_are_switched_off_and_on(shown, twelve, qtbot):
+    panel, host = shown(twelve)
+    item = panel.rules.item(1)
+    item.setCheckState(Qt.CheckState.Unchecked)
+    assert host.state.without == (item.text(),)
+    calm(qtbot, panel)
+    panel.rules.item(1).setCheckState(Qt.CheckState.Checked)
+    assert host.state.without == ()
+
+
+def test_both_themes_are_followed(shown, twelve, qtbot):
+    panel, _ = shown(twelve)
+    for palette in (DARK, LIGHT):
+        made = QPalette()
+        made.setColor(QPalette.ColorRole.Window, QColor(*palette.panel))
+        made.setColor(QPalette.ColorRole.WindowText, QColor(*palette.ink))
+        panel.setPalette(made)
+        QApplication.sendEvent(panel.car, QEvent(QEvent.Type.PaletteChange))
+        calm(qtbot, panel)
+        image = panel.car.grab().toImage()
+        accents = [
+            image.pixelColor(x, y).getRgb()[:3] == palette.accent
+            for x in range(image.width())
+            for y in range(image.height())
+        ]
+        assert any(accents), "the dot has the theme's own accent"
+
+
+def test_nothing_is_lost_when_the_panel_goes_while_it_works(twelve, qtbot):
+    host, parent = Host(twelve), QWidget()
+    qtbot.addWidget(parent)
+    panel = GuidePanel(host, parent)
+    parent.show()
+    qtbot.wait(70)
+    panel.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    qtbot.wait(150)
