@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby, product
 
@@ -13,10 +13,11 @@ from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.software.labels import draw_label
+from bozzetto.scene.software.pictures import hang, lay_pictures
 from bozzetto.scene.software.shading import Shading
 from bozzetto.scene.software.sight import Sight, sight_of
 from bozzetto.scene.software.strokes import BIAS, Canvas, draw_discs, draw_lines, draw_points
-from bozzetto.scene.software.surfaces import Veil, draw_surfaces, see_through
+from bozzetto.scene.software.surfaces import Pictures, Veil, draw_surfaces, see_through
 from bozzetto.view.camera import Camera
 
 __all__ = ["MOST_PIXELS", "render"]
@@ -47,6 +48,10 @@ HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
 """Radius of a handle's disc and width of the dark rim around it, px."""
 
 
+def _go_on() -> None:
+    """Nobody wants to stop it."""
+
+
 def render(
     scene: Scene,
     camera: Camera,
@@ -57,6 +62,7 @@ def render(
     shading: Shading = "clay",
     background: bool = True,
     antialias: bool = True,
+    checkpoint: Callable[[], None] = _go_on,
 ) -> NDArray[np.uint8]:
     """Draw a scene as a picture; the same input gives the same picture, bit for bit.
 
@@ -75,7 +81,9 @@ def render(
     background : bool
         Paper behind everything; else the picture is transparent there.
     antialias : bool
-        Four samples for each pixel of a surface; lines are always smooth.
+        Four samples for each pixel of a surface; lines and pictures are always smooth.
+    checkpoint : callable
+        Called between stages; what it raises is let pass, so that a picture can be given up.
 
     Returns
     -------
@@ -103,7 +111,16 @@ def render(
         below = min(height, bottom + HALO)
         window = (0, above, width, below - above)
         pixels = _drawn(
-            items, camera, palette, (width, height), window, scale, shading, background, fineness
+            items,
+            camera,
+            palette,
+            (width, height),
+            window,
+            scale,
+            shading,
+            background,
+            fineness,
+            checkpoint,
         )
         band = pixels.reshape(below - above, width, 4)[top - above : bottom - above]
         result[top:bottom] = _finished(band, opaque=background)
@@ -113,7 +130,8 @@ def render(
 def _layers(items: Sequence[Item], shading: Shading) -> int:
     """How many values are held for each sample: the surface, and every translucent sheet."""
     sheets = [2 if see_through(i, shading) else 0 for i in items if isinstance(i, Shaded)]
-    return 1 + sum(sheets) + sum(isinstance(item, Image) for item in items)
+    pictures = sum(isinstance(item, Image) for item in items)
+    return 1 + sum(sheets) + (pictures if any(isinstance(i, Shaded) for i in items) else 0)
 
 
 def _bands(width: int, height: int, depth: int) -> Iterator[tuple[int, int]]:
@@ -144,23 +162,32 @@ def _drawn(
     shading: Shading,
     background: bool,
     fineness: int,
+    checkpoint: Callable[[], None],
 ) -> Floats:
     """A window of the picture, shape (h · w, 4): colour times opacity, opacity."""
     width, height = size
     _, _, w, h = window
-    paper = (*palette.paper, 1.0) if background else (0.0,) * 4
-    pixels = np.full((h * w, 4), paper, np.float32)
+    paper = np.array((*palette.paper, 1.0) if background else (0.0,) * 4, np.float32)
+    pixels = np.empty((h * w, 4), np.float32)
+    pixels[:] = paper
     sight = sight_of(camera, height, width, window)
-    surfaces = [item for item in items if isinstance(item, Shaded | Image)]
+    images = [hang(item, sight) for item in items if isinstance(item, Image)]
+    hung = [picture for picture in images if picture is not None]
+    lay_pictures(pixels, hung, sight)
+    checkpoint()
+    surfaces = [item for item in items if isinstance(item, Shaded)]
     canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
     part = _occupied(surfaces, sight)
     if part is not None:
         x, y, part_w, part_h = part
         inner = (window[0] + x, window[1] + y, part_w, part_h)
         fine = sight_of(camera, height, width, inner, fineness)
-        samples = np.full((fine.height * fine.width, 4), paper, np.float32)
-        drawn = draw_surfaces(samples, surfaces, fine, palette, shading, fineness)
         inside = np.s_[y : y + part_h, x : x + part_w]
+        samples = _enlarged(pixels.reshape(h, w, 4)[inside], fineness)
+        pictures = Pictures(hung, paper, (x, y))
+        drawn = draw_surfaces(
+            samples, surfaces, pictures, fine, palette, shading, fineness, checkpoint
+        )
 
         def rows(values: Floats) -> Floats:
             return values.reshape(fine.height, fine.width, *values.shape[1:])
@@ -178,13 +205,19 @@ def _drawn(
             veil.opacity[inside] = _reduced(rows(drawn.veil.opacity), fineness)
             veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
             canvas = replace(canvas, veil=veil)
+        checkpoint()
     _draw_marks(canvas, items, palette)
     return pixels
 
 
-def _occupied(items: Sequence[Shaded | Image], sight: Sight) -> Window | None:
-    """The part of a window that meshes and pictures can reach; None if they reach nothing."""
-    boxes = [box for box in map(_box, items) if np.isfinite(box).all()]
+def _enlarged(pixels: Floats, fineness: int) -> Floats:
+    """Each pixel (h, w, 4) as so many samples along both axes, row by row, (n, 4)."""
+    return np.repeat(np.repeat(pixels, fineness, 0), fineness, 1).reshape(-1, 4)
+
+
+def _occupied(items: Sequence[Shaded], sight: Sight) -> Window | None:
+    """The part of a window that meshes can reach; None if they reach nothing."""
+    boxes = [item.mesh.bounds for item in items if np.isfinite(item.mesh.bounds).all()]
     if not boxes:
         return None
     corners = [np.array(list(product(*box.T))) for box in boxes]
@@ -198,14 +231,6 @@ def _occupied(items: Sequence[Shaded | Image], sight: Sight) -> Window | None:
     if (high <= low).any():
         return None
     return (int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1]))
-
-
-def _box(item: Shaded | Image) -> NDArray[np.float64]:
-    if isinstance(item, Shaded):
-        return item.mesh.bounds
-    corner, across, down = (np.asarray(v, float) for v in (item.corner, item.across, item.down))
-    ends = np.array((corner, corner + across, corner + down, corner + across + down))
-    return np.stack((ends.min(0), ends.max(0)))
 
 
 def _reduced(samples: Floats, fineness: int) -> Floats:

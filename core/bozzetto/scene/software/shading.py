@@ -17,7 +17,7 @@ from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.software.sight import Sight
 from bozzetto.scene.software.soup import Soup
 
-__all__ = ["SHADINGS", "Fragments", "Shading", "colored", "curvature_colors", "fragments", "tints"]
+__all__ = ["SHADINGS", "Fragments", "Shading", "colored", "curvature_colors", "fragments"]
 
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
@@ -91,10 +91,21 @@ def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: 
     tinted : bool
         Whether vertex colours are wanted; else `Fragments.color` is empty.
     """
-    spots = _spots(triangle, soup, sight)
-    places, row, right, down = spots.places, spots.row, spots.right, spots.down
-    corners = soup.corners[spots.visible]
-    normal = spots.interpolated(soup.normals[corners] * spots.weight)
+    pixel = np.flatnonzero(triangle >= 0)
+    seen = triangle[pixel]
+    visible = np.zeros(len(soup.faces), bool)
+    visible[seen] = True
+    row = np.cumsum(visible, dtype=np.int32)[seen] - 1
+    faces, corners = soup.faces[visible], soup.corners[visible]
+    places = soup.places[faces]
+    weight = places[:, :, 2:] if sight.perspective else np.ones((len(faces), 3, 1))
+
+    y, x = np.divmod(pixel, sight.width)
+    right, down = x + 0.5, y + 0.5
+    dx = (right - places[row, 0, 0]).astype(np.float32)
+    dy = (down - places[row, 0, 1]).astype(np.float32)
+
+    normal = _interpolated(places, soup.normals[corners] * weight, row, dx, dy)
     length = np.sqrt(np.einsum("kn,kn->n", normal, normal))
     normal /= np.where(length > 0, length, 1.0)
     inside = _backs(places)[row]
@@ -109,58 +120,12 @@ def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: 
         facing /= np.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     np.clip(facing, 0.0, 1.0, out=facing)
 
-    color = spots.colors(soup) if tinted else np.zeros((0, 4), np.float32)
-    return Fragments(spots.pixel, triangle[spots.pixel], normal, facing, inside, color)
-
-
-def tints(triangle: NDArray[np.int32], soup: Soup, sight: Sight) -> tuple[NDArray[np.intp], Floats]:
-    """Pixels on which something is seen, and the vertex colours there, (n, 4), without light."""
-    spots = _spots(triangle, soup, sight)
-    return spots.pixel, spots.colors(soup)
-
-
-@dataclass(frozen=True)
-class _Spots:
-    """Where on which visible triangle each pixel is.
-
-    `places` (t, 3, 3) and `weight` (t, 3, 1) are of the `visible` triangles, `row` (n,) says
-    which of these, `right` and `down` (n,) are on the sheet, `dx` and `dy` (n,) from the
-    triangle's first corner.
-    """
-
-    pixel: NDArray[np.intp]
-    visible: NDArray[np.bool_]
-    places: NDArray[np.float64]
-    weight: NDArray[np.float64]
-    row: NDArray[np.int32]
-    right: NDArray[np.float64]
-    down: NDArray[np.float64]
-    dx: Floats
-    dy: Floats
-
-    def interpolated(self, values: NDArray[np.floating]) -> Floats:
-        return _interpolated(self.places, values, self.row, self.dx, self.dy)
-
-    def colors(self, soup: Soup) -> Floats:
-        tinted = soup.colors[soup.faces[self.visible]] * self.weight
-        values = self.interpolated(np.concatenate((tinted, self.weight), 2))
-        shares: Floats = values[:4] / values[4]
-        return np.clip(shares, 0.0, 255.0, out=shares).T
-
-
-def _spots(triangle: NDArray[np.int32], soup: Soup, sight: Sight) -> _Spots:
-    pixel = np.flatnonzero(triangle >= 0)
-    seen = triangle[pixel]
-    visible = np.zeros(len(soup.faces), bool)
-    visible[seen] = True
-    row = np.cumsum(visible, dtype=np.int32)[seen] - 1
-    places = soup.places[soup.faces[visible]]
-    weight = places[:, :, 2:] if sight.perspective else np.ones((len(places), 3, 1))
-    y, x = np.divmod(pixel, sight.width)
-    right, down = x + 0.5, y + 0.5
-    dx = (right - places[row, 0, 0]).astype(np.float32)
-    dy = (down - places[row, 0, 1]).astype(np.float32)
-    return _Spots(pixel, visible, places, weight, row, right, down, dx, dy)
+    color = np.zeros((0, 4), np.float32)
+    if tinted:
+        weighted = np.concatenate((soup.colors[faces] * weight, weight), 2)
+        values = _interpolated(places, weighted, row, dx, dy)
+        color = np.clip((values[:4] / values[4]).T, 0.0, 255.0)
+    return Fragments(pixel, seen, normal, facing, inside, color)
 
 
 def _interpolated(

@@ -1,35 +1,35 @@
-"""Shaded meshes and pictures on a window of the sheet, opaque first, then translucent."""
+"""Shaded meshes before pictures on a window of the sheet, opaque first, then translucent."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.scene.display_list import Image, Shaded
+from bozzetto.scene.display_list import Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.software.compositing import Sheet, lay_over, veil_of
 from bozzetto.scene.software.contours import cavities, contours
 from bozzetto.scene.software.normals import mean_curvature
+from bozzetto.scene.software.pictures import Hung, sheet_at
 from bozzetto.scene.software.shading import (
     Fragments,
     Shading,
     colored,
     curvature_colors,
     fragments,
-    tints,
 )
 from bozzetto.scene.software.sight import Sight
 from bozzetto.scene.software.soup import Soup, gather
-from bozzetto.scene.software.textures import rectangle, sampled
 from bozzetto.scene.software.zbuffer import Buffer, blank, rasterize
 from bozzetto.scene.software.zebra import mirroring
 
 __all__ = ["Drawn", "Veil", "draw_surfaces", "is_polished", "see_through"]
 
 Floats = NDArray[np.float32]
+Samples = NDArray[np.intp]
 
 XRAY_LEAST, XRAY_MOST = 0.10, 0.80
 """Opacity of x-rayed surfaces seen face on and edge on."""
@@ -71,49 +71,109 @@ class Drawn:
     veil: Veil | None
 
 
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """Pictures round the part of the sheet where meshes are drawn.
+
+    Attributes
+    ----------
+    hung : sequence of Hung
+    paper : (4,) float32
+        What is behind them: colour multiplied by opacity, opacity.
+    offset : (x, y)
+        Where the part begins, px of the pictures' window.
+    """
+
+    hung: Sequence[Hung]
+    paper: Floats
+    offset: tuple[int, int]
+
+    def in_front(self, buffer: Buffer, glass: Sequence[Sheet], fineness: int) -> Samples:
+        """Samples at which some picture is in front of some mesh."""
+        farthest = np.where(buffer.triangle >= 0, buffer.nearness, np.float32(np.inf))
+        for sheet in glass:
+            farthest[sheet.pixel] = np.minimum(farthest[sheet.pixel], sheet.nearness)
+        least = farthest.min()
+        farthest = farthest.reshape(buffer.height, buffer.width)
+        found = np.zeros(farthest.shape, bool)
+        for picture in self.hung:
+            window, nearness = self._nearness(picture, buffer, fineness)
+            if nearness.size and nearness[[0, 0, -1, -1], [0, -1, 0, -1]].max() >= least:
+                found[window] |= nearness >= farthest[window]
+        return np.flatnonzero(found)
+
+    def _nearness(
+        self, picture: Hung, buffer: Buffer, fineness: int
+    ) -> tuple[tuple[slice, slice], Floats]:
+        """The samples in a picture's box, and the nearness of its plane there."""
+        ends = []
+        sizes = (buffer.width, buffer.height)
+        boxes = ((picture.left, picture.right), (picture.top, picture.bottom))
+        for box, begin, size in zip(boxes, self.offset, sizes, strict=True):
+            low, high = (int(np.clip((edge - begin) * fineness, 0, size)) for edge in box)
+            ends.append((low, high))
+        x, y = (
+            begin + (np.arange(low, high) + 0.5) / fineness
+            for begin, (low, high) in zip(self.offset, ends, strict=True)
+        )
+        across = (picture.plane[0] * x + picture.plane[2]).astype(np.float32)
+        down = (picture.plane[1] * y).astype(np.float32)
+        return (slice(*ends[1]), slice(*ends[0])), across + down[:, None]
+
+
 def draw_surfaces(
     pixels: Floats,
-    items: Sequence[Shaded | Image],
+    items: Sequence[Shaded],
+    pictures: Pictures,
     sight: Sight,
     palette: Palette,
     shading: Shading,
     fineness: int,
+    checkpoint: Callable[[], None],
 ) -> Drawn:
-    """Draw meshes and pictures.
+    """Draw meshes over pictures, and pictures over meshes where those are in front.
 
     Parameters
     ----------
     pixels : (h · w, 4) float32
-        Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1).
-    items : sequence of Shaded or Image
+        Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1). The pictures are
+        there already.
+    items : sequence of Shaded
+    pictures : Pictures
     sight : Sight
     palette : Palette
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
     fineness : int
         Samples per pixel along each axis.
+    checkpoint : callable
+        Called between stages.
     """
-    shaded = [i for i in items if isinstance(i, Shaded) and len(i.mesh.faces) and i.opacity > 0]
+    shaded = [i for i in items if len(i.mesh.faces) and i.opacity > 0]
     solid = [i for i in shaded if not see_through(i, shading)]
     buffer = blank(sight.width, sight.height)
     if solid:
         _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
-    pictures = [
-        _picture_sheet(item, sight).before(buffer.nearness)
-        for item in items
-        if isinstance(item, Image) and item.opacity > 0
-    ]
-    glass = [
-        sheet.before(buffer.nearness)
-        for item in shaded
-        if see_through(item, shading)
-        for sheet in _mesh_sheets(item, sight, palette, shading)
-    ]
+        checkpoint()
+    glass: list[Sheet] = []
+    for item in shaded:
+        if see_through(item, shading):
+            sheets = _mesh_sheets(item, sight, palette, shading)
+            glass.extend(sheet.before(buffer.nearness) for sheet in sheets)
+            checkpoint()
+    crossing = pictures.in_front(buffer, glass, fineness)
+    hung: list[Sheet] = []
+    if len(crossing):
+        pixels[crossing[buffer.triangle[crossing] < 0]] = pictures.paper
+        hung = [
+            sheet_at(one, crossing, sight.width, pictures.offset, fineness).before(buffer.nearness)
+            for one in pictures.hung
+        ]
     veil = None
     if glass:
         behind = pixels.copy()
-        lay_over(behind, pictures)
+        lay_over(behind, hung)
         veil = Veil(*veil_of(glass, len(pixels)), behind)
-    lay_over(pixels, pictures + glass)
+    lay_over(pixels, hung + glass)
     return Drawn(buffer.nearness, veil)
 
 
@@ -221,13 +281,3 @@ def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading)
             opacity *= np.float32(XRAY_LEAST) + np.float32(XRAY_MOST - XRAY_LEAST) * grazing
         sheets.append(Sheet(seen.pixel, buffer.nearness[seen.pixel], rgb, opacity))
     return sheets
-
-
-def _picture_sheet(item: Image, sight: Sight) -> Sheet:
-    soup = rectangle(item, sight)
-    buffer = blank(sight.width, sight.height)
-    rasterize(buffer, soup.places, soup.faces)
-    pixel, place = tints(buffer.triangle, soup, sight)
-    rgba = sampled(item, place, soup)
-    opacity = rgba[:, 3] * np.float32(item.opacity)
-    return Sheet(pixel, buffer.nearness[pixel], rgba[:, :3], opacity)

@@ -1,119 +1,154 @@
-"""Pictures on rectangles in space."""
+"""Pictures made smaller for the sheet: the mean of blocks of pixels, remembered.
+
+A picture that is shown smaller than it is has several pixels for each of the sheet. Taking one
+of them would lose the thin lines of a sketch, so its levels of detail (Williams 1983,
+"Pyramidal parametrics") are sampled; unlike there, a picture may be reduced across and down
+by different numbers, as it needs to be where it is seen at a slant.
+"""
 
 from __future__ import annotations
 
+import threading
 import weakref
 from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.mesh import Mesh
-from bozzetto.scene.display_list import Image
-from bozzetto.scene.software.sight import Sight
-from bozzetto.scene.software.soup import Soup, gather
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
-__all__ = ["rectangle", "sampled"]
+__all__ = ["Kept", "as_pillow", "level", "rung"]
 
-Floats = NDArray[np.float32]
+Bytes = NDArray[np.uint8]
 
-KEPT = 8
-"""How many reduced pictures are remembered."""
-
-AT_ONCE = 1 << 14
-"""Places whose colours are mixed in one go: what is in hand stays in the cache."""
-
-WHOLE = 255.0
-"""Texture coordinates run from 0 to this, in the columns that hold colours elsewhere."""
-
-_reduced: OrderedDict[tuple[int, int], tuple[weakref.ref[NDArray[np.uint8]], Floats]] = (
-    OrderedDict()
-)
+LEVELS_KEPT: Final = 256_000_000
+"""Memory for pictures made smaller, bytes: four of 4096 × 4096 pixels at most."""
 
 
-def rectangle(image: Image, sight: Sight) -> Soup:
-    """Two triangles whose red and green are the place across and down the picture."""
-    corner, across, down = (
-        np.asarray(v, np.float64) for v in (image.corner, image.across, image.down)
-    )
-    vertices = np.stack((corner, corner + across, corner + across + down, corner + down))
-    mesh = Mesh(vertices.astype(np.float32), np.array([(0, 3, 2), (0, 2, 1)], np.int32))
-    place = np.zeros((4, 4))
-    place[[1, 2], 0] = place[[2, 3], 1] = WHOLE
-    return gather([mesh], [place], sight)
-
-
-def sampled(image: Image, place: Floats, soup: Soup) -> Floats:
-    """Colours of a picture at places on it.
+class Kept:
+    """Arrays made of pictures, the latest used ones, for as long as the pictures live.
 
     Parameters
     ----------
-    image : Image
-    place : (n, 2 or more) float32
-        0 … `WHOLE` across and down.
-    soup : Soup
-        The picture's rectangle on the sheet: says how much it is reduced.
+    most : int
+        Bytes held at most.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._known: OrderedDict[Hashable, tuple[weakref.ref[Bytes], Bytes]] = OrderedDict()
+        self._lock = threading.RLock()  # frames are made beside the window's thread
+
+    def get(self, pixels: Bytes, name: Hashable, make: Callable[[], Bytes]) -> Bytes:
+        """What was made of a picture under a name, or is made now."""
+        key = (id(pixels), name)
+        with self._lock:
+            found = self._known.get(key)
+            if found is not None and found[0]() is pixels:
+                self._known.move_to_end(key)
+                return found[1]
+        made = make()
+        made.flags.writeable = False
+        with self._lock:
+            self._known[key] = (weakref.ref(pixels), made)
+            self._known.move_to_end(key)
+            self._forget()
+        return made
+
+    @property
+    def held(self) -> int:
+        """Bytes held now."""
+        with self._lock:
+            return sum(made.nbytes for _, made in self._known.values())
+
+    def _forget(self) -> None:
+        """Let go of what belongs to pictures that are gone, then of the oldest."""
+        for key in [k for k, (picture, _) in self._known.items() if picture() is None]:
+            del self._known[key]
+        held = self.held
+        while held > self._most:
+            held -= self._known.popitem(last=False)[1][1].nbytes
+
+
+_levels = Kept(LEVELS_KEPT)
+
+
+def rung(footprint: float, size: int) -> int:
+    """By how much to reduce a picture along one side.
+
+    Parameters
+    ----------
+    footprint : float
+        Pixels of the picture for each of the sheet.
+    size : int
+        Pixels along that side.
 
     Returns
     -------
-    (n, 4) float32
-        Red, green, blue (0 … 255, not multiplied) and opacity 0 … 1.
+    int
+        The nearest of 1, 2, 3, 4, 6, 8, 12 …, by ratio; not more than `size`.
     """
-    height, width = image.pixels.shape[:2]
-    if not height or not width:
-        return np.zeros((len(place), 4), np.float32)
-    area = 0.5 * float(np.abs(soup.doubled_areas()).sum())
-    stride = int(np.sqrt(height * width / max(area, 1.0)))
-    texels = _texels(image.pixels, max(1, min(stride, height, width)))
-    colors = np.empty((len(place), 4), np.float32)
-    for begin in range(0, len(place), AT_ONCE):
-        part = slice(begin, begin + AT_ONCE)
-        colors[part] = _mixed(texels, place[part, 0], place[part, 1])
-    return colors
+    footprint = min(max(footprint, 1.0), float(size))
+    power = 2 ** int(np.log2(footprint))
+    rungs = [r for r in (power, 3 * power // 2, 2 * power) if r <= size]
+    return min(rungs, key=lambda r: abs(float(np.log(r / footprint))))
 
 
-def _mixed(texels: Floats, across: Floats, down: Floats) -> Floats:
-    """Bilinear mixtures of the texels around places; (n, 4), not multiplied."""
-    height, width = texels.shape[:2]
-    x = np.clip(across * np.float32(width / WHOLE) - np.float32(0.5), 0, width - 1)
-    y = np.clip(down * np.float32(height / WHOLE) - np.float32(0.5), 0, height - 1)
-    left, top = x.astype(np.int32), y.astype(np.int32)
-    u = (x - left.astype(np.float32))[:, None]
-    v = (y - top.astype(np.float32))[:, None]
-    right = (left < width - 1).astype(np.int32)
-    below = np.where(top < height - 1, np.int32(width), np.int32(0))
-    rows = texels.reshape(-1, 4)
-    first = top * np.int32(width) + left
-    mixed = _between(rows.take(first, 0), rows.take(first + right, 0), u)
-    first += below
-    lower = _between(rows.take(first, 0), rows.take(first + right, 0), u)
-    mixed = _between(mixed, lower, v)
-    alpha = mixed[:, 3:]
-    np.divide(mixed[:, :3], alpha, out=mixed[:, :3], where=alpha > 0)
-    return mixed
+def level(pixels: Bytes, across: int, down: int) -> Bytes:
+    """A picture reduced by whole numbers, multiplied by its opacity.
+
+    Parameters
+    ----------
+    pixels : (h, w, 4) uint8
+        RGBA, straight alpha.
+    across, down : int
+        How many columns and rows become one; those left over make a last one.
+
+    Returns
+    -------
+    (⌈h / down⌉, ⌈w / across⌉, 4) uint8
+        Read-only.
+    """
+    if across == 1 and down == 1:
+        return _multiplied(pixels)
+    return _levels.get(pixels, (across, down), lambda: _reduced(pixels, across, down))
 
 
-def _between(one: Floats, other: Floats, share: Floats) -> Floats:
-    """Part of the way from one to the other; both arrays are used up."""
-    other -= one
-    other *= share
-    one += other
-    return one
+def _reduced(pixels: Bytes, across: int, down: int) -> Bytes:
+    """From the level of half the numbers where they are even, for that is smaller."""
+    halves = (across // 2 if across % 2 == 0 else across, down // 2 if down % 2 == 0 else down)
+    if halves == (across, down):
+        halves = (1, 1)
+    factors = (across // halves[0], down // halves[1])
+    return np.array(as_pillow(level(pixels, *halves)).reduce(factors))
 
 
-def _texels(pixels: NDArray[np.uint8], stride: int) -> Floats:
-    """The picture reduced by a whole number, multiplied by its opacity."""
-    key = (id(pixels), stride)
-    known = _reduced.get(key)
-    if known is not None and known[0]() is pixels:
-        return known[1]
+def _multiplied(pixels: Bytes) -> Bytes:
+    """A picture multiplied by its opacity; itself where it is opaque."""
+    clear = _levels.get(pixels, "clear", lambda: np.array([pixels[..., 3].min() < 255], np.uint8))
+    if not clear[0]:
+        return pixels
+    return _levels.get(pixels, "multiplied", lambda: _made_clear(pixels))
+
+
+def _made_clear(pixels: Bytes) -> Bytes:
+    from PIL import Image
+
     height, width = pixels.shape[:2]
-    rows, columns = height // stride, width // stride
-    part = pixels[: rows * stride, : columns * stride].astype(np.float32)
-    part[..., 3] /= 255.0
-    part[..., :3] *= part[..., 3:]
-    texels: Floats = part.reshape(rows, stride, columns, stride, 4).mean((1, 3))
-    _reduced[key] = (weakref.ref(pixels), texels)
-    while len(_reduced) > KEPT:
-        _reduced.popitem(last=False)
-    return texels
+    image = Image.frombuffer("RGBA", (width, height), pixels, "raw", "RGBA", 0, 1)
+    return np.array(image.convert("RGBa"))
+
+
+def as_pillow(texels: Bytes) -> Image:
+    """Texels (h, w, 4) as an image of four equal channels, without a copy.
+
+    Pillow would multiply and divide by the opacity of "RGBA" at every step; of "CMYK" it
+    knows no opacity.
+    """
+    from PIL import Image
+
+    height, width = texels.shape[:2]
+    return Image.frombuffer("CMYK", (width, height), texels, "raw", "CMYK", 0, 1)
