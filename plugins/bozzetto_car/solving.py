@@ -1,9 +1,9 @@
 """From marks to the car: the cameras of all sketches, and the shape, solved together.
 
-First the camera of every sketch from the template as it stands, then all cameras and the shape
-in one (`joint`). A mark that the rest contradicts is set aside and all is solved again: it
-would take the shape along. The same marks give the same car; a solve that was made already is
-remembered, and one that starts from the car before a drag is quicker, no other.
+First the camera of every sketch from the template as it stands (`placing`); then how far the car is
+from it, and which marks are wrong (`evidence`), for they would take the shape along; then all
+cameras and the shape in one (`joint`). The same marks give the same car, and a solve that was made
+already is remembered. One that starts from the car before a drag is quicker, and no other.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.coons import coons_nets
 from bozzetto.geometry.patch import extent
 from bozzetto.plugin import Memory, switched_on
-from bozzetto.view.calibration import Resection, resect
 from bozzetto_car.deformation import TRACE, Cost
 from bozzetto_car.dimensions import Overlap
 from bozzetto_car.edges import Network
-from bozzetto_car.evidence import evidence_of, weighed
+from bozzetto_car.evidence import weighed
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.marked_view import MOST_VIEWS, MarkedView
+from bozzetto_car.placing import FEWEST, Placed, counted_marks, placed_by, told_by, view_of
 from bozzetto_car.soundness import Soundness
-from bozzetto_car.stand import Stand, flat_stand
+from bozzetto_car.stand import Stand
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled, read_template
@@ -36,68 +36,15 @@ __all__ = ["FEWEST", "Placed", "Solved", "counted_marks", "solved", "template_of
 
 Array = NDArray[np.float64]
 
-FEWEST: Final = 6
-"""Marks from which the camera of a sketch can be found."""
-
-EXCHANGED: Final = 7.0
-"""By how much the marks must be more probable with left and right exchanged, as a natural
-logarithm: beyond doubt. A side view or an orthographic sketch tells nothing of that kind."""
-
-UNLIKE: Final = 0.85
-"""Spread from which that is asked at all: marks that left and right are exchanged of make a car
-that is most unlike the template."""
-
 GENEROUS: Final = 2.0
 """Factor of the spread that is probable. It is half of what the cost expects for most cars, whose
 shapes the cost does best for as it is; only where the template is nearly right it is too loose."""
 
-NEAR_EYE: Final = 0.05
-"""Depth of a node before the eye, in mean depths of the car, below which no sketch can show it."""
-
 REMEMBERED: Final = 32
 """Solves that are remembered."""
 
-
 FRAMES: Final = 4
 """Frames of a drag that are remembered, for the next one to start from and for nothing else."""
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """A sketch with its camera.
-
-    Attributes
-    ----------
-    sketch : Sketch
-    stand : Stand
-        Where it stands in space; upright beside the car while its camera is not known.
-    resection : Resection or None
-        The camera as the template has it; None where it cannot be found.
-    missed : mapping of str to float
-        By node: distance of its mark from where it is seen, px; not of nodes behind the eye.
-    left_out : mapping of str to float
-        By node: distance of its mark from where the others have it, px.
-    disagreeing : tuple of str
-        Nodes whose marks were set aside, the worst first.
-    exchanged : bool
-        The marks fit a car seen in a mirror: left and right are exchanged.
-    problem : str
-        Why its camera is not known, and what to do; "" if it is.
-    """
-
-    sketch: Sketch
-    stand: Stand
-    resection: Resection | None = None
-    missed: Mapping[str, float] | None = None
-    left_out: Mapping[str, float] | None = None
-    disagreeing: tuple[str, ...] = ()
-    exchanged: bool = False
-    problem: str = ""
-
-    @property
-    def is_known(self) -> bool:
-        """Whether its camera is."""
-        return self.resection is not None
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,15 +124,10 @@ def solved(state: CarState, before: CarState | None = None) -> Solved:
 
 def _question(state: CarState) -> tuple[object, ...]:
     """All that a solve depends on."""
-    sketches = tuple((sketch.id, *_told_by(sketch)) for sketch in _taking_part(state))
+    sketches = tuple((sketch.id, *told_by(sketch)) for sketch in _taking_part(state))
     locked = state.dimensions if state.lock else None
     shape = (state.own or state.template, state.trace, state.cost, state.without, locked)
     return (*shape, sketches)
-
-
-def _told_by(sketch: Sketch) -> tuple[object, ...]:
-    """What a sketch says of the car."""
-    return sketch.size, sketch.marks, sketch.kind, sketch.cropped
 
 
 def _taking_part(state: CarState) -> tuple[Sketch, ...]:
@@ -197,7 +139,10 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     cost = Cost.paper(template) if state.cost == "paper" else Cost.balanced(state.trace)
     names = {*state.without}
     soundness = Soundness.of(template, without=names)
-    placed = {s.id: _resected(s, template, before) for s in _taking_part(state)}
+    if before is not None and before.template is not template:
+        before = None
+    last = {} if before is None else before.placed
+    placed = {s.id: placed_by(template, s, last.get(s.id)) for s in _taking_part(state)}
     solid = tuple(key for key, one in placed.items() if one.is_known)
     if len(solid) > MOST_VIEWS:
         raise UserError(
@@ -207,21 +152,19 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     if not solid:
         return nothing
     start = None
-    if before is not None and before.joint is not None and before.template is template:
+    if before is not None and before.joint is not None:
         start = before.joint.variables
     locked = state.dimensions if state.lock and state.dimensions.given() else None
-    views = [_view(placed[key], template) for key in solid]
-    last = {} if before is None else before.placed
+    views = [view_of(placed[key], template) for key in solid]
     were_aside = [
         _among(view, template, last[key].disagreeing if key in last else ())
         for key, view in zip(solid, views, strict=True)
     ]
     told = weighed(template, views, were_aside)
-    views = [
-        _resumed(placed[key], view.only(flags), before)
-        for key, view, flags in zip(solid, views, told.counted, strict=True)
-    ]
+    views = [view.only(flags) for view, flags in zip(views, told.counted, strict=True)]
     if state.cost != "paper":
+        pairs = zip(solid, views, strict=True)
+        views = [_resumed(placed[key], view, before) for key, view in pairs]
         cost = cost.within(_spread(told.spread, state.trace))
     joint = solve(
         template, views, cost, soundness, start=start, locked=locked,
@@ -236,98 +179,12 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     return Solved(template, cost, soundness, positions, joint, placed, solid)
 
 
-def _resected(sketch: Sketch, template: Template, before: Solved | None) -> Placed:
-    """The camera of a sketch from the template as it stands."""
-    resumed = None
-    if before is not None and before.template is template:
-        resumed = before.placed.get(sketch.id)
-    nodes, places = counted_marks(Placed(sketch, flat_stand(sketch.size)), template)
-    try:
-        found = _camera_of(sketch, template, nodes, places, resumed)
-    except UserError as problem:
-        return Placed(sketch, flat_stand(sketch.size), problem=problem.message)
-    unseen = nodes[_too_near(template, nodes, found)].tolist()
-    aside = tuple(template.names[node] for node in unseen)
-    stand = Stand.behind(found.camera, found.shift, template.positions)
-    placed = Placed(sketch, stand, found, disagreeing=aside)
-    exchanged = _is_exchanged(placed, template) if resumed is None else resumed.exchanged
-    return replace(placed, exchanged=exchanged)
-
-
-def _camera_of(
-    sketch: Sketch,
-    template: Template,
-    nodes: NDArray[np.intp],
-    places: Array,
-    resumed: Placed | None,
-) -> Resection:
-    """The camera that sees the template at the marks; that of before if no mark has moved."""
-    last = None if resumed is None else resumed.resection
-    if last is not None and resumed is not None and _told_by(resumed.sketch) == _told_by(sketch):
-        return last
-    marked = {template.names[node] for node in nodes}
-    further = {
-        name: place
-        for name, place in zip(template.names, template.positions, strict=True)
-        if name not in marked and name not in sketch.skipped
-    }
-    return resect(
-        template.positions[nodes], places, sketch.size, kind=sketch.kind,
-        cropped=sketch.cropped, further=further, before=last,
-    )  # fmt: skip
-
-
-def _is_exchanged(placed: Placed, template: Template) -> bool:
-    """Whether the marks are more probable as those of the other side."""
-    view, sketch = _view(placed, template), placed.sketch
-    others = template.mirrored[view.nodes]
-    right = evidence_of(template, view)
-    if right.spread < UNLIKE or (others == view.nodes).all():
-        return False
-    try:
-        found = resect(
-            template.positions[others], view.marks, sketch.size, kind=sketch.kind,
-            cropped=sketch.cropped,
-        )  # fmt: skip
-    except UserError:
-        return False
-    if _too_near(template, others, found).any():
-        return False
-    other = replace(view, camera=found.camera, shift=found.shift, nodes=others)
-    return evidence_of(template, other).total > right.total + EXCHANGED
-
-
-def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
-    """Which nodes (k,) a camera has so near its eye, or behind it, that it cannot show them."""
-    depth = found.camera.view_space(template.positions)[:, 2]
-    return np.asarray(depth[nodes] < NEAR_EYE * depth.mean())
-
-
-def _view(placed: Placed, template: Template) -> MarkedView:
-    """A sketch with all of its marks and the camera as the template has it."""
-    found = placed.resection
-    assert found is not None
-    nodes, marks = counted_marks(placed, template)
-    return MarkedView(found.camera, nodes, marks, found.shift, placed.sketch.cropped)
-
-
 def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedView:
     """A sketch with the camera of the last solve, which is nearer."""
     if before is None or placed.sketch.id not in before.solid:
         return view
     start = before.placed[placed.sketch.id].stand
     return view.turned(start.camera, start.shift) if start.camera.kind == view.camera.kind else view
-
-
-def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp], Array]:
-    """Nodes (k,) and marks (k, 2), px, of a sketch without those that were set aside."""
-    marks = [
-        mark
-        for mark in placed.sketch.marks
-        if mark.node in template.node and mark.node not in placed.disagreeing
-    ]
-    nodes = np.array([template.node[mark.node] for mark in marks], np.intp)
-    return nodes, np.array([(mark.u, mark.v) for mark in marks], float).reshape(-1, 2)
 
 
 def _spread(found: float, trace: float) -> float:
@@ -364,6 +221,7 @@ def _told(
     others = {template.names[n]: float(px) for n, px in alone}
     # A mark that was set aside has no say: what it is missed by is what the others miss it by.
     others |= {name: missed[name] for name in aside if name in missed}
+    aside = tuple(sorted(aside, key=lambda name: -missed.get(name, np.inf)))
     return replace(placed, stand=stand, missed=missed, left_out=others, disagreeing=aside)
 
 
