@@ -13,7 +13,7 @@ from bozzetto_car.solving import Solved, solved
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import TEMPLATES, bundled
-from tests.plugins.car.marking import Marked, aside, marked
+from tests.plugins.car.marking import Marked, aside, marked, with_marks
 from tests.plugins.car.sketched import (
     FRONT,
     FRONT_QUARTER,
@@ -118,6 +118,17 @@ def test_the_papers_cost_is_the_papers() -> None:
     found = car.placed["s0"].resection
     assert found is not None
     assert np.allclose(car.placed["s0"].stand.camera.eye, found.camera.eye)
+
+
+def test_the_papers_camera_follows_a_drag() -> None:
+    template = bundled("sedan")
+    state = replace(marked(template, styled(template, 0), (FRONT_QUARTER,), 0).state, cost="paper")
+    mark = state.sketches[0].marks[3]
+    moved = with_marks(state, {mark.node: (mark.u + 8.0, mark.v)})
+    after = solved(moved, before=state).placed["s0"]
+    assert after.resection is not None
+    assert np.allclose(after.stand.camera.eye, after.resection.camera.eye)
+    assert np.allclose(after.stand.camera.eye, solved(moved).placed["s0"].stand.camera.eye, atol=5)
 
 
 def test_no_sketch_no_car_but_the_template() -> None:
