@@ -49,13 +49,10 @@ class Feet:
         return np.asarray(_dot(np.cross(b - a, c - a), points - a) > 0)
 
 
-def mesh_feet(
-    sphere: Icosphere, vertices: Array, points: Array, round_vertex: Index | None = None
-) -> Feet:
-    """The nearest place of the triangles round a vertex, for each point.
+def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
+    """The nearest place of the triangles round the vertex that is nearest to each point.
 
-    Round the vertex that is nearest to a point it is, on a mesh of even triangles, the nearest
-    place of all.
+    On a mesh of even triangles that is the nearest place of all.
 
     Parameters
     ----------
@@ -63,14 +60,10 @@ def mesh_feet(
         How the vertices hang together.
     vertices : (v, 3) float
     points : (n, 3) float
-    round_vertex : (n,) int, optional
-        By default the nearest one.
     """
     from scipy.spatial import cKDTree
 
-    if round_vertex is None:
-        round_vertex = np.asarray(cKDTree(vertices).query(points)[1])
-    faces = sphere.rings[round_vertex]
+    faces = sphere.rings[cKDTree(vertices).query(points)[1]]
     corners = sphere.faces[faces]
     weights = closest_on_triangles(points[:, None], vertices[corners])
     offset = np.einsum("nkc,nkcx->nkx", weights, vertices[corners]) - points[:, None]

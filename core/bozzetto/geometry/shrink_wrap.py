@@ -21,7 +21,6 @@ from bozzetto.geometry.fairing import drawn_to, even_energy, held_at, true_energ
 from bozzetto.geometry.icosphere import Icosphere, icosphere
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.mesh_feet import closest_on_triangles, mesh_feet
-from bozzetto.geometry.sheets import sheet_of
 from bozzetto.geometry.wireframe import MIRROR, Wireframe, wireframe
 
 __all__ = ["LEVELS", "curve_distances", "shrink_wrap"]
@@ -171,16 +170,15 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
     bending = GIVE
     for now in range(start, level):
         sphere = icosphere(now)
-        points, tangents = frame.every(2 ** max(0, level - now)).both_sides()
+        points = frame.every(2 ** max(0, level - now)).both_sides()
         energy = even_energy(now, SLACK, bending)
         rounds = FIRST_ROUNDS if now == start else NEXT_ROUNDS
         for done in range(1, rounds + 1):
             checkpoint(0.5 * (now - start + done / rounds) / (level - start), "Shrinking")
-            first = now == start
-            vertex, lying = sheet_of(sphere, vertices, points, tangents) if first else (None, True)
-            feet = mesh_feet(sphere, vertices, points, vertex)
-            limit = _edge(now) + (done / rounds if first else 1.0) * tightness * DEEPEST
-            pulling = lying & (feet.distances <= limit) | feet.outside(vertices, points)
+            feet = mesh_feet(sphere, vertices, points)
+            share = done / rounds if now == start else 1.0
+            limit = _edge(now) + share * tightness * DEEPEST
+            pulling = (feet.distances <= limit) | feet.outside(vertices, points)
             feet = feet.taken(pulling)
             near = feet.vertices
             weights = 1.0 / np.bincount(near, minlength=len(vertices))[near]
@@ -215,7 +213,7 @@ def _edge(level: int) -> float:
 
 def _around(sphere: Icosphere, frame: Wireframe) -> Array:
     """The sphere shrunk until each of its tangent planes touches a curve: nearly the hull."""
-    points = frame.both_sides()[0]
+    points = frame.both_sides()
     half = 0.5 * np.ptp(points, axis=0)
     centre = points.mean(axis=0)
     if frame.symmetric:

@@ -54,8 +54,6 @@ class Wireframe:
     ----------
     places : (n, 3) float
         Piece after piece. Of a symmetric network those with y ≥ 0 only.
-    tangents : (n, 3) float
-        Unit vectors along the curves; 0 where a piece is a single place.
     piece : (n,) int
         The number of the piece that each place belongs to. Pieces end in corners.
     sharp : (n,) bool
@@ -70,7 +68,6 @@ class Wireframe:
     """
 
     places: Array
-    tangents: Array
     piece: Index
     sharp: NDArray[np.bool_]
     symmetric: bool
@@ -85,20 +82,15 @@ class Wireframe:
         return replace(
             self,
             places=self.places[kept],
-            tangents=self.tangents[kept],
             piece=self.piece[kept],
             sharp=self.sharp[kept],
         )
 
-    def both_sides(self) -> tuple[Array, Array]:
-        """Places and tangents of the whole network, with the mirror images of a half, (m, 3)."""
+    def both_sides(self) -> Array:
+        """The places of the whole network, with the mirror images of a half, (m, 3)."""
         if not self.symmetric:
-            return self.places, self.tangents
-        aside = self.places[:, 1] > 0
-        return (
-            np.vstack((self.places, self.places[aside] * MIRROR)),
-            np.vstack((self.tangents, self.tangents[aside] * MIRROR)),
-        )
+            return self.places
+        return np.vstack((self.places, self.places[self.places[:, 1] > 0] * MIRROR))
 
 
 MIRROR: Final = frozen([1.0, -1.0, 1.0], np.float64)
@@ -274,13 +266,4 @@ def _assembled(pieces: list[Array], symmetric: bool, centre: Array, size: float)
     sharp = np.zeros(lengths.sum(), bool)
     sharp[last] = sharp[last - lengths + 1] = True
     number = np.repeat(np.arange(len(pieces)), lengths)
-    tangents = np.vstack([_tangents(piece) for piece in pieces])
-    return Wireframe(np.vstack(pieces), tangents, number, sharp, symmetric, centre, size)
-
-
-def _tangents(line: Array) -> Array:
-    if len(line) < 2:
-        return np.zeros_like(line)
-    along = np.gradient(line, axis=0)
-    length = np.linalg.norm(along, axis=1, keepdims=True)
-    return np.asarray(along / np.where(length > 0, length, 1.0))
+    return Wireframe(np.vstack(pieces), number, sharp, symmetric, centre, size)
