@@ -43,6 +43,10 @@ FAR: Final = 60.0
 """Distance, mm, from which places get others between them. Where the body is seen nearly edge-on
 a few px are half a metre of it."""
 
+COARSE: Final = 0.04
+"""Step in u or v from which they do, too: where patches are narrow or sheared, as in the corner
+of a window, a straight line is a hairpin in u and v."""
+
 NEAR_MISS: Final = 4.0
 """Distance, px, from the line that a gap may take when it is bridged."""
 
@@ -168,9 +172,11 @@ def _unclear(seen: Seen) -> Flags:
 
 
 def _far(seen: Seen) -> Flags:
-    """Which neighbours are far from one another on the body."""
-    both = seen.hit[1:] & seen.hit[:-1]
-    return np.asarray(both & (np.linalg.norm(np.diff(seen.points, axis=0), axis=1) > FAR))
+    """Which neighbours are far from one another on the body, or on their patch."""
+    patches, both = seen.places.patches, seen.hit[1:] & seen.hit[:-1]
+    far = np.linalg.norm(np.diff(seen.points, axis=0), axis=1) > FAR
+    step = np.abs(np.diff(seen.places.parameters, axis=0)).max(axis=1)
+    return np.asarray(both & (far | ((patches[1:] == patches[:-1]) & (step > COARSE))))
 
 
 def _breaks(seen: Seen) -> Flags:

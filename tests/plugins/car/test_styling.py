@@ -259,5 +259,5 @@ def test_any_stroke_is_one_sound_curve_seen_where_it_was_drawn_or_refused(trials
             continue
         assert_sound(curve, body)
         seen = camera.project(dense(curve, body))[0]
-        assert distances_to_polyline(seen, line_of(stroke)).max() < 0.5
+        assert distances_to_polyline(seen, line_of(stroke)).max() < 0.2
     assert refused < 0.4 * trials
