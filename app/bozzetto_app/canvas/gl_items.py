@@ -14,6 +14,7 @@ from bozzetto.scene.display_list import Image
 from bozzetto.scene.software.strokes import DASH, FAINT_OPACITY, FAINT_WIDTH, GAP
 from bozzetto_app.canvas.gl_buffers import Batch
 from bozzetto_app.canvas.gl_shaders import ATTRIBUTES, compile_program
+from bozzetto_app.canvas.gl_textures import Textures
 
 __all__ = ["BatchItem", "Frame", "GlassItem", "LineItem", "PictureItem", "Programs", "SurfaceItem"]
 
@@ -38,12 +39,13 @@ class Frame:
 
 
 class Programs:
-    """The compiled programs of one context, made when first used."""
+    """The compiled programs of one context, made when first used, and its pictures."""
 
     def __init__(self, *, core: bool) -> None:
         self._core = core
         self._programs: dict[str, int] = {}
         self._places: dict[tuple[int, str], int] = {}
+        self.textures = Textures()
 
     def use(self, name: str, frame: Frame) -> int:
         """Make a program current and tell it about the view."""
@@ -246,23 +248,11 @@ class PictureItem(BatchItem):
     def __init__(self, batch: Batch, order: int, image: Image) -> None:
         super().__init__("picture", batch, order)
         self._image = image
-        self._texture: int | None = None
-
-    def free(self) -> None:
-        """Give buffers and texture back."""
-        super().free()
-        if self._texture is not None:
-            GL.glDeleteTextures([self._texture])
-            self._texture = None
-
-    def forget(self) -> None:
-        """The context is another one."""
-        super().forget()
-        self._texture = None
 
     def passes(self, programs: Programs, program: int, frame: Frame) -> None:
         """One blended pass behind what stands in front of it."""
-        self._bind_texture()
+        GL.glActiveTexture(GL.GL_TEXTURE0)
+        programs.textures.bind(self._image.pixels)
         _blend()
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthMask(GL.GL_FALSE)
@@ -270,21 +260,3 @@ class PictureItem(BatchItem):
         GL.glUniform1f(programs.place(program, "u_opacity"), self._image.opacity)
         self.draw()
         GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
-
-    def _bind_texture(self) -> None:
-        GL.glActiveTexture(GL.GL_TEXTURE0)
-        if self._texture is not None:
-            GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
-            return
-        self._texture = int(GL.glGenTextures(1))
-        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texture)
-        for name in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_LINEAR)
-        for name in (GL.GL_TEXTURE_WRAP_S, GL.GL_TEXTURE_WRAP_T):
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_CLAMP_TO_EDGE)
-        height, width = self._image.pixels.shape[:2]
-        GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
-        GL.glTexImage2D(
-            GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, width, height, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE,
-            self._image.pixels,
-        )  # fmt: skip

@@ -10,7 +10,8 @@ import pytest
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
-from bozzetto.scene import DARK, LIGHT, Layer, Lines, Points, Scene, Shaded
+from bozzetto.geometry import frozen
+from bozzetto.scene import DARK, LIGHT, Image, Layer, Lines, Points, Scene, Shaded
 from bozzetto.scene.software import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.standard import standard_view
@@ -257,6 +258,52 @@ def test_two_viewports_live_side_by_side(make, box_scene):
 
 def test_it_says_who_draws(make):
     assert make().describe()
+
+
+# -- OpenGL only ---------------------------------------------------------------------------------
+
+
+@pytest.mark.gl
+def test_a_picture_is_uploaded_once_for_all_its_layers(qtbot, monkeypatch):
+    if choose_backend() != "gl":
+        pytest.skip("no OpenGL here")
+    from bozzetto_app.canvas import gl_textures
+
+    uploads, deleted = [], []
+    real = gl_textures.GL.glTexImage2D
+    monkeypatch.setattr(
+        gl_textures.GL, "glTexImage2D", lambda *given: uploads.append(given[3:5]) or real(*given)
+    )
+    drop = gl_textures.GL.glDeleteTextures
+    monkeypatch.setattr(
+        gl_textures.GL, "glDeleteTextures", lambda given: deleted.extend(given) or drop(given)
+    )
+    viewport = gl_viewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.set_palette(LIGHT)
+    viewport.set_camera(standard_view(CAMERA, "front"))
+    viewport.show()
+    qtbot.waitExposed(viewport)
+
+    def show(*pages):
+        hung = [Image(page, (-60, 0, 60), (120, 0, 0), (0, 0, -120)) for page in pages]
+        viewport.set_scene(Scene(tuple(Layer("sketch", (image,)) for image in hung)))
+        return pixels(viewport.grab())
+
+    red = frozen(np.full((40, 60, 4), (250, 20, 20, 255), np.uint8), np.uint8)
+    for _ in range(5):
+        picture = show(red)
+    assert uploads == [(60, 40)]
+    middle = picture[picture.shape[0] // 2, picture.shape[1] // 2]
+    np.testing.assert_allclose(middle, (250, 20, 20), atol=2)
+    for k in range(40):
+        page = frozen(np.full((4 + k, 6, 4), (20, 20, 250, 255), np.uint8), np.uint8)
+        picture = show(red, page)
+    assert len(uploads) == 41
+    assert len(deleted) >= 41 - gl_textures.MOST
+    middle = picture[picture.shape[0] // 2, picture.shape[1] // 2]
+    np.testing.assert_allclose(middle, (20, 20, 250), atol=2)
 
 
 # -- software only -----------------------------------------------------------------------------
