@@ -46,17 +46,16 @@ def touched(network: Network, place: ArrayLike, camera: Camera) -> str:
     """
     template, at = network.template, np.asarray(place, float)
     toward = np.asarray(facing(template, network.positions, camera))
-    away = np.linalg.norm(seen(camera, network.positions) - at, axis=1)
-    for shown in (toward, ~toward):
-        nodes = np.flatnonzero(shown & (away <= NEAR_NODE))
-        if len(nodes):
-            return template.names[int(nodes[away[nodes].argmin()])]
-    beside = np.array([_distances(path, at[None])[0] for path in _paths(network, camera)])
     faces = np.asarray(toward[template.edges].all(axis=1))
-    for shown in (faces, ~faces):
-        edges = np.flatnonzero(shown & (beside <= NEAR_EDGE))
-        if len(edges):
-            return template.edge_names[int(edges[beside[edges].argmin()])]
+    away = np.linalg.norm(seen(camera, network.positions) - at, axis=1)
+    beside = np.array([_distances(path, at[None])[0] for path in _paths(network, camera)])
+    for nodes, edges in ((toward, faces), (~toward, ~faces)):
+        found = np.flatnonzero(nodes & (away <= NEAR_NODE))
+        if len(found):
+            return template.names[int(found[away[found].argmin()])]
+        found = np.flatnonzero(edges & (beside <= NEAR_EDGE))
+        if len(found):
+            return template.edge_names[int(found[beside[found].argmin()])]
     return ""
 
 

@@ -69,7 +69,8 @@ def brought_back(network: Network, there: Network, changed: Network, map_: Resha
     positions = np.where(moved[:, None], map_.points_before(changed.positions), network.positions)
     wheels = template.wheels.ravel()
     positions[wheels, 2] = changed.positions[wheels, 2]
-    bent = (changed.tangents != there.tangents).any(axis=2)
+    # Where a node has moved the map has another slope, and other tangents look the same there.
+    bent = (changed.tangents != there.tangents).any(axis=2) | moved[template.edges]
     ends = positions[template.edges]
     tangents = np.where(
         bent[..., None], map_.tangents_before(changed.tangents, ends), network.tangents

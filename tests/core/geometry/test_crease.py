@@ -200,3 +200,49 @@ def test_tangents_of_no_length_stay_and_nothing_is_not_a_number():
     made = locked(edges, sides, joints)
     assert np.isfinite(made).all()
     np.testing.assert_array_equal(made[0], edges[0])
+
+
+def test_the_firmer_an_edge_is_the_less_it_gives_way():
+    edges, sides, joints = strip([0.5, 2.0, 3.0])
+    plain = locked(edges, sides, joints)
+    even = locked(edges, sides, joints, np.full(len(edges), 7.0))
+    np.testing.assert_allclose(even, plain, rtol=1e-12)
+    held = {max(end, ~end) for end in joints[0]}
+    firm = np.ones(len(edges))
+    firm[list(held)] = 1e6
+    made = locked(edges, sides, joints, firm)
+    np.testing.assert_allclose(made[list(held)], edges[list(held)], atol=1e-3)
+    # Whatever is firm, surfaces are smooth: the ratio in all joints is one.
+    lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2)
+    ratios = [
+        np.divide(*(lengths[end, 0] if end >= 0 else lengths[~end, 1] for end in joint))
+        for joint in joints
+    ]
+    np.testing.assert_allclose(ratios, ratios[0], rtol=1e-9)
+
+
+def test_of_all_ratios_the_one_is_taken_that_costs_least():
+    """Against a search over the common ratio, each joint giving way as it costs least."""
+    from scipy.optimize import minimize_scalar
+
+    edges, sides, joints = strip([0.4, 1.5, 2.5])
+    firm = np.random.default_rng(4).uniform(0.5, 20.0, len(edges))
+
+    def lengths(curves):
+        return np.linalg.norm(curves[:, [1, 2]] - curves[:, [0, 3]], axis=2)
+
+    def length(of, end):
+        return of[end, 0] if end >= 0 else of[~end, 1]
+
+    def price(logarithm):
+        total = 0.0
+        for one, other in joints:
+            a, b = firm[max(one, ~one)], firm[max(other, ~other)]
+            now = np.log(length(lengths(edges), other) / length(lengths(edges), one))
+            total += a * b / (a + b) * (logarithm - now) ** 2
+        return total
+
+    made = lengths(locked(edges, sides, joints, firm))
+    one, other = joints[0]
+    found = np.log(length(made, other) / length(made, one))
+    assert abs(found - minimize_scalar(price).x) < 1e-6
