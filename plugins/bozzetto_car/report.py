@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.view import Camera
-from bozzetto.view.calibration import direct_linear_transform
+from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body import Body
 from bozzetto_car.certainty import certainty, further_views
 from bozzetto_car.solving import Placed, counted_marks
@@ -95,7 +95,22 @@ def _view(placed: Placed, stand: Stand, body: Body) -> dict[str, Any]:
         direct = direct_linear_transform(body.template.positions[nodes], marks)
     except UserError:
         return told
-    return told | {"direct_linear_transform": direct.matrix.tolist()}
+    return told | {
+        "direct_linear_transform": direct.matrix.tolist(),
+        "direct_linear_transform_parts": _parts(direct.parts),
+    }
+
+
+def _parts(parts: Parts) -> dict[str, Any]:
+    """What the slides make of the direct linear transform, to be compared with the camera."""
+    return {
+        "focal_px": list(parts.focal),
+        "skew_deg": float(np.degrees(parts.skew)),
+        "principal_point_px": list(parts.principal),
+        "rotation": parts.turn.tolist(),
+        "translation_mm": parts.shift.tolist(),
+        "eye": parts.eye.tolist(),
+    }
 
 
 def _camera(stand: Stand) -> dict[str, Any]:

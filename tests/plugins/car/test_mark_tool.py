@@ -16,6 +16,7 @@ from bozzetto_car.asking import asked_of
 from bozzetto_car.body import body_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.looking import advice_on
+from bozzetto_car.report import report_of
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.template import twin
 from bozzetto_car.template_file import bundled
@@ -271,6 +272,18 @@ def test_the_direct_transform_is_shown_for_teaching(marked_car):
     at = camera.project(stand.lifted(marks))[0]
     assert np.abs(np.sort(seen, axis=0) - np.sort(at, axis=0)).max() < 0.05
     assert crosses(guided(FRONT_RIGHT, 5)) == []
+
+
+def test_the_report_takes_the_direct_transform_apart(marked_car):
+    """Without an error of the hand it is the camera itself, with the car before the eye."""
+    (view,) = report_of(marked_car, body_of(marked_car))["views"]
+    parts = view["direct_linear_transform_parts"]
+    lens = 0.5 * 800.0 / np.tan(np.radians(0.5 * FRONT_RIGHT.fov_y))
+    assert parts["focal_px"] == pytest.approx([lens, lens], rel=1e-5)
+    assert parts["skew_deg"] == pytest.approx(90.0, abs=1e-4)
+    assert parts["principal_point_px"] == pytest.approx([600.0, 400.0], abs=0.1)
+    assert parts["eye"] == pytest.approx(FRONT_RIGHT.eye, abs=1.0)
+    assert parts["translation_mm"][2] > 0.0
 
 
 # -- commands --------------------------------------------------------------------------------------
