@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from picture_kit import GALLERY, save
+from picture_kit import GALLERY, grab, opened, pen_stroke, save, until, wait
 from symmetry_pictures import camera
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from bozzetto.document import Model
     from bozzetto.scene import Palette, Scene
     from bozzetto.workbench import Workbench
+    from bozzetto_app.window import Window
     from bozzetto_car.stand import Stand
     from bozzetto_car.state import CarState, Sketch
 
@@ -46,6 +47,14 @@ LOOKS = {"sedan": (142.0, 15.0), "hatchback": (-140.0, 13.0), "minivan": (138.0,
 
 BEHIND = (-35.0, 16.0)
 """Where one looks at what a sketch of the front does not show."""
+
+PATIENCE = 3
+"""How often the window is let come to rest, for one answer leads to the next: a view that turns,
+say, asks for a scene."""
+
+MARKED_FIRST = 12
+MARKED_LAST = 24
+"""Marks that are set when a picture of the window is made."""
 
 DRAWN_FROM = {"sedan": 0, "hatchback": 0, "minivan": 1}
 """The sketch through which the steps are seen."""
@@ -183,3 +192,74 @@ def large(
     scene = shown(*built(name), ("body", "wheels", *layers), **values)
     view = camera(scene, *look, size=LARGE)
     return picture(scene, camera=view, size=LARGE, palette=palette)
+
+
+# -- in the window --
+
+
+def window() -> None:
+    """A dropped sketch with some marks and the loupe at the next one; all marks; a finished car."""
+    import json
+
+    from bozzetto_app.theme import Theme
+
+    shown = opened()
+    session = shown.session
+    session.activate_modeler("bozzetto.car")
+    session.import_file(CARS / "sedan.png")
+    rest(shown)
+    told = json.loads((CARS / "sedan.json").read_text(encoding="utf-8"))["views"][0]["marks"]
+    for number in range(MARKED_LAST):
+        mark(shown, told, "car-loupe.png" if number == MARKED_FIRST else "")
+    rest(shown)
+    grab(shown, "car-marked.png")
+
+    session.files.new()
+    session.import_file(CARS / "sedan.json")
+    rest(shown)
+    session.set_parameter("shading", "zebra")
+    shown.set_theme(Theme.DARK)
+    shown.canvas.look("three-quarter")
+    rest(shown)
+    shown.canvas.fit()
+    rest(shown)
+    grab(shown, "car-window.png")
+    shown.keeper.close()
+
+
+def rest(window: Window) -> None:
+    """Let the window come to rest, on a machine that does much else, too."""
+    for _ in range(PATIENCE):
+        wait(1.5)
+        until(lambda: not window.session.busy)
+
+
+def mark(window: Window, told: dict[str, list[float]], picture: str) -> None:
+    """Touch the point that is asked for, or say that it is not seen.
+
+    With a picture of it while the pen is down, if one is wanted.
+    """
+    import numpy as np
+
+    from bozzetto_car.asking import asked_of
+    from bozzetto_car.body import body_of
+    from bozzetto_car.template import twin
+
+    session = window.session
+    state = session.selected_model.state
+    body = body_of(state)
+    asked = asked_of(state, body.solved)
+    if asked is None:
+        return
+    # Which side a sketch shows is not known before both wheels are marked.
+    names = [asked.node, twin(asked.node)][: 1 + (len(state.sketch.marks) < 2)]
+    name = next((name for name in names if name in told), None)
+    if name is None:
+        session.commanding.run("not-visible")
+    else:
+        places = body.stands[state.sketch.id].lifted([told[name]])
+        (at,), _ = session.camera.project(places)
+        path = at + np.linspace(1.0, 0.0, 6)[:, None]
+        pen_stroke(window.canvas, path, np.full(6, 0.5), lambda: picture and grab(window, picture))
+    wait(0.3)
+    until(lambda: not session.busy)

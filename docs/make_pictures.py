@@ -38,6 +38,7 @@ def main() -> int:
     symmetry_pictures.window()
     car_pictures.gallery()
     car_pictures.bodies()
+    car_pictures.window()
     return 0
 
 
