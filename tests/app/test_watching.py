@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtGui import QImage
 
 from bozzetto.scene.display_list import Image
+from bozzetto_app.thumbnails import thumbnail_of
 
 
 @pytest.fixture
@@ -45,6 +46,23 @@ def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
     low, high = window.session.scene.bounds()
     np.testing.assert_allclose((low[2], low[0] + high[0]), (0, 0), atol=1e-9)
     assert image.down[2] < 0
+
+
+def test_a_car_among_the_samples_shows_its_sketch_and_opens_with_it(window, settle):
+    session = window.session
+    (info,) = (one for one in session.modelers if one.id == "bozzetto.car")
+    (sample,) = info.samples
+    shown = thumbnail_of(sample)
+    assert shown is not None
+    assert not shown.isNull()
+    window.welcome.sample_chosen.emit(info.id, sample)
+    settle(session)
+    (model,) = session.document.models
+    (sketch,) = model.state.sketches
+    assert sketch.picture is not None
+    assert (sketch.picture.width, sketch.picture.height) == sketch.size
+    assert session.active_modeler == info.id
+    assert not window.welcome.isVisible()
 
 
 def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
