@@ -36,6 +36,10 @@ UNLIKE: Final = 0.85
 """Spread from which that is asked at all: marks that left and right are exchanged of make a car
 that is most unlike the template."""
 
+PLAUSIBLE: Final = 1.25
+"""Spread of a car that is like enough to the template to be one. Marks that make none on either
+side are wrong in another way."""
+
 NEAR_EYE: Final = 0.05
 """Depth of a node before the eye, in mean depths of the car, below which no sketch can show it."""
 
@@ -141,7 +145,8 @@ def _is_exchanged(placed: Placed, template: Template) -> bool:
     if _too_near(template, others, found).any():
         return False
     other = replace(view, camera=found.camera, shift=found.shift, nodes=others)
-    return evidence_of(template, other).total > right.total + EXCHANGED
+    left = evidence_of(template, other)
+    return left.spread < PLAUSIBLE and left.total > right.total + EXCHANGED
 
 
 def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
