@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.view import Camera
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body import Body
 from bozzetto_car.certainty import certainty, further_views
+from bozzetto_car.pictured import camera_matrix
 from bozzetto_car.solving import Placed, counted_marks
 from bozzetto_car.stand import Stand
 from bozzetto_car.state import CarState
@@ -123,27 +123,19 @@ def _camera(stand: Stand) -> dict[str, Any]:
         "up": list(camera.up),
         "canvas": list(camera.viewport),
         "shift": list(stand.shift),
-        "matrix": _matrix(camera, stand.shift),
+        "matrix": _matrix(stand),
     }
     if camera.kind == "perspective":
         return told | {"fov_y": camera.fov_y}
     return told | {"height": camera.height}
 
 
-def _matrix(camera: Camera, shift: tuple[float, float]) -> list[list[float]]:
-    """M with (u w, v w, w) = M (x, y, z, 1)."""
-    right, up, forward = camera.axes
-    eye = np.asarray(camera.eye)
-    width, height = camera.viewport
-    middle = np.add((0.5 * width, 0.5 * height), shift)
-    if camera.kind == "orthographic":
-        last, scale = np.array([0.0, 0.0, 0.0, 1.0]), height / camera.height
-    else:
-        last = np.append(forward, -forward @ eye)
-        scale = 0.5 * height / np.tan(np.radians(0.5 * camera.fov_y))
-    first = scale * np.append(right, -right @ eye) + middle[0] * last
-    second = -scale * np.append(up, -up @ eye) + middle[1] * last
-    return [first.tolist(), second.tolist(), last.tolist()]
+def _matrix(stand: Stand) -> list[list[float]]:
+    """M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
+    matrix = camera_matrix(stand.camera)
+    matrix[:2] += np.outer(stand.shift, matrix[2])
+    rows: list[list[float]] = matrix.tolist()
+    return rows
 
 
 def _warnings(state: CarState, body: Body, slacks: dict[str, float]) -> Iterator[str]:

@@ -18,7 +18,6 @@ from bozzetto_car.showing_edges import (
     crease_labels,
     edge_items,
     handle_layer,
-    network_lines,
     node_items,
     sources_of,
 )
@@ -33,9 +32,7 @@ __all__ = [
     "body_layers",
     "hanging_on_view",
     "is_shown",
-    "network_lines",
     "scene_of",
-    "sources_of",
 ]
 
 DIVISIONS: Final = 12
@@ -88,15 +85,15 @@ def body_in_work(state: CarState) -> Body:
     return body
 
 
-def body_layers(state: CarState, body: Body) -> list[Layer]:
-    """The surfaces, the wheels, edges, nodes and their handles."""
+def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
+    """The surfaces, the wheels, edges, nodes and their handles; see `handle_layer`."""
     look = (body, state.body, state.shading)
     return [
         _surfaces.recall(("body", *look), partial(_body_layer, state, body)),
         _surfaces.recall(("wheels", *look, state.wheels), partial(_wheel_layer, state, body)),
         Layer("network", tuple(edge_items(state, body))),
         Layer("nodes", tuple(node_items(state, body))),
-        handle_layer(state, body),
+        handle_layer(state, body, camera),
     ]
 
 

@@ -53,7 +53,7 @@ class ShapeNodes:
             return Scene()
         try:
             made = self.apply(state, gesture, context)
-            return Scene(tuple(body_layers(made, body_of(made))))
+            return Scene(tuple(body_layers(made, body_of(made), gesture.camera)))
         except UserError:
             return Scene()
 
