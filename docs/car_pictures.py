@@ -42,7 +42,7 @@ FAINT = 0.5
 """Strength of a sketch that has lines over it."""
 
 LARGE = (1200, 750)
-LOOKS = {"sedan": (142.0, 15.0), "hatchback": (-140.0, 13.0), "minivan": (138.0, 17.0)}
+LOOKS = {"sedan": (130.0, 12.0), "hatchback": (-140.0, 13.0), "minivan": (138.0, 17.0)}
 """From where each car is seen best: angle from the tail and above the floor, degrees."""
 
 BEHIND = (-35.0, 16.0)
@@ -158,7 +158,7 @@ def dots(drawn: Sketch, stand: Stand) -> Scene:
 def lines(network: object) -> Scene:
     """The edges of a template or of a car, those of both sides."""
     from bozzetto.scene import Layer, Scene
-    from bozzetto_car.showing import network_lines
+    from bozzetto_car.showing_edges import network_lines
 
     edges = network_lines(network.control_points, "second", 1.8)
     return Scene((Layer("edges", (replace(edges, hidden="show"),)),))
