@@ -249,8 +249,8 @@ def _interpolated(
     shift = int(np.argmax(np.abs(shifts)))
     left, top = left - (shift == 1), top - (shift == 2)
     texels = level(pixels, *factors)
-    height, width = pixels.shape[:2]
-    scaled = np.diag((width / factors[0], height / factors[1], 1.0)) @ matrix
+    height, width = texels.shape[:2]
+    scaled = np.diag((width, height, 1.0)) @ matrix
     moved = scaled @ np.array([(1.0, 0.0, left), (0.0, 1.0, top), (0.0, 0.0, 1.0)])
     image = as_pillow(texels).transform(
         (right - left, bottom - top),
@@ -283,7 +283,7 @@ def _draw_border(
         u, v, w = place.matrix @ np.column_stack((places, np.ones(len(places)))).T
         u, v = u / w, v / w
     nearness = places @ place.plane[:2] + place.plane[2]
-    covered = (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1) & (nearness <= place.nearest)
+    covered = (u >= 0) & (u < 1) & (v >= 0) & (v < 1) & (nearness <= place.nearest)
     if np.isfinite(place.nearest):
         covered &= nearness > 0
     count = covered.reshape(len(cells), -1).sum(1)
@@ -294,8 +294,8 @@ def _draw_border(
     for _, near, far, factors in strips:
         chosen = np.flatnonzero((mean_near > far) & (mean_near <= near) & (count > 0))
         texels = level(pixels, *factors)
-        scale = pixels.shape[1] / factors[0], pixels.shape[0] / factors[1]
-        values[chosen] = _bilinear(texels, mean_u[chosen] * scale[0], mean_v[chosen] * scale[1])
+        height, width = texels.shape[:2]
+        values[chosen] = _bilinear(texels, mean_u[chosen] * width, mean_v[chosen] * height)
     values *= (count / SHARES**2).astype(np.float32)[:, None]
     colors[cells[:, 1] - top, cells[:, 0] - left] = values + np.float32(0.5)
 

@@ -27,6 +27,10 @@ Bytes = NDArray[np.uint8]
 LEVELS_KEPT: Final = 256_000_000
 """Memory for pictures made smaller, bytes: four of 4096 × 4096 pixels at most."""
 
+QUARTER: Final = 4
+"""By how much a level is reduced from another one. By halves would be a little faster, but each
+step rounds, and a mean of two is rounded up half of the time: small pictures would be pale."""
+
 
 class Kept:
     """Arrays made of pictures, the latest used ones, for as long as the pictures live.
@@ -94,23 +98,25 @@ def rung(footprint: float, size: int) -> int:
     footprint = min(max(footprint, 1.0), float(size))
     power = 2 ** int(np.log2(footprint))
     rungs = [r for r in (power, 3 * power // 2, 2 * power) if r <= size]
-    return min(rungs, key=lambda r: abs(float(np.log(r / footprint))))
+    ratios = [max(r / footprint, footprint / r) for r in rungs]
+    return int(rungs[ratios.index(min(ratios))])
 
 
 def level(pixels: Bytes, across: int, down: int) -> Bytes:
-    """A picture reduced by whole numbers, multiplied by its opacity.
+    """A picture made smaller, multiplied by its opacity.
 
     Parameters
     ----------
     pixels : (h, w, 4) uint8
         RGBA, straight alpha.
     across, down : int
-        How many columns and rows become one; those left over make a last one.
+        How many columns and rows become one. Where they do not go into the picture's, a few
+        more or less do, for a level ends where the picture ends.
 
     Returns
     -------
-    (⌈h / down⌉, ⌈w / across⌉, 4) uint8
-        Read-only.
+    (h / down, w / across, 4) uint8
+        Read-only; both sides rounded, and one at least.
     """
     if across == 1 and down == 1:
         return _multiplied(pixels)
@@ -118,12 +124,15 @@ def level(pixels: Bytes, across: int, down: int) -> Bytes:
 
 
 def _reduced(pixels: Bytes, across: int, down: int) -> Bytes:
-    """From the level of half the numbers where they are even, for that is smaller."""
-    halves = (across // 2 if across % 2 == 0 else across, down // 2 if down % 2 == 0 else down)
-    if halves == (across, down):
-        halves = (1, 1)
-    factors = (across // halves[0], down // halves[1])
-    return np.array(as_pillow(level(pixels, *halves)).reduce(factors))
+    """From the level of a quarter of the numbers where there is one, for that is smaller."""
+    from PIL import Image
+
+    larger = _multiplied(pixels)
+    if across % QUARTER == 0 and down % QUARTER == 0:
+        larger = level(pixels, across // QUARTER, down // QUARTER)
+    height, width = pixels.shape[:2]
+    size = max(1, round(width / across)), max(1, round(height / down))
+    return np.array(as_pillow(larger).resize(size, Image.Resampling.BOX))
 
 
 def _multiplied(pixels: Bytes) -> Bytes:
