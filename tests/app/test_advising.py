@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from bozzetto.plugin import ViewAdvice
+from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view.navigation import turn
 from tests.adviser import MODELER
-from tests.app.tablet import stroke_of
+from tests.app.tablet import Stylus, stroke_of
 
 
 def draw(session, settle):
@@ -127,3 +129,81 @@ def test_the_button_turns_the_view(make_window, marks, settle, qtbot):
     session.activate_modeler("bozzetto.silhouette")
     settle(session)
     assert not window.canvas.light.isVisible()
+
+
+# -- a picture that has another camera ---------------------------------------------------------
+
+
+def beside(camera, step=40.0):
+    """The same view from a place beside it."""
+    eye = tuple(part + step * (axis == 0) for axis, part in enumerate(camera.eye))
+    return replace(camera, eye=eye)
+
+
+@pytest.fixture
+def followed(make_window, marks, settle):
+    """A window over a picture whose camera stands at `marks.goal`; None for where one looks."""
+    marks.goal = None
+
+    def advise(state, camera):
+        if marks.goal is None or camera.eye == marks.goal.eye:
+            return ViewAdvice("good", "Through the picture", pinned=True)
+        return ViewAdvice("good", "It moved", better=marks.goal, pinned=True, follow=True)
+
+    marks.advise = advise
+    window = make_window(MODELER, extra=[marks.package])
+    window.welcome.hide()
+    draw(window.session, settle)
+    return window
+
+
+def test_the_view_goes_along_at_once(followed, marks, settle):
+    session, canvas = followed.session, followed.canvas
+    canvas.motion.reduced = False
+    marks.goal = beside(session.camera)
+    draw(session, settle)
+    assert not canvas.motion.is_running
+    assert session.camera.eye == marks.goal.eye
+    settle(session)
+    assert not session.advising.advice.follow
+
+
+def test_it_waits_for_the_hand(followed, marks, settle):
+    """What is drawn belongs to the view in which it is drawn."""
+    session, canvas = followed.session, followed.canvas
+    stylus, before = Stylus(canvas), session.camera
+    stylus.press((300.0, 300.0))
+    stylus.move((320.0, 320.0))
+    marks.goal = beside(before)
+    session.advising._asked = None
+    session.advising.look()
+    settle(session)
+    assert session.advising.advice.follow
+    assert session.camera == before
+    stylus.move((380.0, 380.0))
+    stylus.lift((400.0, 400.0))
+    settle(session)
+    assert session.camera.eye == marks.goal.eye
+    drawn = before.on_plane([(300.0, 300.0), (400.0, 400.0)], (0, 0, 0), (0, 1, 0))
+    assert np.allclose(session.selected_model.state.marks[-1], drawn, atol=2.0)
+
+
+def test_a_view_that_was_turned_meanwhile_stays(followed, marks, settle):
+    session = followed.session
+    advising = session.advising
+    marks.goal = beside(session.camera)
+    turned = turn(session.camera, 20.0, 5.0)
+    session.camera = turned  # turned between the question and its answer
+    advising.advice = ViewAdvice("good", "It moved", marks.goal, pinned=True, follow=True)
+    followed.canvas._follow()
+    assert session.camera == turned
+
+
+def test_layers_of_another_tool_are_not_there(session, settle, marks):
+    lines = (Lines(np.zeros((2, 3), np.float32)),)
+    mine, other = Layer("mine", lines, tool="mark"), Layer("other", lines, tool="another")
+    marks.advise = lambda state, camera: ViewAdvice("good", "", scene=Scene((mine, other)))
+    draw(session, settle)
+    session.set_camera(turn(session.camera, 3.0, 0.0))
+    settle(session)
+    assert [layer.name for layer in session.advising.scene.layers] == ["mine"]
