@@ -40,16 +40,22 @@ written as they are; others are scaled to about one. Kernels compare with fixed 
 MAX_WEIGHT_RATIO: Final = 1e12
 """Largest over least weight: beyond it, points vanish in the rounding of others."""
 
+CORNER: Final = 1.0
+"""Degrees by which a curve must turn at once to have a corner."""
+
 UNSPEAKABLE: Final = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 """Control characters, at which some readers stop, and halves of surrogate pairs."""
 
 
-def checked_curves(shapes: Shapes) -> tuple[Curve, ...]:
+def checked_curves(shapes: Shapes, *, corners: bool = True) -> tuple[Curve, ...]:
     """The curves of shapes as they can be written.
 
     Parameters
     ----------
     shapes : Shapes
+    corners : bool
+        Whether a curve may have corners. Otherwise it ends there, and another one of its name
+        begins; polylines stay whole.
 
     Returns
     -------
@@ -72,7 +78,7 @@ def checked_curves(shapes: Shapes) -> tuple[Curve, ...]:
             f"The curves have {count:,} control points together, more than the "
             f"{MAX_CONTROL_POINTS:,} that can be written. Export fewer objects at once."
         )
-    return tuple(piece for curve in shapes.curves for piece in _pieces(curve))
+    return tuple(piece for curve in shapes.curves for piece in _pieces(curve, corners))
 
 
 def readable(name: str) -> str:
@@ -118,7 +124,7 @@ def bezier_pieces(curve: Curve) -> Array:
 # -- from one curve to its pieces --------------------------------------------------------------
 
 
-def _pieces(curve: Curve) -> list[Curve]:
+def _pieces(curve: Curve, corners: bool) -> list[Curve]:
     _refuse_unwritable(curve)
     curve = replace(
         curve,
@@ -134,7 +140,10 @@ def _pieces(curve: Curve) -> list[Curve]:
     knots = curve.knots
     places, first, times = np.unique(knots, return_index=True, return_counts=True)
     inside = (places >= begin) & (places <= end)
-    breaks = np.flatnonzero(inside & ((times > degree) | (places == begin) | (places == end)))
+    ends = (times > degree) | (places == begin) | (places == end)
+    if not corners and degree > 1:
+        ends |= (times == degree) & _turns(curve.control_points, first)
+    breaks = np.flatnonzero(inside & ends)
     found = []
     for left, right in pairwise(breaks):
         last, after = first[left] + times[left] - 1, first[right]  # its knots lie between
@@ -155,6 +164,14 @@ def _pieces(curve: Curve) -> list[Curve]:
     if not found:
         raise UserError(f"The curve “{curve.name}” has no length. Delete it, then export.")
     return found
+
+
+def _turns(points: Array, first: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether a curve has a corner at its control point before each of these numbers, (k,)."""
+    at = np.clip(first - 1, 1, len(points) - 2)
+    before, after = points[at] - points[at - 1], points[at + 1] - points[at]
+    sine = np.linalg.norm(np.cross(before, after), axis=1)
+    return np.asarray(np.degrees(np.arctan2(sine, (before * after).sum(axis=1))) > CORNER)
 
 
 def _refuse_unwritable(curve: Curve) -> None:

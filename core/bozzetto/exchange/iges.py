@@ -59,7 +59,9 @@ def write_shapes(shapes: Shapes) -> bytes:
         As `checked_patchworks` and `checked_curves`.
     """
     patchworks = checked_patchworks(shapes)
-    curves = checked_curves(shapes) if shapes.curves or not patchworks else ()
+    # Readers cut curves at their corners, and complain.
+    wanted = shapes.curves or not patchworks
+    curves = checked_curves(shapes, corners=False) if wanted else ()
     file = _File("Surfaces" if patchworks else "Curves")
     for patchwork in patchworks:
         names = names_of_patches(patchwork)

@@ -51,6 +51,11 @@ CURVES = (
 )
 """Every one of a kind that needs care; each is one curve in the files."""
 
+CORNER = CURVES[5]
+"""The one that is two in IGES, for readers would cut it."""
+
+WITHOUT_CORNER = tuple(curve for curve in CURVES if curve is not CORNER)
+
 BROKEN = Curve(
     3,
     [0] * 5 + [1] * 4 + [1.5] + [2] * 5 + [4] * 4,
