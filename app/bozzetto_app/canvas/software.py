@@ -1,7 +1,9 @@
 """The software viewport: frames of the core's renderer, made beside the window's thread.
 
-The newest request wins; a frame that was overtaken is never shown. While the view turns,
-frames are rendered smaller if full ones would come too slowly, and sharpened once it rests.
+The newest request wins. While the view turns, or while what is shown changes faster than frames
+can be made, frames are rendered smaller, and sharpened once there is rest. A full frame that has
+taken long already is given up for a newer request; a smaller one never is, so that there is
+always something to see.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from PySide6.QtCore import QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from bozzetto.errors import Cancelled
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene
 from bozzetto.scene.grid import ground_grid, ground_height
@@ -31,6 +34,9 @@ REST: Final = 120
 
 FAST_ENOUGH: Final = 0.045
 """Longest time of a full frame with which turning still feels smooth, seconds."""
+
+PATIENCE: Final = 0.1
+"""How long a full frame goes on while a newer one is wanted, seconds."""
 
 COARSE: Final = 0.5
 """Resolution of a frame while the view turns and full ones are too slow."""
@@ -70,10 +76,12 @@ class SoftwareViewport(QWidget):
         self._grid = True
         self._frame = QImage()
         self._frame_time = 0.0
+        self._asked = 0
+        self._was_overtaken = False
         self._was_painted = False
         self._channel = Channel("frames", parent=self)
         self._rest = QTimer(self, singleShot=True, interval=REST)
-        self._rest.timeout.connect(self._ask)
+        self._rest.timeout.connect(self._sharpen)
 
     # -- ViewportBackend ----------------------------------------------------------------------
 
@@ -149,21 +157,33 @@ class SoftwareViewport(QWidget):
         """Request a frame of what is to be shown now."""
         if self.width() < 2 or self.height() < 2:
             return
+        if self._was_overtaken:
+            self._rest.start()
         scale = self.devicePixelRatioF()
         coarse = self._rest.isActive() and self._frame_time > FAST_ENOUGH
-        work = self._work(COARSE * scale if coarse else scale)
+        self._asked += 1
+        work = self._work(COARSE * scale if coarse else scale, None if coarse else self._asked)
         begun = perf_counter()
 
         def done(pixels: NDArray[np.uint8]) -> None:
             if not coarse:
                 self._frame_time = perf_counter() - begun
+                self._was_overtaken = False
             self._frame = to_image(pixels, 1.0)
             self.update()
 
         self._channel.submit(Request(work, done, self._failed))
 
-    def _work(self, scale: float) -> Callable[[Job], NDArray[np.uint8]]:
-        """A function that renders what is set now, for a worker."""
+    def _sharpen(self) -> None:
+        """Request a full frame, now that there is rest."""
+        self._was_overtaken = False
+        self._ask()
+
+    def _work(self, scale: float, number: int | None = None) -> Callable[[Job], NDArray[np.uint8]]:
+        """A function that renders what is set now, for a worker.
+
+        A frame with a number is given up where it takes long and a later one is asked for.
+        """
         from bozzetto.scene.software import render
 
         size = (self.width(), self.height())
@@ -172,11 +192,29 @@ class SoftwareViewport(QWidget):
         palette, shading = self._palette, self._shading
 
         def work(job: Job) -> NDArray[np.uint8]:
+            begun = perf_counter()
+
+            def checkpoint() -> None:
+                spent = perf_counter() - begun
+                if number is not None and number != self._asked and spent > PATIENCE:
+                    self._was_overtaken = True
+                    self._frame_time = max(self._frame_time, spent)
+                    raise Cancelled("a newer frame is wanted")
+                job.checkpoint(0.0, "frame")
+
             scene = solid.under(live)
             if grid:
                 ground = ground_grid(camera, ground_height(solid.bounds()))
                 scene = Scene((ground, *scene.layers))
-            return render(scene, camera, palette, size=size, scale=scale, shading=shading)
+            return render(
+                scene,
+                camera,
+                palette,
+                size=size,
+                scale=scale,
+                shading=shading,
+                checkpoint=checkpoint,
+            )
 
         return work
 

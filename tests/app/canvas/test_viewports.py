@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from time import perf_counter, sleep
 
 import numpy as np
 import pytest
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.errors import Cancelled
 from bozzetto.geometry import frozen
 from bozzetto.scene import DARK, LIGHT, Image, Layer, Lines, Points, Scene, Shaded
 from bozzetto.scene.software import render
@@ -340,6 +342,73 @@ def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(qtbot, bo
     assert SIZE[0] // 2 in widths
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     assert viewport._frame.width() == SIZE[0]
+
+
+def slow_render(monkeypatch, full, coarse=0.02):
+    """Frames that take so many seconds, looking up every hundredth; gives what became of them."""
+    became = []
+
+    def drawn(scene, camera, palette, *, size, scale, shading, checkpoint):
+        begun = perf_counter()
+        try:
+            while perf_counter() - begun < (full if scale == 1.0 else coarse):
+                sleep(0.01)
+                checkpoint()
+        except Cancelled:
+            became.append(("given up", scale, perf_counter() - begun))
+            raise
+        became.append(("shown", scale, perf_counter() - begun))
+        width, height = (round(side * scale) for side in size)
+        return np.full((height, width, 4), 255, np.uint8)
+
+    monkeypatch.setattr("bozzetto.scene.software.render", drawn)
+    return became
+
+
+def shown_software(qtbot):
+    viewport = SoftwareViewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.show()
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
+    return viewport
+
+
+def test_a_long_frame_is_given_up_for_a_newer_one(qtbot, monkeypatch, box_scene):
+    viewport = shown_software(qtbot)
+    became = slow_render(monkeypatch, full=1.2)
+    viewport.set_scene(box_scene)
+    qtbot.wait(300)
+    assert not became, "nobody wants another one, so it goes on"
+    viewport.set_palette(DARK)
+    qtbot.waitUntil(lambda: bool(became), timeout=1500)
+    assert became[0][0] == "given up"
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
+    assert [what for what, *_ in became] == ["given up", "shown"]
+
+
+def test_a_short_frame_is_shown_although_a_newer_one_is_wanted(qtbot, monkeypatch, box_scene):
+    viewport = shown_software(qtbot)
+    monkeypatch.setattr("bozzetto_app.canvas.software.PATIENCE", 3.0)
+    became = slow_render(monkeypatch, full=0.1)
+    viewport.set_scene(box_scene)
+    viewport.set_palette(DARK)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    assert [what for what, *_ in became] == ["shown", "shown"]
+
+
+def test_while_what_is_shown_changes_all_the_time_there_is_something_to_see(qtbot, monkeypatch):
+    """Dragging, with a camera that rests, on a machine on which full frames take long."""
+    viewport = shown_software(qtbot)
+    became = slow_render(monkeypatch, full=0.5)
+    for k in range(60):
+        points = Points([(float(k), 0.0, 0.0)])
+        viewport.set_live(Scene((Layer("live", (points,)),)))
+        qtbot.wait(20)
+    assert sum(frame[:2] == ("shown", 0.5) for frame in became) >= 5
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
+    assert became[-1][:2] == ("shown", 1.0), "and at rest it is sharp"
+    assert viewport.shown().width() == SIZE[0]
 
 
 @pytest.mark.parametrize("asked", ["software", " Software "])
