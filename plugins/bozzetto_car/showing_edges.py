@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.crease import SMOOTH
 from bozzetto.geometry.patch import bernstein
+from bozzetto.plugin import Memory
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.scene.display_list import Hidden
 from bozzetto.view import Camera
@@ -17,6 +19,7 @@ from bozzetto_car.body import Body
 from bozzetto_car.certainty import Source, certainty
 from bozzetto_car.edges import joints
 from bozzetto_car.finishes import SOURCE_COLORS
+from bozzetto_car.solving import Solved
 from bozzetto_car.state import CarState
 from bozzetto_car.visibility import facing
 
@@ -63,11 +66,17 @@ crease all the same; and those that are meant to be corners."""
 CREASE_WIDTHS: Final = {"smooth": 1.4, "creased": 3.0, "corner": 2.0}
 """Of their lines, px."""
 
+REMEMBERED: Final = 16
+"""Solved cars whose nodes' certainty is remembered."""
+
 LABEL_SIZE: Final = 11.0
 """Of the letters of an angle, px."""
 
 LABEL_ROOM: Final = (46.0, 16.0)
 """Width and height, px, that such a label has to itself."""
+
+
+_sources: Memory[tuple[Source, ...]] = Memory(REMEMBERED)
 
 
 def network_lines(
@@ -150,11 +159,14 @@ def _crossed_smoothly(body: Body) -> set[int]:
 
 def sources_of(body: Body) -> tuple[Source, ...]:
     """Whether each node is seen in a sketch, mirrored, or guessed."""
-    solved = body.solved
+    return _sources.recall(body.solved, partial(_found, body.solved))
+
+
+def _found(solved: Solved) -> tuple[Source, ...]:
     if solved.joint is None:
         nothing: Source = "guessed"
-        return (nothing,) * len(body.template.names)
-    return certainty(body.template, solved.cost, solved.joint).sources
+        return (nothing,) * len(solved.template.names)
+    return certainty(solved.template, solved.cost, solved.joint).sources
 
 
 def node_items(state: CarState, body: Body) -> Iterator[Points]:
@@ -173,7 +185,7 @@ def node_items(state: CarState, body: Body) -> Iterator[Points]:
 
 
 def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> Layer:
-    """Handles of nodes, and of the tangents that are revealed.
+    """Handles of nodes, in the colours of the nodes, and of the tangents that are revealed.
 
     Parameters
     ----------
@@ -186,6 +198,7 @@ def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> L
     shown = np.ones(len(template.names), bool)
     if camera is not None:
         shown = np.asarray(facing(template, network.positions, camera))
+    sources = sources_of(body)
     items: list[Item] = []
     for edge, end in revealed_ends(state, body):
         pair = network.control_points[edge, [3 * end, 1 + end]]
@@ -196,7 +209,7 @@ def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> L
     for node in np.flatnonzero(shown).tolist():
         name = template.names[node]
         x, y, z = network.positions[node].tolist()
-        color = "accent" if name == state.revealed else "ink"
+        color: Paint = "accent" if name == state.revealed else SOURCE_COLORS[sources[node]]
         tip = template.titles.get(name, name)
         items.append(Handle(f"{NODE}{name}", (x, y, z), color=color, tip=tip))
     return Layer("handles", tuple(items), tool=SHAPE_TOOL)
