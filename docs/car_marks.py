@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Final
 
 import numpy as np
-from car_details import edge_points, styling
-from car_seen import Seen
+from car_details import (
+    door_lines,
+    edge_points,
+    from_side,
+    front_lines,
+    lamp_lines,
+    polygon,
+    side_windows,
+    styling,
+)
+from car_seen import Car, Seen
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
@@ -99,7 +109,7 @@ def styling_of(seen: Seen, view: int, rng: np.random.Generator) -> list[dict[str
     found = []
     side = 1.0 if seen.camera.eye[1] > 0.0 else -1.0
     inner = binary_erosion(seen.patch >= 0, iterations=WITHIN)
-    for name, line in styling(seen.car).items():
+    for name, line in on_body(seen.car).items():
         runs = [
             part
             for path in seen.drawn(line * (1.0, side, 1.0))
@@ -110,6 +120,32 @@ def styling_of(seen: Seen, view: int, rng: np.random.Generator) -> list[dict[str
             path = max(runs, key=length)
             if length(path) >= SHORTEST:
                 found.append({"view": view, "name": name, "points": stroke(path, rng)})
+    return found
+
+
+def best_drawn(drawn: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Each line in the view that shows most of it, in the order of the names."""
+    best: dict[str, dict[str, Any]] = {}
+    for line in drawn:
+        known = best.setdefault(line["name"], line)
+        if length(np.array(line["points"])) > length(np.array(known["points"])):
+            best[line["name"]] = line
+    return list(best.values())
+
+
+def on_body(car: Car) -> dict[str, Array]:
+    """Lines on the right side of the body that no template has, by name, (k, 3) mm."""
+    found = styling(car)
+    panes = sorted(side_windows(car), key=lambda pane: float(pane[:, 0].mean()))
+    for number, pane in enumerate(panes):
+        found[f"side window {number + 1}"] = from_side(car, polygon(pane, 260))
+    gaps = (line.points for line in door_lines(car) if line.role == "cut")
+    found |= zip(("front door", "door gap", "rear door"), gaps, strict=True)
+    lamps = (line.points for line in lamp_lines(car) if line.role == "lamp")
+    found |= zip(("headlamp", "tail lamp"), lamps, strict=True)
+    intakes = (line.points for line in front_lines(car) if line.role == "lamp")
+    for name, outline in zip(("grille", "intake"), intakes, strict=True):
+        found[name] = outline[: len(outline) // 2]
     return found
 
 

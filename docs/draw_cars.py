@@ -15,7 +15,7 @@ from pathlib import Path
 import car_designs
 import numpy as np
 from car_lines import lines
-from car_marks import marks_of, strokes_of, styling_of
+from car_marks import best_drawn, marks_of, strokes_of, styling_of
 from car_pencil import Sheet
 from car_seen import Car, Seen
 from car_tones import tones
@@ -46,14 +46,13 @@ def main(names: list[str], folder: Path = CARS) -> int:
                     "strokes": strokes_of(seen, rng),
                 }
             )
-            if not number:
-                styled = styling_of(seen, number, rng)
+            styled += styling_of(seen, number, rng)
         record = {
             "image": views[0]["image"],
             "template": name,
             "views": views,
             "dimensions": {"WB": float(np.ptp(car.wheels[:, 0]))},
-            "styling": styled,
+            "styling": best_drawn(styled),
         }
         (folder / f"{name}.json").write_text(written(record), "utf-8")
     return 0
