@@ -71,7 +71,7 @@ FOOT_PLACES: Final = 48
 FOOT_STEPS: Final = 8
 """Most Gauss–Newton steps to a foot point."""
 
-FOOT_SETTLED: Final = 1e-9
+FOOT_SETTLED: Final = 1e-6
 """Longest step of the parameter at which they end."""
 
 
