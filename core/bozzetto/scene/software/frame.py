@@ -13,7 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.software.labels import draw_label
-from bozzetto.scene.software.pictures import hang, lay_pictures
+from bozzetto.scene.software.pictures import apart, hang, lay_pictures
 from bozzetto.scene.software.shading import Shading
 from bozzetto.scene.software.sight import Sight, sight_of
 from bozzetto.scene.software.strokes import BIAS, Canvas, draw_discs, draw_lines, draw_points
@@ -22,6 +22,7 @@ from bozzetto.view.camera import Camera
 
 __all__ = ["MOST_PIXELS", "render"]
 
+Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Window = tuple[int, int, int, int]
 
@@ -172,19 +173,20 @@ def _drawn(
     pixels[:] = paper
     sight = sight_of(camera, height, width, window)
     images = [hang(item, sight) for item in items if isinstance(item, Image)]
-    hung = [picture for picture in images if picture is not None]
-    lay_pictures(pixels, hung, sight)
-    checkpoint()
     surfaces = [item for item in items if isinstance(item, Shaded)]
+    corners = _corners(surfaces, sight)
+    before, after = apart([one for one in images if one is not None], corners)
+    lay_pictures(pixels, before, sight)
+    checkpoint()
     canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
-    part = _occupied(surfaces, sight)
+    part = _occupied(corners, sight)
     if part is not None:
         x, y, part_w, part_h = part
         inner = (window[0] + x, window[1] + y, part_w, part_h)
         fine = sight_of(camera, height, width, inner, fineness)
         inside = np.s_[y : y + part_h, x : x + part_w]
         samples = _enlarged(pixels.reshape(h, w, 4)[inside], fineness)
-        pictures = Pictures(hung, paper, (x, y))
+        pictures = Pictures(before, paper, (x, y))
         drawn = draw_surfaces(
             samples, surfaces, pictures, fine, palette, shading, fineness, checkpoint
         )
@@ -204,8 +206,10 @@ def _drawn(
             veil.nearness[inside] = limit(drawn.veil.nearness)
             veil.opacity[inside] = _reduced(rows(drawn.veil.opacity), fineness)
             veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
+            lay_pictures(veil.behind, after, sight)
             canvas = replace(canvas, veil=veil)
         checkpoint()
+    lay_pictures(pixels, after, sight)
     _draw_marks(canvas, items, palette)
     return pixels
 
@@ -215,19 +219,23 @@ def _enlarged(pixels: Floats, fineness: int) -> Floats:
     return np.repeat(np.repeat(pixels, fineness, 0), fineness, 1).reshape(-1, 4)
 
 
-def _occupied(items: Sequence[Shaded], sight: Sight) -> Window | None:
-    """The part of a window that meshes can reach; None if they reach nothing."""
+def _corners(items: Sequence[Shaded], sight: Sight) -> Array | None:
+    """Corners of the boxes round meshes: x, y (px), nearness; None if some are behind the eye."""
     boxes = [item.mesh.bounds for item in items if np.isfinite(item.mesh.bounds).all()]
-    if not boxes:
-        return None
     corners = [np.array(list(product(*box.T))) for box in boxes]
-    seen = sight.seen(np.concatenate(corners))
-    if (seen[:, 2] < sight.near).any():
+    seen = sight.seen(np.concatenate([np.zeros((0, 3)), *corners]))
+    return None if (seen[:, 2] < sight.near).any() else sight.placed(seen)
+
+
+def _occupied(corners: Array | None, sight: Sight) -> Window | None:
+    """The part of a window that meshes can reach; None if they reach nothing."""
+    if corners is None:
         return (0, 0, sight.width, sight.height)
-    places = sight.placed(seen)[:, :2]
+    if not len(corners):
+        return None
     limit = np.array((sight.width, sight.height))
-    low = np.clip(places.min(0) - 2, 0, limit).astype(int) // ALIGNMENT * ALIGNMENT
-    high = np.clip(np.ceil(places.max(0)) + 2, 0, limit).astype(int)
+    low = np.clip(corners[:, :2].min(0) - 2, 0, limit).astype(int) // ALIGNMENT * ALIGNMENT
+    high = np.clip(np.ceil(corners[:, :2].max(0)) + 2, 0, limit).astype(int)
     if (high <= low).any():
         return None
     return (int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1]))
