@@ -18,6 +18,7 @@ from bozzetto_car.visibility import facing
 
 __all__ = [
     "ALL_MARKED",
+    "HIDDEN",
     "Asked",
     "asked_of",
     "hint_of",
@@ -29,6 +30,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+HIDDEN: Final = "This sketch is hidden. Show it to mark it."
 
 ALL_MARKED: Final = "All points are marked. Drag a mark to move it, or add another sketch."
 
@@ -165,7 +168,7 @@ def hint_of(state: CarState, solved: Solved) -> str:
     """What to mark next, and what that will bring."""
     placed = in_work(state, solved)
     if placed is None:
-        return "Drop a sketch of a car on the sheet."
+        return HIDDEN if state.sketch is not None else "Drop a sketch of a car on the sheet."
     asked = asked_of(state, solved)
     if asked is None:
         return ALL_MARKED

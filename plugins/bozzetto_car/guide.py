@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.patch import bernstein
 from bozzetto.view import Camera
-from bozzetto_car.asking import asked_of, in_work, neighbour_of, shown_nodes, titled
+from bozzetto_car.asking import HIDDEN, asked_of, in_work, neighbour_of, shown_nodes, titled
 from bozzetto_car.body import Body, body_of
 from bozzetto_car.certainty import further_views
 from bozzetto_car.solving import FEWEST, Placed, Solved
@@ -166,7 +166,9 @@ def guide_of(state: CarState) -> Guide:
         template.prompts.get(node, ""),
         before,
         after,
-        _note(placed, asked is not None and asked.hidden, node),
+        HIDDEN
+        if placed is None and state.sketch is not None
+        else _note(placed, asked is not None and asked.hidden, node),
         0 if sketch is None else sum(mark.node in template.node for mark in sketch.marks),
         () if placed is None else tuple(_rows(placed, solved, node)),
         tuple(_sketches(state, solved)),

@@ -6,7 +6,7 @@ from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
-from bozzetto_car.asking import ALL_MARKED, asked_of, in_work, neighbour_of
+from bozzetto_car.asking import ALL_MARKED, HIDDEN, asked_of, in_work, neighbour_of
 from bozzetto_car.marking import (
     sketch_in_work,
     with_all_asked,
@@ -58,10 +58,13 @@ def asked_node(state: CarState) -> str:
     Raises
     ------
     UserError
-        If there is no sketch, or all is marked.
+        If there is no sketch, it is hidden, or all is marked.
     """
     sketch_in_work(state)
-    asked = asked_of(state, solved(state))
+    solved_ = solved(state)
+    if in_work(state, solved_) is None:
+        raise UserError(HIDDEN)
+    asked = asked_of(state, solved_)
     if asked is None:
         raise UserError(ALL_MARKED)
     return asked.node
@@ -79,7 +82,7 @@ def passed_over(state: CarState, step: int) -> CarState:
     solved_ = solved(state)
     placed, asked = in_work(state, solved_), asked_of(state, solved_)
     if placed is None:
-        raise UserError("This sketch is hidden. Show it to mark it.")
+        raise UserError(HIDDEN)
     if asked is None:
         if step > 0 or not sketch.marks:
             raise UserError(ALL_MARKED)

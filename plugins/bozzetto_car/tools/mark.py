@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_car.asking import ALL_MARKED, asked_of, hint_of
+from bozzetto_car.asking import ALL_MARKED, HIDDEN, asked_of, hint_of
 from bozzetto_car.body import Body, body_of
 from bozzetto_car.looking import note_stand, stand_seen
 from bozzetto_car.marking import marked, sketch_in_work, without_marks
@@ -75,6 +75,8 @@ class MarkPoints:
             If there is nothing to mark, or the sketch is not seen as it was drawn.
         """
         body = body_of(state)
+        if sketch_in_work(state).id not in body.stands:
+            raise UserError(HIDDEN)
         if isinstance(gesture, Ink):
             return _erased(state, body, gesture, context.pen.tolerance)
         if isinstance(gesture, Drag) and _is_touch(gesture):

@@ -17,7 +17,7 @@ from bozzetto_car.body import body_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.looking import advice_on
 from bozzetto_car.report import report_of
-from bozzetto_car.state import CarState, Mark
+from bozzetto_car.state import CarState, Group, Mark
 from bozzetto_car.template import twin
 from bozzetto_car.template_file import bundled
 from tests.plugins.car.penned import (
@@ -91,6 +91,25 @@ def test_marks_are_refused_where_the_sketch_is_not_seen_as_drawn(marked_car):
         tapped(blank(), (30_000.0, 0.0))
     with pytest.raises(UserError, match="no sketch"):
         TOOL.apply(CarState(), Tap(1.0, 1.0, camera), CONTEXT)
+
+
+def test_a_hidden_sketch_is_not_marked(marked_car):
+    """By its own eye in the list, or by that of the group it is in."""
+    camera = through(marked_car)
+    over = Ink((stroke_on(marked_car, camera, [(9.0, 9.0)], "eraser"),))
+    alone = marked_car.with_node(replace(marked_car.sketch, visible=False))
+    group = Group(id="g", name="Group", visible=False)
+    within = replace(marked_car, nodes=(group, replace(marked_car.sketch, within="g")))
+    for hidden in (alone, within):
+        for gesture in (Tap(300.0, 300.0, camera), over):
+            with pytest.raises(UserError, match="hidden"):
+                TOOL.apply(hidden, gesture, CONTEXT)
+            assert not TOOL.preview(hidden, gesture, CONTEXT).layers
+        for name in ("skip", "ask-before", "not-visible"):
+            with pytest.raises(UserError, match="hidden"):
+                COMMANDS[name].run(hidden, CONTEXT)
+        assert "hidden" in TOOL.next_hint(hidden)
+        assert advice_on(hidden, body_of(hidden), camera).level == "good"
 
 
 # -- sides -----------------------------------------------------------------------------------------
