@@ -157,6 +157,7 @@ def guide_of(state: CarState) -> Guide:
     sketch = None if placed is None else placed.sketch
     node = "" if asked is None else asked.node
     title = titled(node, sketch, template) if sketch is not None and node else ""
+    is_hidden = placed is None and state.sketch is not None
     before, after = _neighbours(node, placed, solved)
     return Guide(
         template,
@@ -166,9 +167,7 @@ def guide_of(state: CarState) -> Guide:
         template.prompts.get(node, ""),
         before,
         after,
-        HIDDEN
-        if placed is None and state.sketch is not None
-        else _note(placed, asked is not None and asked.hidden, node),
+        _note(placed, asked is not None and asked.hidden, node, is_hidden),
         0 if sketch is None else sum(mark.node in template.node for mark in sketch.marks),
         () if placed is None else tuple(_rows(placed, solved, node)),
         tuple(_sketches(state, solved)),
@@ -188,7 +187,9 @@ def _neighbours(asked: str, placed: Placed | None, solved: Solved) -> tuple[str,
     return neighbour_of(asked, -1, placed, solved), "" if after == asked else after
 
 
-def _note(placed: Placed | None, hidden: bool, node: str) -> str:
+def _note(placed: Placed | None, turned_away: bool, node: str, is_hidden: bool) -> str:
+    if is_hidden:
+        return HIDDEN
     if placed is None:
         return "Drop a sketch of a car on the sheet."
     missing = FEWEST - len(placed.sketch.marks)
@@ -200,9 +201,7 @@ def _note(placed: Placed | None, hidden: bool, node: str) -> str:
         return "Left and right seem to be exchanged."
     if not node:
         return "All points are marked, or noted as not visible."
-    return (
-        "Not seen from here, as it seems. Skip it, unless the drawing shows it." if hidden else ""
-    )
+    return NOT_SEEN if turned_away else ""
 
 
 def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:

@@ -87,6 +87,8 @@ def test_a_sketch_in_a_few_words(astray, twelve):
 def test_what_is_missing_is_said():
     assert guide_of(CarState()).note == "Drop a sketch of a car on the sheet."
     assert guide_of(CarState()).rows == ()
+    hidden = blank().with_node(replace(blank().sketch, visible=False))
+    assert "hidden" in guide_of(hidden).note
     assert guide_of(blank()).note.startswith("6 more marks")
     assert guide_of(guided(FRONT, 5)).note.startswith("1 more mark until")
     everything = with_skipped(guided(FRONT, 6), SEDAN.names)
