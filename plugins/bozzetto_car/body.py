@@ -23,6 +23,7 @@ from bozzetto_car.default_shape import pulled_out
 from bozzetto_car.dimensions import Dimensions, measured
 from bozzetto_car.dragging import bent
 from bozzetto_car.edges import Network, edge_called, node_called, with_positions
+from bozzetto_car.reshaping import Reshaping
 from bozzetto_car.solving import Solved, counted_marks, solved
 from bozzetto_car.stand import Stand
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
@@ -128,6 +129,7 @@ class Body:
 
 
 _bodies: Memory[Body] = Memory(REMEMBERED)
+_maps: Memory[Reshaping | None] = Memory(REMEMBERED)
 
 
 def body_of(state: CarState, before: CarState | None = None) -> Body:
@@ -221,8 +223,12 @@ def in_world_of(body: Body, edit: BodyEdit) -> Network:
     UserError
         If it cannot have them any more.
     """
-    map_ = reshaping_of(body.network, edit.dimensions)
+    map_ = _map_to(body.network, edit.dimensions)
     return body.network if map_ is None else stretched(body.network, map_)
+
+
+def _map_to(network: Network, wanted: Dimensions) -> Reshaping | None:
+    return _maps.recall((network, wanted), partial(reshaping_of, network, wanted))
 
 
 def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
@@ -248,7 +254,7 @@ def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
 def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
     """A body after one more edit; the same, and why, where it cannot be made."""
     try:
-        map_ = reshaping_of(body.network, edit.dimensions)
+        map_ = _map_to(body.network, edit.dimensions)
         there = body.network if map_ is None else stretched(body.network, map_)
         network, edges = _changed(there, edit, body)
     except UserError as problem:
@@ -309,7 +315,7 @@ def _firmness(body: Body, in_hand: frozenset[int]) -> Array:
 def _finished(body: Body, wanted: Dimensions) -> Body:
     """The body with the dimensions that are wanted."""
     try:
-        map_ = reshaping_of(body.network, wanted)
+        map_ = _map_to(body.network, wanted)
     except UserError as problem:
         return replace(body, dimensions_problem=problem.message)
     if map_ is None:
