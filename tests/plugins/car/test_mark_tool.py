@@ -339,3 +339,40 @@ def test_all_marked_is_said(marked_car):
     with pytest.raises(UserError, match="All points"):
         tapped(state, (5.0, 5.0))
     assert advice_on(state, body_of(state), through(state)).message.startswith("All of")
+
+
+@pytest.mark.slow
+def test_whatever_a_hand_does_there_is_a_car_or_a_sentence():
+    """Taps, drags, the eraser and commands at random places: never anything but a `UserError`."""
+    rng = np.random.default_rng(11)
+    state = blank()
+    sentences = 0
+    for _ in range(60):
+        pixel = rng.normal((600.0, 400.0), (500.0, 400.0))
+        further = pixel + rng.normal(0.0, 60.0, 2)
+        names = [mark.node for mark in state.sketch.marks] or ["C0"]
+        kind = rng.choice(["tap", "tap", "tap", "drag", "erase", "command"])
+        try:
+            if kind == "tap":
+                TOOL.preview(state, Tap(*pixel, through(state)), CONTEXT)
+                state = tapped(state, pixel)
+            elif kind == "drag":
+                drag = dragged(state, str(rng.choice(names)), [pixel, further])
+                TOOL.preview(state, drag, CONTEXT)
+                state = TOOL.apply(state, drag, CONTEXT)
+            elif kind == "erase":
+                over = stroke_on(state, through(state), [pixel, further], "eraser")
+                state = TOOL.apply(state, Ink((over,)), CONTEXT)
+            else:
+                word = rng.choice(["skip", "ask-before", "not-visible", "ask-again",
+                                   "remove-last-mark", "exchange-sides"])  # fmt: skip
+                state = COMMANDS[str(word)].run(state, CONTEXT)
+        except UserError:
+            sentences += 1
+        body = body_of(state)
+        assert np.isfinite(body.network.positions).all()
+        assert TOOL.next_hint(state)
+        advice = advice_on(state, body, through(state))
+        assert advice.pinned
+    assert 0 < sentences < 40
+    assert len(state.sketch.marks) > 8
