@@ -109,15 +109,12 @@ class Stand:
         return bool(np.abs(camera.axes - own.axes).max() < SAME_EYE)
 
     def view(self, viewport: tuple[float, float]) -> Camera:
-        """The camera with all of the picture in view on a canvas of another size."""
+        """The view with all of the picture on a canvas of another size, and a border around it."""
         width, height = self.camera.viewport
         wide, high = viewport
-        factor = ALL_IN * max(1.0, (width / height) / (wide / high))
-        if self.camera.kind == "orthographic":
-            return replace(self.camera, height=self.camera.height * factor, viewport=viewport)
-        half = factor * np.tan(np.radians(0.5 * self.camera.fov_y))
-        fov = float(2.0 * np.degrees(np.arctan(half)))
-        return replace(self.camera, fov_y=fov, viewport=viewport)
+        half = 0.5 * ALL_IN * height * max(1.0, (width / height) / (wide / high))
+        middle = 0.5 * width, 0.5 * height
+        return self.windowed(viewport, [middle, (middle[0], middle[1] - half)])
 
     def window(self, camera: Camera) -> Array:
         """What a view shows of the picture.
