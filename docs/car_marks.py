@@ -112,7 +112,7 @@ def styling_of(seen: Seen, view: int, rng: np.random.Generator) -> list[dict[str
     for name, line in on_body(seen.car).items():
         runs = [
             part
-            for path in seen.drawn(line * (1.0, side, 1.0))
+            for path in gone_round(seen.drawn(line * (1.0, side, 1.0)))
             for part in np.split(path, 1 + np.flatnonzero(np.diff(within(inner, path).astype(int))))
             if within(inner, part[:1])[0]
         ]
@@ -121,6 +121,13 @@ def styling_of(seen: Seen, view: int, rng: np.random.Generator) -> list[dict[str
             if length(path) >= SHORTEST:
                 found.append({"view": view, "name": name, "points": stroke(path, rng)})
     return found
+
+
+def gone_round(runs: list[Array]) -> list[Array]:
+    """Runs of a line; of a closed one, the last and the first are one if they meet."""
+    if len(runs) < 2 or np.linalg.norm(runs[-1][-1] - runs[0][0]) > STEP:
+        return runs
+    return [np.concatenate((runs[-1], runs[0][1:])), *runs[1:-1]]
 
 
 def best_drawn(drawn: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
