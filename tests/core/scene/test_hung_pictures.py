@@ -145,6 +145,31 @@ def test_checks_too_fine_to_see_are_grey_also_at_a_slant(tilt):
     np.testing.assert_allclose(solid, 127.5, atol=6)
 
 
+@given(st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_square_on_and_a_little_turned_look_the_same(seed):
+    """The one is scaled, the other goes through the homography."""
+    random = np.random.default_rng(seed)
+    pixels = np.repeat(np.repeat(random.integers(0, 256, (7, 9, 4), np.uint8), 5, 0), 5, 1)
+    middle, size = random.normal(0, 25, 2), random.uniform(5, 300, 2)
+    scale = np.array((1.0, -1.0)) * size
+    corner = middle - 0.5 * scale
+    eye = (float(random.normal()), -200.0, float(random.normal()))
+
+    def look(turn):
+        across = (size[0], 0.0, turn * size[0])
+        image = Image(pixels, (corner[0], 0, corner[1]), across, (0, 0, -size[1]))
+        target = (eye[0], 0.0, eye[2])
+        return shown(image, Camera(("perspective", "orthographic")[seed % 2], eye, target,
+                                   height=90, viewport=SIZE))  # fmt: skip
+
+    square, turned = look(0.0), look(1.2e-3 if seed % 3 else -1.2e-3)
+    # a picture made smaller is smoothed a little more by the one than by the other
+    assert np.abs(square - turned).mean() < 4
+    solid = (square[..., 3] > 0) == (turned[..., 3] > 0)
+    assert solid.mean() > 0.98
+
+
 # -- over each other ---------------------------------------------------------------------------
 
 

@@ -75,4 +75,8 @@ def crossed(outline: Polygon) -> NDArray[np.intp]:
             pair = np.empty((len(cells), 2), np.intp)
             pair[:, major], pair[:, minor] = cells, np.floor(middle) + step
             found.append(pair)
-    return np.unique(np.concatenate(found), axis=0)
+    cells = np.concatenate(found)
+    first = cells.min(0)
+    width = int(cells[:, 0].max() - first[0]) + 1
+    row, column = np.divmod(np.unique((cells - first) @ (1, width)), width)
+    return np.asarray(np.column_stack((column, row)) + first)
