@@ -139,9 +139,9 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
 
 
 def _wheel_layer(state: CarState, body: Body) -> Layer:
+    """The wheels; none over a drawing, which has its own."""
     items: tuple[Item, ...] = ()
-    if state.wheels and state.body:
-        opacity = DRAFT if state.shading == "draft" else 1.0
+    if state.wheels and state.body and state.shading != "draft":
         meshes = wheel_meshes(body.network, body.nets)
-        items = tuple(Shaded(mesh, opacity=opacity, pickable=False) for mesh in meshes)
+        items = tuple(Shaded(mesh, pickable=False) for mesh in meshes)
     return Layer("wheels", items)
