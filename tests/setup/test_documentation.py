@@ -1,4 +1,4 @@
-"""The documentation's links lead somewhere."""
+"""The documentation's links lead somewhere: to files, and to headings in them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,36 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]
+PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("docs/gallery/**/*.md")]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_link_to_a_file_leads_to_one(page):
     targets = re.findall(r"\]\((?!https?:|#|mailto:)([^)#\s]+)", page.read_text(encoding="utf-8"))
     missing = [target for target in targets if not (page.parent / target).exists()]
+    assert not missing
+
+
+def headings(page: Path) -> set[str]:
+    """What links call the headings of a page, as GitHub makes it of their words."""
+    found: dict[str, int] = {}
+    names = set()
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    for title in re.findall(r"^#+ (.+)$", text, re.M):
+        words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title).lower()
+        name = re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+        number = found[name] = found.get(name, -1) + 1
+        names.add(f"{name}-{number}" if number else name)
+    return names
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_link_to_a_heading_leads_to_one(page):
+    links = re.findall(r"\]\((?!https?:|mailto:)([^)#\s]*)#([^)\s]+)\)", page.read_text("utf-8"))
+    pages = [(page.parent / file if file else page, name) for file, name in links]
+    missing = [
+        f"{target.name}#{name}"
+        for target, name in pages
+        if target.suffix == ".md" and name not in headings(target)
+    ]
     assert not missing
