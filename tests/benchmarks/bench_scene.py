@@ -7,7 +7,7 @@ so many triangles with 500 polylines of 64 points around it.
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 from time import perf_counter
@@ -15,14 +15,18 @@ from time import perf_counter
 import numpy as np
 
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.scene import LIGHT, Layer, Lines, Scene, Shaded
+from bozzetto.scene import LIGHT, Layer, Lines, Picture, Scene, Shaded
 from bozzetto.scene.bounding_tree import tree_of
 from bozzetto.scene.picking import cast_rays
 from bozzetto.scene.software import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
 from bozzetto.view.standard import standard_view
-from tests.benchmarks.timing import Row
+from bozzetto_car.body import body_of
+from bozzetto_car.showing import scene_of as car_scene
+from bozzetto_car.stand import Stand
+from bozzetto_car.state import CarState
+from tests.benchmarks.timing import Row, processor_ms
 
 SIZE = (1000, 700)
 REPEATS = 9
@@ -161,6 +165,29 @@ def rays_100k(count: int) -> float:
     return median_time(lambda _: cast_rays(scene, rays))
 
 
+def sketch_rows() -> Iterator[Row]:
+    """A sketch behind a car seen through its camera, and from beside it while the view turns."""
+    size = (1200, 900)
+    state = CarState(shading="draft")
+    body = body_of(state)
+    car = car_scene(state, body)
+    camera = view_of(car, size).with_viewport(1600, 1000)
+    scan = np.random.default_rng(0).integers(0, 256, (1000, 1600, 4), np.uint8)
+    scan[..., 3] = 255
+    stand = Stand.behind(camera, (0.0, 0.0), body.network.positions)
+    sketch = Scene((Layer("sketch", (stand.image(Picture.of(scan, "sketch"), 0.8),)),))
+    through = camera.with_viewport(*size)
+    turns = iter(np.linspace(0.0, 40.0, 100))
+    for what, scene in (("a car body alone", car), ("a sketch of 1600×1000", sketch),
+                        ("a sketch of 1600×1000 under a car body", sketch + car)):  # fmt: skip
+        still = processor_ms(lambda scene=scene: render(scene, through, LIGHT, size=size))
+        yield Row("scene", f"frame with {what}, 1200×900, camera at rest", still)
+        turning = processor_ms(
+            lambda scene=scene: render(scene, turn(through, next(turns), 0), LIGHT, size=size)
+        )
+        yield Row("scene", f"frame with {what}, 1200×900, turning", turning)
+
+
 def rows() -> list[Row]:
     """The table's rows about the viewport."""
     timed = (
@@ -175,7 +202,7 @@ def rows() -> list[Row]:
     made = [Row("scene", what, 1e3 * call(), budget=budget) for what, call, budget in timed]
     named = "QPainter's polygons, sorted by depth"
     made[1] = replace(made[1], alternative=named, other=1e3 * painted(100_000))
-    return made
+    return [*made, *sketch_rows()]
 
 
 if __name__ == "__main__":
