@@ -29,8 +29,8 @@ EXCHANGED: Final = (
 )
 """What is said of marks that fit a car as a mirror shows it."""
 
-DRAFTED: Final = ("body", "wheels")
-"""Layers that would hide the drawing under them."""
+DRAFTED: Final = ("body", "wheels", "network")
+"""Layers that look otherwise over a drawing, so that it can be seen."""
 
 MOST_SKETCHES: Final = 32
 """Sketches whose stands are remembered."""

@@ -25,6 +25,7 @@ from bozzetto_car.visibility import facing
 
 __all__ = [
     "NODE",
+    "ON_PAPER",
     "SHAPE_TOOL",
     "TANGENT",
     "crease_labels",
@@ -51,6 +52,9 @@ ALONG: Final = 24
 
 EDGE_WIDTH: Final = 1.4
 """Of the lines of a template, px."""
+
+ON_PAPER: Final = (52, 49, 46)
+"""Of the same lines over a drawing: its paper is light in the dark theme, too."""
 
 HELD_WIDTH: Final = 2.6
 """Of an edge that is being drawn, px."""
@@ -106,7 +110,8 @@ def edge_items(state: CarState, body: Body, held: Collection[int] = ()) -> Itera
             if edges:
                 yield network_lines(points[edges], CREASE_COLORS[kind], CREASE_WIDTHS[kind])
     elif state.network:
-        yield network_lines(points, "ink", EDGE_WIDTH, 0.75)
+        color: Paint = ON_PAPER if state.shading == "draft" else "ink"
+        yield network_lines(points, color, EDGE_WIDTH, 0.75)
     if held:
         yield network_lines(points[list(held)], "accent", HELD_WIDTH, hidden="show")
 

@@ -19,6 +19,7 @@ from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view.calibration import direct_linear_transform
 from bozzetto_car.asking import Asked, asked_of, in_work, titled
 from bozzetto_car.body import Body
+from bozzetto_car.showing_edges import ON_PAPER
 from bozzetto_car.solving import Placed, counted_marks
 from bozzetto_car.stand import Stand
 from bozzetto_car.state import CarState, Mark
@@ -105,7 +106,7 @@ def _network(body: Body, now: Stand, on: Stand) -> Iterator[Lines]:
         if len(pixels):
             starts = np.arange(0, pixels.shape[0] * pixels.shape[1], pixels.shape[1])
             places = on.lifted(pixels.reshape(-1, 2)).astype(np.float32)
-            yield Lines(places, starts, color="ink", width=1.4, opacity=opacity, hidden="show")
+            yield Lines(places, starts, color=ON_PAPER, width=1.4, opacity=opacity, hidden="show")
 
 
 def _marks(
