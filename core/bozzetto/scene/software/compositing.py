@@ -95,8 +95,12 @@ def _keys(every: Sheet) -> NDArray[np.uint64]:
 
 
 def _blend(pixels: Floats, sheet: Sheet, part: NDArray[np.intp] | slice) -> None:
-    pixel = sheet.pixel[part]
-    alpha = sheet.opacity[part][:, None]
-    color = np.concatenate((sheet.color[part], np.ones_like(alpha)), 1)
-    behind = pixels[pixel]
-    pixels[pixel] = behind + alpha * (color - behind)
+    pixel, alpha, color = sheet.pixel[part], sheet.opacity[part], sheet.color[part]
+    whole = pixels.view(np.complex128)[:, 0]  # four floats are moved as one value
+    mixed = whole.take(pixel).view(np.float32).reshape(-1, 4)
+    for channel in range(3):
+        value = mixed[:, channel]
+        value += alpha * (color[:, channel] - value)
+    covered = mixed[:, 3]
+    covered += alpha * (1 - covered)
+    whole[pixel] = mixed.view(np.complex128)[:, 0]
