@@ -90,6 +90,8 @@ class Pictures:
 
     def in_front(self, buffer: Buffer, glass: Sequence[Sheet], fineness: int) -> Samples:
         """Samples at which some picture is in front of some mesh."""
+        if not self.hung:
+            return np.zeros(0, np.intp)
         farthest = np.where(buffer.triangle >= 0, buffer.nearness, np.float32(np.inf))
         for sheet in glass:
             farthest[sheet.pixel] = np.minimum(farthest[sheet.pixel], sheet.nearness)
@@ -158,7 +160,7 @@ def draw_surfaces(
     for item in shaded:
         if see_through(item, shading):
             sheets = _mesh_sheets(item, sight, palette, shading)
-            glass.extend(sheet.before(buffer.nearness) for sheet in sheets)
+            glass += [sheet.before(buffer.nearness) for sheet in sheets] if solid else sheets
             checkpoint()
     crossing = pictures.in_front(buffer, glass, fineness)
     hung: list[Sheet] = []
