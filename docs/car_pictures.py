@@ -257,7 +257,9 @@ def mark(window: Window, told: dict[str, list[float]], picture: str) -> None:
     if name is None:
         session.commanding.run("not-visible")
     else:
-        places = body.stands[state.sketch.id].lifted([told[name]])
+        stand = body.stands[state.sketch.id]
+        until(lambda: stand.is_seen_through(session.camera))  # the view goes along with marks
+        places = stand.lifted([told[name]])
         (at,), _ = session.camera.project(places)
         path = at + np.linspace(1.0, 0.0, 6)[:, None]
         pen_stroke(window.canvas, path, np.full(6, 0.5), lambda: picture and grab(window, picture))
