@@ -89,7 +89,7 @@ def _check(shapes: Shapes, chosen: Format) -> None:
     kinds = _kinds_in(shapes)
     if kinds.isdisjoint(chosen.holds):
         wanted = " or ".join(WORDS.get(kind, kind) for kind in chosen.holds)
-        useful = [f.endings[0] for f in writers(*kinds)]
+        useful = [f.endings[0] for f in writers(*kinds)] if kinds else []
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
     if "mesh" in chosen.holds:
