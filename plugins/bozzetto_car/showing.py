@@ -141,7 +141,7 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
 def _wheel_layer(state: CarState, body: Body) -> Layer:
     """The wheels; none over a drawing, which has its own."""
     items: tuple[Item, ...] = ()
-    if state.wheels and state.body and state.shading != "draft":
+    if state.wheels and state.shading != "draft":
         meshes = wheel_meshes(body.network, body.nets)
         items = tuple(Shaded(mesh, pickable=False) for mesh in meshes)
     return Layer("wheels", items)

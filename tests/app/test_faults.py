@@ -21,6 +21,8 @@ from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER, PLUGIN, UNLUCKY, BoxesState, box
 from tests.app.yardstick import Yardstick
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 0.3
 """Seconds after which the tests' channels call a plugin hung."""
 

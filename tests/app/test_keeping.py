@@ -272,6 +272,7 @@ def test_many_killed_windows_lose_at_most_one_stroke_each(tmp_path):
     assert sum(drawn) > 5 * MANY_KILLS / 2
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
 def test_after_a_kill_the_next_window_offers_the_drawing_and_a_living_one_is_left_alone(
     make_window, folder, settle, qtbot

@@ -82,6 +82,7 @@ def test_stopping_keeps_what_was_finished_and_nothing_of_the_rest(session, settl
     replay.stop()
 
 
+@pytest.mark.slow
 def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settle, qtbot):
     window = make_window()
     session = window.session

@@ -92,6 +92,7 @@ def solve_again(window, inflation, pulse):
     return pulse.during(lambda: window.session.busy)
 
 
+@pytest.mark.slow
 def test_a_fine_solve_leaves_the_window_free(drawn):
     total = 0.0
     for inflation in (1.1, 1.2):

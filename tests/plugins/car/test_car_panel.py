@@ -308,6 +308,16 @@ def test_constraints_are_switched_off_and_on(shown, twelve, qtbot):
     assert host.state.without == ()
 
 
+@pytest.fixture
+def unstyled(qapp):
+    """Without the style sheet that a window before may have left: it decides over palettes."""
+    before = qapp.styleSheet()
+    qapp.setStyleSheet("")
+    yield
+    qapp.setStyleSheet(before)
+
+
+@pytest.mark.usefixtures("unstyled")
 def test_both_themes_are_followed(shown, twelve, qtbot):
     panel, _ = shown(twelve)
     for palette in (DARK, LIGHT):
