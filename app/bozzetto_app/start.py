@@ -13,7 +13,8 @@ import threading
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import TextIO
+from time import monotonic
+from typing import Final, TextIO
 
 from PySide6.QtCore import QEvent, QObject, QSocketNotifier, QTimer
 from PySide6.QtWidgets import QApplication
@@ -32,6 +33,9 @@ __all__ = ["application", "start"]
 VIEWPORT = "view/backend"
 HEAVY = ("scipy.optimize", "scipy.spatial", "scipy.sparse.linalg", "shapely", "manifold3d")
 """Imported in a thread after the first paint, so that the first stroke need not wait."""
+
+LAST_MOMENT: Final = 1.0
+"""How long a closed program waits for its threads at most, seconds; they stop within a tenth."""
 
 
 def application() -> QApplication:
@@ -75,9 +79,22 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     window.show()
     _listen_for_interrupts(window)
     code = app.exec()
+    _let_workers_end()
     faulthandler.disable()
     crash_log.close()
     return code
+
+
+def _let_workers_end() -> None:
+    """Wait a moment for threads that have been told to stop.
+
+    An interpreter that is taken down under one of them crashes now and then; after the moment it
+    is taken down all the same, for a hung plugin must not keep a closed program alive.
+    """
+    end = monotonic() + LAST_MOMENT
+    for thread in threading.enumerate():
+        if thread.name.startswith("bozzetto-"):
+            thread.join(max(0.0, end - monotonic()))
 
 
 def _listen_for_interrupts(window: Window) -> None:

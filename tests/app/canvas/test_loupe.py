@@ -316,26 +316,6 @@ def test_odd_scenes_are_survived(bare, image):
             seen(bare)
 
 
-def test_a_repaint_costs_the_pen_nothing(bare):
-    """Four milliseconds of processor time, with a picture of full size under a car's edges."""
-    rng = np.random.default_rng(3)
-    turn = np.linspace(0.0, 1.5, 24)
-    arcs = np.column_stack((np.cos(turn), 0.0 * turn, np.sin(turn)))
-    lines = tuple(
-        Lines((rng.uniform(-200, 200, 3) + rng.uniform(20, 120) * arcs).astype(np.float32))
-        for _ in range(66)
-    )
-    page = rng.integers(0, 256, (3000, 4096, 4), np.uint8)
-    bare.show_scene(Scene((Layer("a", (hung(page), *lines)),)), FRONT)
-    costs = []
-    for k in range(40):
-        bare.point(350.0 + k, 300.0)
-        begun = time.thread_time()
-        seen(bare)
-        costs.append(time.thread_time() - begun)
-    assert min(costs) < 0.004
-
-
 def test_lines_are_cut_as_shapely_cuts_them():
     shapely = pytest.importorskip("shapely")
     rng = np.random.default_rng(7)
