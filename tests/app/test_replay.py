@@ -11,6 +11,8 @@ from bozzetto_app.replay import Replay
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.troublemaker import MODELER
 
+pytestmark = pytest.mark.slow
+
 FAST = 40.0
 """Times as fast as the hand was."""
 
@@ -82,7 +84,6 @@ def test_stopping_keeps_what_was_finished_and_nothing_of_the_rest(session, settl
     replay.stop()
 
 
-@pytest.mark.slow
 def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settle, qtbot):
     window = make_window()
     session = window.session

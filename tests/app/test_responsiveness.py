@@ -24,6 +24,8 @@ from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.troublemaker import MODELER, box
 from tests.app.yardstick import Yardstick
 
+pytestmark = pytest.mark.slow
+
 BOUND = 0.050
 """Longest pause that a person does not notice, s."""
 
@@ -92,7 +94,6 @@ def solve_again(window, inflation, pulse):
     return pulse.during(lambda: window.session.busy)
 
 
-@pytest.mark.slow
 def test_a_fine_solve_leaves_the_window_free(drawn):
     total = 0.0
     for inflation in (1.1, 1.2):
@@ -164,7 +165,6 @@ def test_drawing_while_a_solve_is_under_way_gets_every_sample(drawn, settle):
     assert longest < GENEROUS + machine.longest
 
 
-@pytest.mark.slow
 @pytest.mark.skipif("CI" in os.environ, reason="a shared machine's pauses are not the program's")
 def test_no_pause_is_longer_than_a_person_notices(drawn, qapp):
     """Median over several solves of the longest pause in each, with garbage tidied as at work."""

@@ -9,6 +9,8 @@ from PySide6.QtGui import QImage
 from bozzetto.scene.display_list import Image
 from bozzetto_app.thumbnails import thumbnail_of
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def window(make_window):

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
 
@@ -28,7 +30,6 @@ def command(module: str, *arguments: str) -> str:
     return run.stdout
 
 
-@pytest.mark.slow
 @needs_fork
 def test_twenty_thousand_mutated_files_are_one_error_or_open():
     assert "20000 mutated" in command("tests.fuzz_documents", "--count", "20000", "--seed", "7")

@@ -13,6 +13,8 @@ from bozzetto.cli import main
 from bozzetto_car.marks_file import VIEW_KEYS, car_from_facts
 from bozzetto_car.report import SHORT
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 PAGES = ("README.md", "docs/car.md", "docs/gallery/README.md", "docs/gallery/car/README.md")
 

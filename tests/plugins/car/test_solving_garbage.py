@@ -16,6 +16,8 @@ from bozzetto_car.template import Template
 from bozzetto_car.template_file import TEMPLATES, bundled
 from tests.plugins.car.sketched import PICTURE, looking
 
+pytestmark = pytest.mark.slow
+
 Name = Literal["sedan", "hatchback", "minivan"]
 
 LONG = bool(os.environ.get("BOZZETTO_LONG"))
@@ -107,7 +109,6 @@ def test_marks_without_sense_give_a_sound_car_or_a_sentence(name: Name) -> None:
     assert survive(name, 0, 5) >= 2
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", TEMPLATES)
 @pytest.mark.parametrize("seed", range(1, 34 if LONG else 2))
 def test_many_sets_of_marks_without_sense(name: Name, seed: int) -> None:

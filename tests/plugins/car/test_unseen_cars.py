@@ -14,6 +14,8 @@ from tests.plugins.car.marking import aside, marked
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, apart, rms
 from tests.plugins.car.unseen import KINDS, PICTURES, pictured, unseen
 
+pytestmark = pytest.mark.slow
+
 SEEDS = range(3)
 
 

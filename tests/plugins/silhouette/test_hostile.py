@@ -15,6 +15,8 @@ from bozzetto.view import Camera
 from bozzetto_silhouette.modeler import Silhouette
 from bozzetto_silhouette.state import Oversketch, Part, SilhouetteState, Smoothing
 
+pytestmark = pytest.mark.slow
+
 MODELER = Silhouette()
 
 FRONT = Camera("orthographic", (0.0, -500.0, 0.0), (0.0, 0.0, 0.0), height=300.0)
@@ -184,7 +186,6 @@ def test_hostile_outlines(number: int) -> None:
     check(number)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("number", range(FEW, MANY))
 def test_many_hostile_outlines(number: int) -> None:
     check(number)
