@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QFont, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtGui import QFont, QFontMetricsF, QPainter, QPainterPath, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.display_list import EMPTY, Handle, Label, Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.software.frame import HANDLE_RADIUS, HANDLE_RIM
-from bozzetto.scene.software.labels import HALO, OFFSET
+from bozzetto.scene.software.labels import HALO, OFFSET, beginning
 from bozzetto.view.camera import Camera
 from bozzetto_app.theme import qcolor
 
@@ -40,7 +40,10 @@ def _paint_label(painter: QPainter, label: Label, place: QPointF, palette: Palet
     font = QFont(painter.font())
     font.setPixelSize(max(1, round(label.size)))
     letters = QPainterPath()
-    letters.addText(place + QPointF(*OFFSET), font, label.text)
+    wide = QFontMetricsF(font).horizontalAdvance(label.text)
+    sheet = painter.device().width()
+    begin = beginning(place.x(), wide, sheet, OFFSET[0])
+    letters.addText(QPointF(begin, place.y() + OFFSET[1]), font, label.text)
     halo = QPen(qcolor(palette.paper), 2.0 * HALO)
     halo.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     painter.strokePath(letters, halo)

@@ -9,7 +9,7 @@ from bozzetto.scene.display_list import Label
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.software.strokes import Canvas
 
-__all__ = ["draw_label"]
+__all__ = ["HALO", "OFFSET", "beginning", "draw_label"]
 
 OFFSET = (6.0, -6.0)
 """From the point to the text's lower left corner, px right and down."""
@@ -31,14 +31,33 @@ def draw_label(canvas: Canvas, item: Label, palette: Palette) -> None:
         return
     x, y, _ = canvas.sight.placed(seen)[0]
     size = float(np.clip(item.size * canvas.scale, 4.0, TALLEST))
-    x, y = x + OFFSET[0] * canvas.scale, y + OFFSET[1] * canvas.scale
     reach = TALLEST * LONGEST
     if not (-reach < x < canvas.sight.width + reach and -reach < y < canvas.sight.height + reach):
         return
+    wide = _mask(item.text[:LONGEST], size, 0)[0].shape[1]
+    x = beginning(x, wide, canvas.sight.width, OFFSET[0] * canvas.scale)
+    y += OFFSET[1] * canvas.scale
     halo = max(1, round(HALO * canvas.scale))
     for width, color in ((halo, palette.paper), (0, palette.color(item.color))):
         mask, left, top = _mask(item.text[:LONGEST], size, width)
         _cover(canvas, mask, round(x) + left, round(y) + top, np.array(color, float))
+
+
+def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
+    """Where a text begins: right of its point, or left of it where there is room only there.
+
+    Parameters
+    ----------
+    x : float
+        Of the point, px.
+    wide, sheet : float
+        Width of the text, and of the sheet, px.
+    offset : float
+        Distance from the point, px.
+    """
+    left = x - offset - wide
+    fits = x + offset + wide <= sheet or not 0.0 <= x <= sheet
+    return left if not fits and left >= 0.0 else x + offset
 
 
 def _mask(text: str, size: float, rim: int) -> tuple[NDArray[np.float32], int, int]:

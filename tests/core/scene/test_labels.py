@@ -1,0 +1,40 @@
+"""Texts beside points: where they begin, and that they are to be read at the border, too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bozzetto.scene import LIGHT, Label, Layer, Scene
+from bozzetto.scene.software import render
+from bozzetto.view import Camera
+
+SIZE = (300, 120)
+FRONT = Camera("orthographic", height=120.0, viewport=SIZE)
+"""A millimetre is a pixel; the middle of the sheet is the origin."""
+
+
+def columns(x: float, text: str = "Front wheel") -> np.ndarray:
+    """Columns of the sheet in which something of a text is seen."""
+    label = Label((x, 0.0, 0.0), text, color=(255, 0, 0))
+    picture = render(Scene((Layer("a", (label,)),)), FRONT, LIGHT, size=SIZE)
+    return np.flatnonzero((picture[..., 0].astype(int) - picture[..., 1] > 120).any(axis=0))
+
+
+def test_a_text_stands_right_of_its_point():
+    seen = columns(-50.0)
+    assert seen.min() > 100
+    assert seen.max() < 200
+
+
+@pytest.mark.parametrize("x", [100.0, 130.0, 149.0])
+def test_at_the_right_border_it_stands_left_of_it(x):
+    seen, usual = columns(x), columns(-50.0)
+    assert seen.max() < 150.0 + x
+    assert np.ptp(seen) == np.ptp(usual)
+
+
+def test_where_there_is_room_on_neither_side_it_begins_at_its_point():
+    seen = columns(0.0, "A text that is much longer than the sheet is wide, whatever one does")
+    assert seen.min() > 150
+    assert seen.max() > SIZE[0] - 12
