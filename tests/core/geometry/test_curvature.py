@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from numpy.polynomial.polynomial import polyder, polyval2d
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from bozzetto.geometry.coons import coons_nets
 from bozzetto.geometry.curvature import grid_curvatures, patch_curvatures
 from bozzetto.geometry.patch import Places, mirrored, normals_at, points_at, turned_over
-from tests.core.geometry.body_kit import body
 from tests.core.geometry.test_patch import flat_corner, nets, somewhere
 
 AT = np.linspace(0, 1, 9)
@@ -136,13 +132,3 @@ def test_what_has_no_tangent_plane_does_not_bend():
     assert corner.most[0, 0, 0] == corner.least[0, 0, 0] == 0.0
     assert np.isfinite(corner.most).all()
     np.testing.assert_allclose(corner.mean[0, 1:, 1:], 0.0, atol=1e-12)  # it lies in a plane
-
-
-def test_a_body_is_measured_in_three_milliseconds():
-    own, at = coons_nets(*body()[:2]), np.linspace(0, 1, 13)
-    times = []
-    for _ in range(50):
-        start = time.process_time()
-        grid_curvatures(own, at, at)
-        times.append(time.process_time() - start)
-    assert min(times) <= 3e-3

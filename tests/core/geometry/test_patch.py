@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
@@ -300,17 +298,3 @@ def test_extent_of_a_body_that_touches_its_box_along_a_whole_line():
     own = coons_nets(*body()[:2])
     own[..., 2] = np.minimum(own[..., 2], 1000.0)  # many patches are flat on top
     assert extent(own)[1, 2] == pytest.approx(1000.0, abs=1e-6)
-
-
-# -- speed -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("work", [grid, grid_normals])
-def test_a_body_is_sampled_in_half_a_millisecond(work):
-    own, at = coons_nets(*body()[:2]), np.linspace(0, 1, 13)
-    times = []
-    for _ in range(100):
-        start = time.process_time()
-        work(own, at, at)
-        times.append(time.process_time() - start)
-    assert min(times) <= 5e-4

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 
@@ -113,25 +111,6 @@ def test_a_cropped_picture_finds_its_principal_point():
         assert exact.camera.viewport == PICTURE
     assert np.median(off) < 30.0, "what is known of the middle draws it there a little"
     assert np.median(missed) <= 3.0
-
-
-def test_it_is_quick_enough_to_drag_a_mark():
-    rng = np.random.default_rng(13)
-    taken = shot(rng)
-    points = POINTS[taken.marked]
-    marks = taken.places[taken.marked] + rng.normal(0, 3, (27, 2))
-    before = resect(points, marks, PICTURE)
-    marks[0] += 2.0
-    cold, warm = [], []
-    for _ in range(10):
-        begun = time.process_time()
-        resect(points, marks, PICTURE)
-        between = time.process_time()
-        resect(points, marks, PICTURE, before=before)
-        cold.append(between - begun)
-        warm.append(time.process_time() - between)
-    assert min(cold) < 0.020
-    assert min(warm) < 0.005
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -195,15 +194,6 @@ def test_the_answer_is_the_same_however_the_pen_was_asked() -> None:
     at_once = seldom.lines(STROKE)
     near = distances_to_polyline(by_one[0], at_once[0])
     assert near.max() < 3.0
-
-
-def test_a_move_of_the_pen_takes_less_than_ten_milliseconds() -> None:
-    growing, times = Growing(template_body().nets, QUARTER), []
-    for last in range(2, len(STROKE), 3):
-        begin = time.process_time()
-        growing.lines(STROKE[:last])
-        times.append(time.process_time() - begin)
-    assert np.median(times) < 0.010
 
 
 def test_odd_ink_has_a_preview_too() -> None:

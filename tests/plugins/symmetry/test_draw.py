@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -93,18 +92,6 @@ def test_nothing_grows_from_another_view_or_a_hidden_curve_or_the_eraser(waiting
     rubbed = Stroke(stroke.x, stroke.y, VIEW, tool="eraser")
     assert not preview(waiting, Ink((rubbed,))).layers
     assert not preview(waiting, Tap(3.0, 4.0, VIEW)).layers
-
-
-def test_a_pen_event_is_answered_in_time(waiting) -> None:
-    """Median over a whole second side, 200 events, of the processor time of a preview."""
-    (stroke,) = gesture(RAIL * MIRROR).strokes
-    taken = []
-    for count in range(2, len(stroke.points), 2):
-        ink = Ink((Stroke(stroke.x[:count], stroke.y[:count], VIEW),))
-        begun = time.process_time()
-        preview(waiting, ink)
-        taken.append(time.process_time() - begun)
-    assert np.median(taken) < 0.010
 
 
 def test_a_curve_is_solved_once_however_many_ask_for_it(waiting, monkeypatch) -> None:
