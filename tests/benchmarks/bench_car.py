@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.exchange.step import write_shapes
 from bozzetto.geometry.coons import coons_nets
-from bozzetto.geometry.patch import bernstein, extent, grid
+from bozzetto.geometry.patch import bernstein, extent, grid, grid_normals
 from bozzetto.geometry.shrink_wrap import shrink_wrap
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag
@@ -19,6 +19,7 @@ from bozzetto_car.certainty import certainty, further_views
 from bozzetto_car.deformation import Cost, Prior
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.edges import Network, edge_called
+from bozzetto_car.finishes import curvature_colors
 from bozzetto_car.handing_over import shapes_of
 from bozzetto_car.joint import Joint, solve
 from bozzetto_car.marked_view import MarkedView
@@ -30,6 +31,7 @@ from bozzetto_car.solving import solved
 from bozzetto_car.soundness import Soundness
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.styling import laid
+from bozzetto_car.styling_growing import Growing
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled
 from bozzetto_car.tools.mark import MarkPoints
@@ -191,6 +193,9 @@ def working_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
     line = ends[0] + np.linspace(0.0, 1.0, 200)[:, None] * (ends[1] - ends[0])
     lay = processor_ms(lambda: laid(base, line, camera), repeats=15)
     yield Row("car", "a styling curve of 200 samples laid on the body", lay)
+    growing, ends_at = Growing(base.nets, camera), count(2)
+    move = processor_ms(lambda: growing.lines(line[: next(ends_at)]), repeats=190)
+    yield Row("car", "a move of the pen while it is drawn", move, "ms", "≤ 10 ms")
     shapes = shapes_of(state, base)
     yield Row("car", "STEP of the body, written", processor_ms(lambda: write_shapes(shapes)))
 
@@ -219,6 +224,11 @@ def surface_rows(template: Template) -> Iterator[Row]:
     )
     yield Row("car", "28 patches from their edges, 13 × 13 places", ours, "ms", "≤ 0.5 ms",
               "SciPy's NdBSpline, without making the patches", other)  # fmt: skip
+    for what, work, budget in (
+        ("their normals", lambda: grid_normals(nets, steps, steps), "≤ 0.5 ms"),
+        ("the colours of their curvature", lambda: curvature_colors(nets), "≤ 3 ms"),
+    ):
+        yield Row("car", what, processor_ms(work, repeats=51), "ms", budget)
     box = extent(nets)
     wheels = template.positions[template.wheels[:, 0], 0]
 
