@@ -37,7 +37,7 @@ MOST_NAMES: Final = 400
 MOST_PLACES: Final = 20_000
 """Places of one stroke."""
 
-FARTHEST: Final = 1e6
+FARTHEST: Final = 1e8
 """Farthest place, px."""
 
 KINDS: Final = ("auto", "perspective", "orthographic")

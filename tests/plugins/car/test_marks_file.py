@@ -152,3 +152,16 @@ def test_damaged_files_give_a_car_or_a_message(seed: int) -> None:
         return
     assert isinstance(state, CarState)
     assert np.isfinite(body.nets).all()
+
+
+def test_marks_in_units_a_thousand_times_finer_make_the_same_car() -> None:
+    file = drawn(bundled("sedan"), 91).marks_file()
+    for view in file["views"]:
+        del view["strokes"]
+    fine = copy.deepcopy(file)
+    for key in ("width", "height"):
+        fine["image"][key] *= 1000
+    for view in fine["views"]:
+        view["marks"] = {k: [1000 * u, 1000 * v] for k, (u, v) in view["marks"].items()}
+    one, other = (body_of(car_from_facts(told_, {})).network for told_ in (file, fine))
+    assert np.abs(one.positions - other.positions).max() < 0.01

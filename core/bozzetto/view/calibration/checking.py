@@ -33,8 +33,8 @@ FARTHEST: Final = 10.0
 REACH: Final = 1e9
 """Largest coordinate of a point, mm: a thousand kilometres."""
 
-LARGEST_PICTURE: Final = 1e6
-"""Most pixels along a side of a picture."""
+LARGEST_PICTURE: Final = 1e8
+"""Most units along a side of a picture: drawings may be told in finer ones than pixels."""
 
 
 def framed(
