@@ -10,18 +10,110 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import secrets
 import shutil
 import stat
+import zlib
 from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
+from bozzetto.file_locks import take
+from bozzetto.leftovers import temporary_path
 
-__all__ = ["DISK", "Disk", "atomic_write", "backup_path", "explain", "read_bytes", "write_bytes"]
+__all__ = [
+    "DISK",
+    "Disk",
+    "FileChanged",
+    "FileStamp",
+    "Over",
+    "Written",
+    "atomic_write",
+    "backup_path",
+    "explain",
+    "read_bytes",
+    "read_stamped",
+    "write_bytes",
+]
+
+PIECE: Final = 1 << 20
+"""Bytes that are read at a time for a checksum."""
+
+
+@dataclass(frozen=True)
+class FileStamp:
+    """Which content a file had, so that it can be told from what it has later.
+
+    Attributes
+    ----------
+    size : int
+        Bytes.
+    modified : int
+        Nanoseconds since 1970.
+    place : tuple of int
+        The disk, and the file's number on it.
+    checksum : int
+        CRC-32 of the content.
+    """
+
+    size: int
+    modified: int
+    place: tuple[int, int]
+    checksum: int
+
+    def is_content_of(self, other: FileStamp) -> bool:
+        """Whether both were taken of the same content, whatever its time."""
+        return (self.size, self.checksum) == (other.size, other.checksum)
+
+
+class Over(Enum):
+    """What a file may be written over, where that is no content that is known."""
+
+    ANYTHING = "anything"
+    NOTHING = "nothing"
+
+
+@dataclass(frozen=True)
+class Written:
+    """What came of writing a file.
+
+    Attributes
+    ----------
+    stamp : FileStamp
+    other_names : int
+        Hard links that go on meaning the earlier content.
+    """
+
+    stamp: FileStamp
+    other_names: int = 0
+
+
+class FileChanged(UserError):
+    """There is another content than the one that was to be replaced.
+
+    Attributes
+    ----------
+    path : Path
+    expected : FileStamp, optional
+        What was there last; None if nothing was.
+    found : FileStamp
+        What is there now.
+    """
+
+    def __init__(self, path: Path, expected: FileStamp | None, found: FileStamp) -> None:
+        super().__init__(
+            f"“{path.name}” was changed by another program. Save under another name, or open "
+            "it again."
+            if expected is not None
+            else f"There is a file “{path.name}” already. Save under another name."
+        )
+        self.path = path
+        self.expected = expected
+        self.found = found
 
 
 class Disk:
@@ -31,20 +123,37 @@ class Disk:
         """The file that a path means, links followed."""
         return Path(os.path.realpath(path))
 
-    def mode(self, path: Path) -> int | None:
-        """Permissions of a file, or None where there is no file."""
+    def facts(self, path: Path) -> os.stat_result | None:
+        """What the system says of a file, or None where there is no file."""
         try:
-            return os.stat(path).st_mode & 0o777
+            return os.stat(path)
         except FileNotFoundError:
             return None
 
-    def create(self, path: Path) -> BinaryIO:
-        """A new file, open for writing; fails if there is one."""
-        return open(path, "xb")
+    def create(self, path: Path, mode: int) -> BinaryIO:
+        """A new file, open for writing and locked; fails if there is one."""
+        file = open(path, "x+b", opener=lambda name, flags: os.open(name, flags, mode))
+        take(file.fileno())  # not a leftover, then
+        return file
 
-    def set_mode(self, path: Path, mode: int) -> None:
-        """Give a file its permissions."""
-        os.chmod(path, mode)
+    def stamp(self, file: BinaryIO) -> FileStamp:
+        """Which content an open file has."""
+        return _stamp(file)
+
+    def dress(self, path: Path, like: Path, facts: os.stat_result) -> None:
+        """Give a file the owner, attributes and permissions of another, where the system lets."""
+        if os.name != "nt":
+            mine = os.stat(path)
+            for user, group in ((-1, facts.st_gid), (facts.st_uid, -1)):
+                if (mine.st_uid if group < 0 else mine.st_gid) != max(user, group):
+                    with contextlib.suppress(OSError):
+                        os.chown(path, user, group)
+        if hasattr(os, "listxattr"):
+            with contextlib.suppress(OSError):
+                for name in os.listxattr(like):
+                    with contextlib.suppress(OSError):
+                        os.setxattr(path, name, os.getxattr(like, name))
+        os.chmod(path, stat.S_IMODE(facts.st_mode))
 
     def sync(self, file: BinaryIO) -> None:
         """Bring a file's content to the disk."""
@@ -98,8 +207,9 @@ def atomic_write(
     write: Callable[[BinaryIO], Any],
     *,
     backups: int = 0,
+    over: FileStamp | Over = Over.ANYTHING,
     disk: Disk = DISK,
-) -> None:
+) -> Written:
     """Write a file whole, or leave what was there as it was.
 
     Parameters
@@ -110,27 +220,37 @@ def atomic_write(
         Gets the open file; its exceptions pass through.
     backups : int
         How many earlier versions stay beside the file as ``name~1`` (the newest) ….
+    over : FileStamp or Over
+        The content that may be replaced. A file that is gone may always be written again.
     disk : Disk
 
     Raises
     ------
+    FileChanged
+        If the file has another content than `over` says.
     UserError
         If the system refuses; the message says why and what to do. The old file is whole.
     """
     name = Path(path).name
     try:
         target = disk.resolve(Path(path))
-        mode = disk.mode(target)
-        if mode is not None and not mode & 0o222:
-            raise PermissionError(errno.EACCES, "the file is read-only")
-        beside = target.with_name(f".bozzetto-{secrets.token_hex(6)}.tmp")
-        file = disk.create(beside)
+        before = disk.facts(target)
+        _check_writable(before)
+        beside = temporary_path(target)
+        # What nobody else may read is not shown while it is being written, either.
+        file = disk.create(beside, 0o666 if before is None else 0o600)
         try:
             with file:
                 write(file)
                 disk.sync(file)
-            if mode is not None:
-                disk.set_mode(beside, mode)
+                stamp = disk.stamp(file)
+            other_names = 0
+            now = disk.facts(target)
+            if now is not None:
+                _check_writable(now)
+                _check_expected(target, now, over, disk)
+                disk.dress(beside, target, now)
+                other_names = now.st_nlink - 1 - _is_backup(target, now, disk)
                 _keep_backups(target, backups, disk)
             disk.replace(beside, target)
         except BaseException:
@@ -140,6 +260,50 @@ def atomic_write(
         disk.sync_folder(target.parent)
     except OSError as problem:
         raise UserError(explain(problem, name)) from problem
+    return Written(stamp, other_names)
+
+
+def _check_writable(facts: os.stat_result | None) -> None:
+    if facts is None:
+        return
+    if stat.S_ISDIR(facts.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "this is a folder")
+    if not facts.st_mode & 0o222:
+        raise PermissionError(errno.EACCES, "the file is read-only")
+
+
+def _check_expected(
+    target: Path, facts: os.stat_result, over: FileStamp | Over, disk: Disk
+) -> None:
+    """See whether a file has the content that may be replaced."""
+    if over is Over.ANYTHING:
+        return
+    expected = over if isinstance(over, FileStamp) else None
+    if expected is not None and expected.place == (facts.st_dev, facts.st_ino):
+        if (expected.size, expected.modified) == (facts.st_size, facts.st_mtime_ns):
+            return
+    with open(target, "rb") as file:
+        found = disk.stamp(file)
+    if expected is None or not expected.is_content_of(found):
+        raise FileChanged(target, expected, found)
+
+
+def _stamp(file: BinaryIO) -> FileStamp:
+    file.seek(0)
+    checksum = 0
+    while piece := file.read(PIECE):
+        checksum = zlib.crc32(piece, checksum)
+    return _stamp_of(os.fstat(file.fileno()), checksum)
+
+
+def _stamp_of(facts: os.stat_result, checksum: int) -> FileStamp:
+    return FileStamp(facts.st_size, facts.st_mtime_ns, (facts.st_dev, facts.st_ino), checksum)
+
+
+def read_stamped(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, FileStamp]:
+    """As `read_bytes`; and the stamp of what was read, for `atomic_write`."""
+    content, facts = _read(path, limit)
+    return content, _stamp_of(facts, zlib.crc32(content))
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
@@ -153,6 +317,10 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
     UserError
         If it cannot be read, is not a file, or is longer than `limit` bytes.
     """
+    return _read(path, limit)[0]
+
+
+def _read(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, os.stat_result]:
     name = Path(path).name
     try:
         with open(path, "rb", buffering=0) as file:
@@ -167,7 +335,7 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
             done = 0
             while got := file.readinto(content[done:]):
                 done += got
-            return content[:done].toreadonly()
+            return content[:done].toreadonly(), facts
     except FileNotFoundError:
         raise UserError(f"There is no file “{name}”. Was it moved or renamed?") from None
     except OSError as problem:
@@ -180,6 +348,11 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file whole from its content; as `atomic_write`."""
     atomic_write(path, lambda file: file.write(content))
+
+
+def _is_backup(target: Path, facts: os.stat_result, disk: Disk) -> bool:
+    """Whether a file is its own newest backup: the last save did not come to its end."""
+    return facts.st_nlink > 1 and disk.same(target, backup_path(target, 1))
 
 
 def _keep_backups(target: Path, count: int, disk: Disk) -> None:

@@ -14,7 +14,17 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.arrays import frozen
-from bozzetto.storage import Disk, atomic_write, backup_path, explain, read_bytes
+from bozzetto.leftovers import remove_leftovers, temporary_path
+from bozzetto.storage import (
+    Disk,
+    FileChanged,
+    Over,
+    atomic_write,
+    backup_path,
+    explain,
+    read_bytes,
+    read_stamped,
+)
 
 OLD, NEW = b"old" * 1000, b"new" * 2000
 
@@ -31,9 +41,13 @@ class FaultyDisk(Disk):
         if len(self.calls) == self.k:
             raise OSError(self.number, os.strerror(self.number))
 
-    def create(self, path: Path) -> Any:
+    def create(self, path: Path, mode: int) -> Any:
         self.tick("create")
-        return _FaultyFile(super().create(path), self)
+        return _FaultyFile(super().create(path, mode), self)
+
+    def stamp(self, file: Any) -> Any:
+        self.tick("stamp")
+        return super().stamp(getattr(file, "file", file))
 
     def sync(self, file: Any) -> None:
         self.tick("sync")
@@ -75,7 +89,7 @@ def _counted(name: str) -> Any:
     return call
 
 
-for _name in ("resolve", "mode", "set_mode", "same", "copy", "replace", "remove", "sync_folder"):
+for _name in ("resolve", "facts", "dress", "same", "copy", "replace", "remove", "sync_folder"):
     setattr(FaultyDisk, _name, _counted(_name))
 
 
@@ -272,3 +286,157 @@ def test_meshes_over_a_files_content_are_not_copied(tmp_path):
     assert np.shares_memory(frozen(values, np.float32, 3), values)
     with pytest.raises(ValueError, match="WRITEABLE"):
         values.flags.writeable = True
+
+
+# -- what another program did meanwhile ----------------------------------------------------------
+
+
+def write(content: bytes) -> Any:
+    return lambda file: file.write(content)
+
+
+def test_only_the_content_that_is_known_is_written_over(tmp_path):
+    path = tmp_path / "a"
+    first = atomic_write(path, write(OLD), over=Over.NOTHING).stamp
+    second = atomic_write(path, write(NEW), over=first).stamp
+    with pytest.raises(FileChanged, match="another program") as raised:
+        atomic_write(path, write(OLD), over=first, backups=2)
+    assert raised.value.found.is_content_of(second)
+    assert raised.value.expected is first
+    with pytest.raises(FileChanged, match="already"):
+        atomic_write(path, write(OLD), over=Over.NOTHING)
+    assert path.read_bytes() == NEW
+    assert os.listdir(tmp_path) == ["a"]
+    atomic_write(path, write(OLD))
+    assert path.read_bytes() == OLD
+
+
+def test_a_change_of_the_content_counts_and_a_change_of_its_time_does_not(tmp_path):
+    path = tmp_path / "a"
+    stamp = atomic_write(path, write(OLD)).stamp
+    os.utime(path, (1, 1))
+    path.rename(tmp_path / "b")
+    (tmp_path / "b").rename(path)
+    copied = tmp_path / "c"
+    copied.write_bytes(OLD)
+    copied.replace(path)  # as a program does that synchronises folders
+    stamp = atomic_write(path, write(NEW), over=stamp).stamp
+    assert read_stamped(path, 1 << 20) == (NEW, stamp)
+    path.write_bytes(NEW[:-1] + b"!")
+    with pytest.raises(FileChanged):
+        atomic_write(path, write(OLD), over=stamp)
+
+
+def test_a_file_that_is_gone_is_written_again(tmp_path):
+    path = tmp_path / "a"
+    stamp = atomic_write(path, write(OLD)).stamp
+    path.unlink()
+    atomic_write(path, write(NEW), over=stamp)
+    assert path.read_bytes() == NEW
+
+
+def test_a_file_that_became_a_folder_is_explained(tmp_path):
+    path = tmp_path / "a"
+    stamp = atomic_write(path, write(OLD)).stamp
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(UserError, match="is a folder"):
+        atomic_write(path, write(NEW), over=stamp)
+    assert os.listdir(tmp_path) == ["a"]
+
+
+def test_what_changes_while_it_is_being_written_is_noticed(tmp_path):
+    path = tmp_path / "a"
+    stamp = atomic_write(path, write(OLD)).stamp
+
+    def interrupted(file: Any) -> None:
+        file.write(NEW)
+        path.write_bytes(b"theirs")
+
+    with pytest.raises(FileChanged):
+        atomic_write(path, interrupted, over=stamp)
+    assert path.read_bytes() == b"theirs"
+
+
+# -- what else belongs to a file -------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not hasattr(os, "setxattr"), reason="the system has no attributes")
+def test_attributes_stay(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(OLD)
+    try:
+        os.setxattr(path, "user.bozzetto.test", b"seven")
+    except OSError:
+        pytest.skip("the disk has no attributes")
+    atomic_write(path, write_new)
+    assert os.getxattr(path, "user.bozzetto.test") == b"seven"
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() != 0, reason="only root gives files away")
+def test_owner_and_group_stay(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(OLD)
+    os.chown(path, 1234, 2345)
+    path.chmod(0o4664)
+    atomic_write(path, write_new)
+    facts = path.stat()
+    assert (facts.st_uid, facts.st_gid, facts.st_mode & 0o7777) == (1234, 2345, 0o4664)
+
+
+def test_what_nobody_may_read_is_not_shown_while_it_is_written(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(OLD)
+    path.chmod(0o600)
+
+    def looked_at(file: Any) -> None:
+        assert os.fstat(file.fileno()).st_mode & 0o077 == 0
+        file.write(NEW)
+
+    atomic_write(path, looked_at)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links")
+def test_other_names_of_a_file_are_counted_and_backups_are_none(tmp_path):
+    path = tmp_path / "a"
+    assert atomic_write(path, write(OLD), backups=2).other_names == 0
+    os.link(path, tmp_path / "other")
+    assert atomic_write(path, write(NEW), backups=2).other_names == 1
+    assert (tmp_path / "other").read_bytes() == OLD
+    os.unlink(backup_path(path, 1))
+    os.link(path, backup_path(path, 1))  # the last save did not come to its end
+    assert atomic_write(path, write(OLD), backups=2).other_names == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="any bytes are a name")
+def test_a_name_that_is_not_text_stays_as_it_is(tmp_path):
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.bozz"))
+    try:
+        path.write_bytes(OLD)
+    except OSError:
+        pytest.skip("the disk wants text")
+    _, stamp = read_stamped(path, 1 << 20)
+    atomic_write(path, write_new, over=stamp, backups=1)
+    assert sorted(os.listdir(os.fsencode(tmp_path))) == [b"caf\xe9.bozz", b"caf\xe9.bozz~1"]
+
+
+# -- what a killed process left ------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
+def test_temporary_files_of_the_dead_go_and_those_of_the_living_stay(tmp_path):
+    def left(folder: Path) -> None:
+        child = os.fork()
+        if child == 0:
+            atomic_write(folder / "a", lambda file: os._exit(0))
+        os.waitpid(child, 0)
+
+    left(tmp_path)
+    (dead,) = leftovers(tmp_path)
+    living = temporary_path(tmp_path / "a")
+    living.write_bytes(b"being written")
+    elsewhere = tmp_path / dead.replace(dead.split("-")[1], "0123abcd")
+    elsewhere.write_bytes(b"of another machine")
+    (tmp_path / ".bozzetto-notes").write_bytes(b"a person's")
+    assert remove_leftovers([tmp_path, tmp_path, tmp_path / "none"]) == 1
+    assert sorted(leftovers(tmp_path)) == sorted([living.name, elsewhere.name, ".bozzetto-notes"])

@@ -21,7 +21,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Final
 
 import msgspec
@@ -52,7 +52,16 @@ from bozzetto.document.stored import (
 from bozzetto.document.underlays import decode_png, encode_png
 from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import COLUMNS, Stroke
-from bozzetto.storage import DISK, Disk, atomic_write, read_bytes
+from bozzetto.storage import (
+    DISK,
+    Disk,
+    FileStamp,
+    Over,
+    Written,
+    atomic_write,
+    read_bytes,
+    read_stamped,
+)
 from bozzetto.view.camera import Camera
 
 __all__ = [
@@ -121,10 +130,13 @@ class LoadReport:
         For the person: objects that stayed closed, and why.
     read_only : bool
         The file is of a newer version that may be shown, and must not be written over.
+    stamp : FileStamp, optional
+        Of the content that was read, where it came from a file.
     """
 
     warnings: tuple[str, ...] = ()
     read_only: bool = False
+    stamp: FileStamp | None = None
 
 
 @dataclass(frozen=True)
@@ -148,8 +160,9 @@ def write_document(
     *,
     thumbnail: bytes | None = None,
     backups: int = 3,
+    over: FileStamp | Over = Over.ANYTHING,
     disk: Disk = DISK,
-) -> None:
+) -> Written:
     """Save a document; the file is at every moment either the old one or the new one.
 
     Parameters
@@ -160,16 +173,20 @@ def write_document(
         A PNG, 256 pixels square, that file managers may show.
     backups : int
         How many earlier versions stay as ``name.bozz~1`` (the newest) ….
+    over : FileStamp or Over
+        The content that may be replaced; see `bozzetto.storage.atomic_write`.
     disk : Disk
         The operating system; tests give one that fails.
 
     Raises
     ------
+    FileChanged
+        If the file has another content by now; it is as it was.
     UserError
         If it cannot be written; the old file is as it was.
     """
     writer = _packed(document, thumbnail)
-    atomic_write(path, writer.write, backups=backups, disk=disk)
+    return atomic_write(path, writer.write, backups=backups, over=over, disk=disk)
 
 
 def encode_document(document: Document, thumbnail: bytes | None = None) -> bytes:
@@ -248,7 +265,9 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
     UserError
         If it cannot be read at all.
     """
-    return open_document(parse_document(read_bytes(path, MAX_FILE_BYTES)), states)
+    content, stamp = read_stamped(path, MAX_FILE_BYTES)
+    document, report = open_document(parse_document(content), states)
+    return document, replace(report, stamp=stamp)
 
 
 def decode_document(content: bytes | memoryview, states: StateTypes) -> tuple[Document, LoadReport]:

@@ -1,34 +1,43 @@
 """The lock file beside a document: who has it open.
 
-``.~lock.NAME#`` holds the user, the host, the process and the time as JSON. It appears with
-its content in one step, so nobody ever reads half of one. A lock whose process is gone
-(on this host; of another host nobody can tell) is stale and is taken over.
+``.~lock.NAME#`` names the user, the host, the process and the time as JSON, and its holder
+keeps the file locked by the operating system. That lock ends with the process, whatever
+the host is called by then and whoever has the number of the process. Where the disk has no
+such locks, the process that the file names is looked for instead.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import getpass
 import os
 import secrets
 import socket
-import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Self
 
 import msgspec
 
 from bozzetto.errors import UserError
+from bozzetto.file_locks import Taken, take, untake
+from bozzetto.processes import birth, is_running, machine_id
 from bozzetto.storage import explain
 
-__all__ = ["FileLock", "Holder", "Locked", "document_lock_path", "holder"]
+__all__ = ["FileLock", "Holder", "Locked", "document_lock_path", "holder", "left_by"]
 
+PATIENCE_SECONDS: Final = 0.25
+"""How long a lock may be busy before it counts: somebody may just be looking at it."""
 
 FRESH_SECONDS: Final = 2.0
-"""How long a lock file may be without content."""
-POLL_SECONDS: Final = 0.05
+"""How long a lock file may be without content where the disk has no locks."""
+
+POLL_SECONDS: Final = 0.02
+LARGEST: Final = 4096
+"""Bytes of a lock file that are looked at."""
+
+READ_WRITE: Final = os.O_RDWR | getattr(os, "O_BINARY", 0)
 
 
 class Holder(msgspec.Struct, frozen=True):
@@ -45,6 +54,8 @@ class Holder(msgspec.Struct, frozen=True):
     born : str
         Tells its process from another one that got the same number later, after a restart
         of the machine for instance; "" where the system does not say.
+    machine : str
+        Tells the machine from others, whatever its name is; "" in files of earlier versions.
     """
 
     user: str
@@ -53,13 +64,21 @@ class Holder(msgspec.Struct, frozen=True):
     since: float
     token: str
     born: str = ""
+    machine: str = ""
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether it is of another machine, of which nobody here can tell if it is alive."""
+        if self.machine:
+            return self.machine != machine_id()
+        return self.host != socket.gethostname()
 
     @property
     def is_gone(self) -> bool:
-        """Whether its process ran on this host and does no longer."""
-        if self.host != socket.gethostname():
+        """Whether its process ran on this machine and does no longer."""
+        if self.is_elsewhere:
             return False
-        return not _is_running(self.pid) or (self.born != "" and _born(self.pid) != self.born)
+        return not is_running(self.pid) or (self.born != "" and birth(self.pid) != self.born)
 
 
 class Locked(UserError):
@@ -73,8 +92,7 @@ class Locked(UserError):
     def __init__(self, name: str, holder: Holder) -> None:
         super().__init__(
             f"“{name}” is open already: {holder.user} on {holder.host} has had it since "
-            f"{time.strftime('%H:%M', time.localtime(holder.since))}. Open a copy, or close it "
-            "there first."
+            f"{_clock(holder.since)}. Open a copy, take it over, or close it there first."
         )
         self.holder = holder
 
@@ -82,9 +100,9 @@ class Locked(UserError):
 class FileLock:
     """A lock that this process holds, until `release` or the end of a ``with`` block."""
 
-    def __init__(self, path: Path, mine: Holder) -> None:
+    def __init__(self, path: Path, handle: int) -> None:
         self.path = path
-        self._mine = mine
+        self._handle = handle
 
     @classmethod
     def acquire(cls, path: str | os.PathLike[str], name: str, *, force: bool = False) -> Self:
@@ -107,32 +125,40 @@ class FileLock:
             If the folder cannot be written to.
         """
         place = Path(path)
-        mine = Holder(
-            _user(),
-            socket.gethostname(),
-            os.getpid(),
-            time.time(),
-            secrets.token_hex(8),
-            _born(os.getpid()),
-        )
-        draft = place.with_name(f".bozzetto-{mine.token}.lock")
+        end = time.monotonic() + PATIENCE_SECONDS
         try:
-            draft.write_bytes(msgspec.json.encode(mine))
-            try:
-                while not _appear(draft, place) and not _taken_over(draft, place, name, force):
-                    time.sleep(POLL_SECONDS)
-            finally:
-                with contextlib.suppress(FileNotFoundError):
-                    draft.unlink()
+            while True:
+                handle = _made(place)
+                if handle is not None:
+                    return cls(place, handle)
+                blocking = _cleared(place, force)
+                late = time.monotonic() - end
+                if blocking is not None and late > 0.0:
+                    raise Locked(name, blocking)
+                if late > FRESH_SECONDS:  # a link to nowhere, for instance
+                    raise FileExistsError(errno.EEXIST, f"{place.name} is in the way")
+                time.sleep(POLL_SECONDS if blocking is not None else 0.0)
         except OSError as problem:
             raise UserError(explain(problem, name)) from problem
-        return cls(place, mine)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether nobody has taken it over."""
+        return self._handle >= 0 and _is_file(self._handle, self.path)
 
     def release(self) -> None:
-        """Give the lock back; nothing happens if somebody took it over meanwhile."""
-        with contextlib.suppress(OSError), _turn(self.path.parent):
-            if holder(self.path) == self._mine:
+        """Give the lock back; nothing happens to the file if somebody took it over meanwhile."""
+        handle, self._handle = self._handle, -1
+        if handle < 0:
+            return
+        with contextlib.suppress(OSError):
+            mine = _is_file(handle, self.path)
+            if os.name == "nt":  # where no open file can be deleted
+                _close(handle)
+            if mine:
                 self.path.unlink()
+        if os.name != "nt":
+            _close(handle)
 
     def __enter__(self) -> Self:
         return self
@@ -148,74 +174,131 @@ def document_lock_path(document: str | os.PathLike[str]) -> Path:
 
 
 def holder(path: str | os.PathLike[str]) -> Holder | None:
-    """Who holds a lock file; None if nobody does, or the file makes no sense."""
+    """Who is named in a lock file; None if nobody is, or the file makes no sense."""
     try:
-        return msgspec.json.decode(Path(path).read_bytes(), type=Holder)
-    except (OSError, msgspec.MsgspecError, ValueError):
+        with open(path, "rb") as file:
+            return _named(file.read(LARGEST))
+    except OSError:
         return None
 
 
-def _appear(draft: Path, place: Path) -> bool:
-    """Let the lock file appear with its content; False if there is one."""
-    try:
-        os.link(draft, place)
-    except FileExistsError:
-        return False
-    except OSError:  # a disk without second names: content follows a moment later
-        try:
-            with open(place, "xb") as file:
-                file.write(draft.read_bytes())
-        except FileExistsError:
-            return False
-    return True
+def left_by(path: str | os.PathLike[str]) -> Holder | None:
+    """Who left a lock file and is gone, or may be so on another machine; None if it is held.
 
-
-def _taken_over(draft: Path, place: Path, name: str, force: bool) -> bool:
-    """Put the new lock in the place of a stale one; False to try again from the start.
-
-    Raises
-    ------
-    Locked
-        If the lock is not stale.
+    A lock file that does not exist, or makes no sense, was left by nobody in particular.
     """
-    with _turn(place.parent):
-        found = holder(place)
-        if found is not None and not (force or found.is_gone):
-            raise Locked(name, found)
-        try:
-            age = time.time() - place.stat().st_mtime
-        except FileNotFoundError:  # released meanwhile
-            return False
-        if found is None and age < FRESH_SECONDS:
-            return False
-        os.replace(draft, place)
-        return True
-
-
-@contextlib.contextmanager
-def _turn(folder: Path) -> Iterator[None]:
-    """One at a time on this host: two must not take over the same stale lock.
-
-    The system ends a turn when its process dies. Where the disk knows no such locks the
-    turn is not kept.
-    """
-    if sys.platform == "win32":
-        import msvcrt
-
-        flags = os.O_RDWR | os.O_CREAT | os.O_TEMPORARY
-        handle = os.open(folder / ".bozzetto-turn", flags)
-        with contextlib.suppress(OSError):
-            msvcrt.locking(handle, msvcrt.LK_LOCK, 1)
-    else:
-        import fcntl
-
-        handle = os.open(folder, os.O_RDONLY)
-        with contextlib.suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
+    nobody = Holder("", "", 0, 0.0, "", machine=machine_id())
     try:
-        yield
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    except FileNotFoundError:
+        return nobody
+    except OSError:
+        return None
+    try:
+        taken, found, age = _looked_at(handle)
+        if taken is Taken.BUSY:
+            return None
+        if found is not None and found.is_elsewhere:
+            return found
+        return None if _stands_in_the_way(taken, found, age) else found or nobody
     finally:
+        _close(handle)
+
+
+def _made(place: Path) -> int | None:
+    """Make the lock file, lock it and fill it; None if there is one, or it was taken away."""
+    try:
+        handle = os.open(place, READ_WRITE | os.O_CREAT | os.O_EXCL, 0o666)
+    except FileExistsError:
+        return None
+    try:
+        if take(handle) is not Taken.BUSY and _is_file(handle, place):
+            mine = Holder(
+                _user(),
+                socket.gethostname(),
+                os.getpid(),
+                time.time(),
+                secrets.token_hex(8),
+                birth(os.getpid()),
+                machine_id(),
+            )
+            os.lseek(handle, 0, os.SEEK_SET)
+            os.write(handle, msgspec.json.encode(mine))
+            return handle
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(place)
         os.close(handle)
+        raise
+    os.close(handle)
+    return None
+
+
+def _cleared(place: Path, force: bool) -> Holder | None:
+    """Take a lock file away that nobody holds; who stands in the way, if anybody does."""
+    try:
+        handle = os.open(place, READ_WRITE)
+    except FileNotFoundError:
+        return None
+    except PermissionError:  # another person's
+        handle = os.open(place, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    try:
+        taken, found, age = _looked_at(handle)
+        if not force and _stands_in_the_way(taken, found, age):
+            return found or Holder("somebody", "this computer", 0, time.time(), "")
+        is_there = _is_file(handle, place)
+        if is_there and os.name != "nt":  # while nobody else can get it
+            os.unlink(place)
+    finally:
+        _close(handle)
+    if is_there and os.name == "nt":  # where no open file can be deleted
+        os.unlink(place)
+    return None
+
+
+def _looked_at(handle: int) -> tuple[Taken, Holder | None, float]:
+    """Whether a lock file could be locked, who is named in it, and its age, seconds."""
+    taken, found = take(handle), _named(os.read(handle, LARGEST))
+    # Clocks may go backwards.
+    return taken, found, abs(time.time() - os.fstat(handle).st_mtime)
+
+
+def _stands_in_the_way(taken: Taken, found: Holder | None, age: float) -> bool:
+    """Whether a lock file has, or may have, a living holder."""
+    if taken is Taken.BUSY:
+        return True
+    if found is None:
+        return taken is Taken.UNKNOWN and age < FRESH_SECONDS
+    return found.is_elsewhere or (taken is Taken.UNKNOWN and not found.is_gone)
+
+
+def _close(handle: int) -> None:
+    with contextlib.suppress(OSError):
+        untake(handle)
+    with contextlib.suppress(OSError):
+        os.close(handle)
+
+
+def _is_file(handle: int, path: Path) -> bool:
+    """Whether a name still means the file that is open."""
+    try:
+        return os.path.samestat(os.fstat(handle), os.stat(path))
+    except FileNotFoundError:
+        return False
+
+
+def _named(content: bytes) -> Holder | None:
+    try:
+        return msgspec.json.decode(content, type=Holder)
+    except (msgspec.MsgspecError, ValueError):
+        return None
+
+
+def _clock(seconds: float) -> str:
+    try:
+        return time.strftime("%H:%M", time.localtime(seconds))
+    except (OverflowError, ValueError, OSError):
+        return "some time"
 
 
 def _user() -> str:
@@ -223,33 +306,3 @@ def _user() -> str:
         return getpass.getuser()
     except (OSError, KeyError):  # no such name on this system
         return "someone"
-
-
-def _born(pid: int) -> str:
-    """Which start of the machine, and when since then, a process was born; "" if unknown."""
-    try:
-        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
-        # The name before the last bracket may hold blanks; the start is the 22nd field.
-        ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
-    except (OSError, IndexError, ValueError):
-        return ""
-    return f"{boot}/{ticks}"
-
-
-def _is_running(pid: int) -> bool:
-    if sys.platform == "win32":
-        import ctypes
-
-        query_limited_information, still_active = 0x1000, 259
-        process = ctypes.windll.kernel32.OpenProcess(query_limited_information, False, pid)
-        code = ctypes.c_ulong()
-        known = ctypes.windll.kernel32.GetExitCodeProcess(process, ctypes.byref(code))
-        ctypes.windll.kernel32.CloseHandle(process)
-        return bool(known) and code.value == still_active
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except (PermissionError, OverflowError):
-        return True
-    return True

@@ -12,8 +12,11 @@ import threading
 import msgspec
 import pytest
 
-from bozzetto.document.lock import FileLock, Locked, document_lock_path, holder
+from bozzetto.document import lock
+from bozzetto.document.lock import FileLock, Locked, document_lock_path, holder, left_by
 from bozzetto.errors import UserError
+from bozzetto.file_locks import Taken
+from bozzetto.processes import machine_id
 
 
 def dead_pid() -> int:
@@ -118,15 +121,120 @@ def test_a_folder_that_is_not_there_is_explained(tmp_path):
 
 
 def test_a_number_that_another_process_has_now_is_gone(tmp_path):
-    if not os.path.exists(f"/proc/{os.getpid()}/stat"):
-        pytest.skip("the system does not say when a process was born")
     place = tmp_path / "lock"
-    FileLock.acquire(place, "it")
-    mine = holder(place)
+    with FileLock.acquire(place, "it"):
+        mine = holder(place)
     assert not mine.is_gone
     earlier = msgspec.structs.replace(mine, born="another-start-of-the-machine/7")
-    assert earlier.is_gone
+    if mine.born:
+        assert earlier.is_gone
     assert not msgspec.structs.replace(mine, born="").is_gone
-    place.write_bytes(msgspec.json.encode(earlier))
-    with FileLock.acquire(place, "it"):
-        assert holder(place).born == mine.born
+    for left in (earlier, mine):  # a living process has the number, and yet nobody holds it
+        place.write_bytes(msgspec.json.encode(left))
+        with FileLock.acquire(place, "it"):
+            assert holder(place).token not in (mine.token, earlier.token)
+
+
+def test_another_host_name_locks_nobody_out(tmp_path, monkeypatch):
+    place = tmp_path / "lock"
+    code = (
+        "import os, sys; from bozzetto.document.lock import FileLock; "
+        "FileLock.acquire(sys.argv[1], 'a'); os._exit(0)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(place)], check=True)
+    monkeypatch.setattr(socket, "gethostname", lambda: "renamed")
+    assert left_by(place).pid != os.getpid()
+    with FileLock.acquire(place, "a"):
+        assert holder(place).host == "renamed"
+
+
+def test_a_living_process_holds_it_under_any_host_name(tmp_path, monkeypatch):
+    with FileLock.acquire(tmp_path / "lock", "a"):
+        monkeypatch.setattr(socket, "gethostname", lambda: "renamed")
+        assert left_by(tmp_path / "lock") is None
+        with pytest.raises(Locked):
+            FileLock.acquire(tmp_path / "lock", "a")
+
+
+def test_who_left_it_on_another_machine_is_named(tmp_path):
+    place = tmp_path / "lock"
+    foreign_lock(place, host="elsewhere", machine="0" * 32)
+    assert left_by(place).host == "elsewhere"
+    place.unlink()
+    assert left_by(place).host == ""
+
+
+@pytest.mark.parametrize("left", [b"", b"{", b"\0" * 9000])
+def test_without_locks_of_the_system_the_process_is_looked_for(tmp_path, monkeypatch, left):
+    monkeypatch.setattr(lock, "take", lambda handle: Taken.UNKNOWN)
+    place = tmp_path / "lock"
+    foreign_lock(place, machine=machine_id())
+    assert left_by(place) is not None
+    with FileLock.acquire(place, "a"):
+        assert left_by(place) is None
+        with pytest.raises(Locked):
+            FileLock.acquire(place, "a")
+    place.write_bytes(left)
+    assert left_by(place) is None  # perhaps it is just being written
+    os.utime(place, (1, 1))
+    FileLock.acquire(place, "a").release()
+
+
+def test_a_lock_that_was_taken_over_is_known_to_be_lost(tmp_path):
+    place = tmp_path / "lock"
+    first = FileLock.acquire(place, "a")
+    assert first.is_held
+    second = FileLock.acquire(place, "a", force=True)
+    assert (first.is_held, second.is_held) == (False, True)
+    first.release()
+    first.release()
+    assert second.is_held
+    second.release()
+    assert not second.is_held
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
+def test_a_child_that_lives_on_does_not_keep_it(tmp_path):
+    mine = FileLock.acquire(tmp_path / "lock", "a")
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.read(reading, 1)
+        os._exit(0)
+    try:
+        mine.release()
+        FileLock.acquire(tmp_path / "lock", "a").release()
+    finally:
+        os.write(writing, b"x")
+        os.waitpid(child, 0)
+        os.close(reading)
+        os.close(writing)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links")
+def test_what_cannot_be_a_lock_file_is_said_and_not_waited_for_without_end(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "folder").mkdir()
+    for name in ("link", "folder"):
+        with pytest.raises(UserError):
+            FileLock.acquire(tmp_path / name, "a")
+
+
+def test_looking_at_locks_keeps_nobody_from_taking_one(tmp_path):
+    place = tmp_path / "lock"
+    end = threading.Event()
+
+    def look() -> None:
+        while not end.is_set():
+            left_by(place)
+
+    looking = [threading.Thread(target=look) for _ in range(3)]
+    for thread in looking:
+        thread.start()
+    try:
+        for _ in range(100):
+            FileLock.acquire(place, "a").release()
+    finally:
+        end.set()
+        for thread in looking:
+            thread.join()

@@ -1,0 +1,62 @@
+"""Processes and the machine they run on: is the one that left something behind still there."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import uuid
+from functools import lru_cache
+from pathlib import Path
+from typing import Final
+
+__all__ = ["birth", "is_running", "machine_id"]
+
+MACHINE_FILES: Final = ("/etc/machine-id", "/var/lib/dbus/machine-id")
+RANDOM_NODE: Final = 1 << 40
+"""Set in `uuid.getnode` where the system told no network address and a number was drawn."""
+
+
+@lru_cache(maxsize=1)
+def machine_id() -> str:
+    """A name of this machine that stays when its host name changes."""
+    for place in MACHINE_FILES:
+        try:
+            content = Path(place).read_text().strip()
+        except (OSError, ValueError):
+            continue
+        if content:
+            return content
+    node = uuid.getnode()
+    return socket.gethostname() if node & RANDOM_NODE else f"{node:012x}"
+
+
+def birth(pid: int) -> str:
+    """Which start of the machine, and when since then, a process was born; "" if unknown."""
+    try:
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        # The name before the last bracket may hold blanks; the start is the 22nd field.
+        ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
+    except (OSError, IndexError, ValueError):
+        return ""
+    return f"{boot}/{ticks}"
+
+
+def is_running(pid: int) -> bool:
+    """Whether this machine has a process of that number."""
+    if sys.platform == "win32":
+        import ctypes
+
+        query_limited_information, still_active = 0x1000, 259
+        process = ctypes.windll.kernel32.OpenProcess(query_limited_information, False, pid)
+        code = ctypes.c_ulong()
+        known = ctypes.windll.kernel32.GetExitCodeProcess(process, ctypes.byref(code))
+        ctypes.windll.kernel32.CloseHandle(process)
+        return bool(known) and code.value == still_active
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):
+        return True
+    return True
