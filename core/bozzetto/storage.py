@@ -86,10 +86,13 @@ class Written:
     stamp : FileStamp
     other_names : int
         Hard links that go on meaning the earlier content.
+    is_new : bool
+        There was no file of that name.
     """
 
     stamp: FileStamp
     other_names: int = 0
+    is_new: bool = False
 
 
 class FileChanged(UserError):
@@ -260,7 +263,7 @@ def atomic_write(
         disk.sync_folder(target.parent)
     except OSError as problem:
         raise UserError(explain(problem, name)) from problem
-    return Written(stamp, other_names)
+    return Written(stamp, other_names, now is None)
 
 
 def _check_writable(facts: os.stat_result | None) -> None:

@@ -8,6 +8,7 @@ a power cut. Reading stops at the first record that is not whole.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import struct
 import threading
@@ -17,9 +18,9 @@ from pathlib import Path
 from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto.storage import explain
+from bozzetto.storage import DISK, explain
 
-__all__ = ["JournalWriter", "read_records"]
+__all__ = ["JournalReader", "JournalWriter", "read_records"]
 
 MAGIC: Final = b"BOZZJRN1"
 HEAD: Final = struct.Struct("<2I")
@@ -40,7 +41,8 @@ class JournalWriter:
     """
 
     def __init__(self, path: Path) -> None:
-        self._name = path.name
+        self._name, self._folder = path.name, path.parent
+        self._is_listed = False
         try:
             self._file = open(path, "xb", buffering=0)
         except OSError as problem:
@@ -50,7 +52,11 @@ class JournalWriter:
         self._unsynced = False
         self._closing = threading.Event()
         self._problem: OSError | None = None
-        self._put(MAGIC)
+        try:
+            self._put(MAGIC)
+        except UserError:
+            self._file.close()
+            raise
         self._thread = threading.Thread(target=self._keep_synced, name="journal", daemon=True)
         self._thread.start()
 
@@ -68,11 +74,26 @@ class JournalWriter:
         """
         self._put(HEAD.pack(len(content), zlib.crc32(content)) + content)
 
+    def sync(self) -> None:
+        """Bring everything to the disk before going on; it survives a power cut from here on.
+
+        Raises
+        ------
+        UserError
+            If the disk is full or fails.
+        """
+        try:
+            self._bring_to_disk()
+        except OSError as problem:
+            self._problem = problem
+            raise UserError(explain(problem, self._name)) from problem
+
     def close(self) -> None:
         """Bring everything to the disk and stop."""
         self._closing.set()
         self._thread.join()
-        self._file.close()
+        with contextlib.suppress(OSError):
+            self._file.close()
 
     def _put(self, content: bytes) -> None:
         with self._lock:
@@ -83,6 +104,7 @@ class JournalWriter:
                 while rest:
                     rest = rest[self._file.write(rest) :]
             except OSError as problem:
+                self._problem = problem
                 self._cut()
                 raise UserError(explain(problem, self._name)) from problem
             self._end += len(content)
@@ -90,33 +112,67 @@ class JournalWriter:
 
     def _cut(self) -> None:
         """Take back half a record, which would hide all that come after it."""
-        self._file.truncate(self._end)
-        self._file.seek(self._end)
+        try:
+            self._file.truncate(self._end)
+            self._file.seek(self._end)
+        except OSError:
+            return  # no record is written behind it: the problem stays
+        self._problem = None
 
     def _keep_synced(self) -> None:
         ended = False
         while not ended:
             ended = self._closing.wait(SYNC_SECONDS)
             if self._unsynced:
-                self._unsynced = False
                 try:
-                    os.fsync(self._file.fileno())
+                    self._bring_to_disk()
                 except OSError as problem:  # said when the next record comes
                     self._problem = problem
+
+    def _bring_to_disk(self) -> None:
+        self._unsynced = False
+        os.fsync(self._file.fileno())
+        if not self._is_listed:
+            DISK.sync_folder(self._folder)
+            self._is_listed = True
 
 
 def read_records(path: Path) -> Iterator[bytes]:
     """The records of a journal, up to the first one that is not whole."""
-    with open(path, "rb") as file:
-        left = os.fstat(file.fileno()).st_size - len(MAGIC)
-        if file.read(len(MAGIC)) != MAGIC:
-            return
-        while left >= HEAD.size:
-            length, crc = HEAD.unpack(file.read(HEAD.size))
-            left -= HEAD.size + length
-            if left < 0 or length == 0:
+    return iter(JournalReader(path))
+
+
+class JournalReader:
+    """Reads a journal up to the first record that is not whole.
+
+    Parameters
+    ----------
+    path : Path
+
+    Attributes
+    ----------
+    is_damaged : bool
+        After reading: it ended at a record that was written whole and is not so any more,
+        and not at its end, or at one that was being written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.is_damaged = False
+
+    def __iter__(self) -> Iterator[bytes]:
+        with open(self._path, "rb") as file:
+            left = os.fstat(file.fileno()).st_size - len(MAGIC)
+            if file.read(len(MAGIC)) != MAGIC:
+                self.is_damaged = left > 0
                 return
-            content = file.read(length)
-            if zlib.crc32(content) != crc:
-                return
-            yield content
+            while left >= HEAD.size:
+                length, crc = HEAD.unpack(file.read(HEAD.size))
+                left -= HEAD.size + length
+                if left < 0 or length == 0:
+                    return
+                content = file.read(length)
+                if zlib.crc32(content) != crc:
+                    self.is_damaged = True
+                    return
+                yield content

@@ -8,7 +8,9 @@
                       journal-1.bin   … and every change since
 
 A save starts a new pair; the old one goes only after the new base is on the disk. Nothing
-is ever deleted here without an answer from the person, or their closing the document.
+is ever deleted here without an answer from the person, or their closing the document. What
+is deleted is first renamed to ``.discarded-<session>``, so that a process that dies
+meanwhile leaves no half of it to be offered.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import secrets
 import shutil
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -31,12 +33,13 @@ from bozzetto.document.changes import ChangeWriter, Replay, record_time
 from bozzetto.document.codec import StateTypes
 from bozzetto.document.container import decode_json, encode_json
 from bozzetto.document.file import open_document, parse_document, write_document
-from bozzetto.document.journal import JournalWriter, read_records
-from bozzetto.document.lock import FileLock, holder
+from bozzetto.document.journal import JournalReader, JournalWriter
+from bozzetto.document.lock import FileLock, left_by
 from bozzetto.document.model import Document
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Stroke
-from bozzetto.storage import atomic_write, explain
+from bozzetto.leftovers import remove_leftovers
+from bozzetto.storage import DISK, FileStamp, atomic_write, explain
 
 __all__ = ["CrashedSession", "Recovered", "RecoverySession", "RecoveryStore"]
 
@@ -44,12 +47,26 @@ REBASE_BYTES: Final = 64 << 20
 """A journal longer than this (and than four times its base) makes room for a new base."""
 
 LOCK, FACTS = "lock", "session.json"
+DISCARDED: Final = ".discarded-"
+UNNAMED: Final = "Untitled"
+"""Name of a drawing whose facts cannot be read."""
+
+YOUNG_SECONDS: Final = 60.0
+"""A folder without a base that is younger may just be being made."""
 
 
 class _Facts(msgspec.Struct):
     name: str
     path: str | None
     began: float
+    raw_path: bytes | None = None
+    stamp: FileStamp | None = None
+
+    def file(self) -> Path | None:
+        """Where the document was saved last, byte for byte."""
+        if self.raw_path is not None:
+            return Path(os.fsdecode(self.raw_path))
+        return None if self.path is None else Path(self.path)
 
 
 @dataclass(frozen=True)
@@ -66,6 +83,10 @@ class CrashedSession:
     began, complete_to : float
         When it was opened, and when the last change was made that is kept; seconds since
         1970.
+    host : str
+        The other machine that it was open on, where it may still be; "" for this one.
+    stamp : FileStamp, optional
+        Content of the file at `path` when it was opened or saved last.
     """
 
     id: str
@@ -73,6 +94,8 @@ class CrashedSession:
     path: Path | None
     began: float
     complete_to: float
+    host: str = ""
+    stamp: FileStamp | None = None
 
 
 @dataclass(frozen=True)
@@ -87,12 +110,15 @@ class Recovered:
     complete_to : float
     warnings : tuple of str
         As in `LoadReport`; and where a part of the journal could not be used.
+    is_whole : bool
+        Whether everything that was kept could be read.
     """
 
     document: Document
     pending: tuple[Stroke, ...]
     complete_to: float
     warnings: tuple[str, ...] = ()
+    is_whole: bool = True
 
 
 class RecoverySession:
@@ -136,12 +162,24 @@ class RecoverySession:
                     self._stop()
                     raise
 
-    def saved(self, document: Document, name: str, path: str | os.PathLike[str]) -> None:
+    def sync(self) -> None:
+        """Bring all that was recorded to the disk before going on."""
+        with self._guard:
+            if self._journal is not None:
+                self._journal.sync()
+
+    def saved(
+        self,
+        document: Document,
+        name: str,
+        path: str | os.PathLike[str],
+        stamp: FileStamp | None = None,
+    ) -> None:
         """Start afresh after the person saved: under which name, and where."""
         with self._guard:
             if self._closed:
                 return
-            self._facts = _facts(name, path, self._facts.began)
+            self._facts = _facts(name, path, self._facts.began, stamp)
             facts = encode_json(self._facts)
             atomic_write(self.folder / FACTS, lambda file: file.write(facts))
             self._rebase(document)
@@ -152,10 +190,20 @@ class RecoverySession:
         Calls that come later, from a thread that has not heard of it, do nothing.
         """
         with self._guard:
+            if self._closed:
+                return
             self._closed = True
             self._stop()
-            self._lock.release()
-            shutil.rmtree(self.folder, ignore_errors=True)
+            with contextlib.suppress(OSError):  # then it is offered once more
+                _delete(self.folder, self._lock)
+
+    def set_aside(self) -> None:
+        """Leave all this to be offered again: nobody has said that it may go."""
+        with self._guard:
+            if not self._closed:
+                self._closed = True
+                self._stop()
+                self._lock.release()
 
     def _rebase(self, document: Document) -> None:
         """Begin a new pair of base and journal; the old one goes when the new one is safe."""
@@ -192,7 +240,11 @@ class RecoveryStore:
         self._claims: dict[str, FileLock] = {}
 
     def begin(
-        self, name: str, path: str | os.PathLike[str] | None, document: Document
+        self,
+        name: str,
+        path: str | os.PathLike[str] | None,
+        document: Document,
+        stamp: FileStamp | None = None,
     ) -> RecoverySession:
         """Start keeping recovery data of a document.
 
@@ -204,73 +256,90 @@ class RecoveryStore:
         folder = self.folder / f"{time.strftime('%Y%m%d-%H%M%S')}-{secrets.token_hex(4)}"
         try:
             folder.mkdir(parents=True)
+            DISK.sync_folder(self.folder)
         except OSError as problem:
             raise UserError(explain(problem, str(self.folder))) from problem
         lock = FileLock.acquire(folder / LOCK, name)
         try:
-            return RecoverySession(folder, lock, _facts(name, path, time.time()), document)
+            facts = _facts(name, path, time.time(), stamp)
+            return RecoverySession(folder, lock, facts, document)
         except BaseException:  # nothing of the document's is in there yet
             lock.release()
             shutil.rmtree(folder, ignore_errors=True)
             raise
 
     def crashed_sessions(self) -> list[CrashedSession]:
-        """Documents that were open in a process that is gone; the latest change first."""
+        """Documents that were open in a process that is gone; the latest change first.
+
+        Raises
+        ------
+        UserError
+            If the folder cannot be read.
+        """
         found = []
-        for folder in self.folder.glob("*/"):
-            owner = holder(folder / LOCK)
-            if folder.name in self._claims or (owner is not None and not owner.is_gone):
+        for folder in self._folders():
+            owner = left_by(folder / LOCK)
+            if folder.name in self._claims or owner is None:
                 continue
-            with contextlib.suppress(OSError, DocumentError):  # being made, or being discarded
-                facts = decode_json((folder / FACTS).read_bytes(), _Facts)
+            try:
+                bases = _generations(folder)
+            except (FileNotFoundError, NotADirectoryError):  # being discarded
+                continue
+            except OSError:
+                bases = [0]  # it says so when it is opened
+            if bases:
+                facts = _read_facts(folder)
                 found.append(
                     CrashedSession(
                         folder.name,
                         facts.name,
-                        None if facts.path is None else Path(facts.path),
+                        facts.file(),
                         facts.began,
-                        _complete_to(folder),
+                        _complete_to(folder, facts.began),
+                        owner.host if owner.is_elsewhere else "",
+                        facts.stamp,
                     )
                 )
         return sorted(found, key=lambda session: -session.complete_to)
 
-    def recover(self, session: CrashedSession, states: StateTypes) -> Recovered:
+    def recover(
+        self,
+        session: CrashedSession,
+        states: StateTypes,
+        progress: Callable[[], object] = lambda: None,
+    ) -> Recovered:
         """Bring a document back, complete to its last whole record.
 
         The session is claimed, so that no other window offers it too, until `keep` or
         `discard`. Its data stay where they are: `discard` it once the document that was
         brought back has recovery data of its own, or is saved.
 
+        Parameters
+        ----------
+        session : CrashedSession
+        states : StateTypes
+        progress : callable
+            Called whenever another piece was read.
+
         Raises
         ------
         DocumentError
             If not even a base can be read; the data stay.
         UserError
-            If another process has claimed it, or the disk fails.
+            If it was claimed already, or the disk fails.
         """
-        folder = self.folder / session.id
-        self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name)
-        problems = []
-        for generation in reversed(_generations(folder)):
-            try:
-                base = parse_document((folder / f"base-{generation}.bozz").read_bytes())
-            except (DocumentError, OSError) as problem:
-                problems.append(f"A later state could not be read: {problem}")
-                continue
-            replay = Replay(base)
-            try:
-                for record in _records(folder, generation):
-                    replay.feed(record)
-            except DocumentError as problem:
-                problems.append(f"Later changes could not be read: {problem}")
-            document, report = open_document(replay.stored, states)
-            began = (folder / f"base-{generation}.bozz").stat().st_mtime
-            time_of_last = began if replay.time is None else replay.time
-            return Recovered(document, replay.pending, time_of_last, (*problems, *report.warnings))
-        self.keep(session)
-        raise DocumentError(
-            f"The recovery data of “{session.name}” are damaged. They stay in {folder}."
-        )
+        self._claim(session)
+        try:
+            return _recovered(self.folder / session.id, session, states, progress)
+        except OSError as problem:
+            self.keep(session)
+            raise UserError(
+                f"The recovery data of “{session.name}” cannot be read now "
+                f"({problem.strerror or problem}). They stay in {self.folder / session.id}."
+            ) from problem
+        except BaseException:
+            self.keep(session)
+            raise
 
     def keep(self, session: CrashedSession) -> None:
         """The person said: not now. The session is offered again next time."""
@@ -288,21 +357,123 @@ class RecoveryStore:
         """
         folder = self.folder / session.id
         if session.id not in self._claims:
-            self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name)
+            self._claim(session)
         try:
-            shutil.rmtree(folder)
+            _delete(folder, self._claims[session.id])
         except OSError as problem:
             raise UserError(
                 f"The recovery data of “{session.name}” cannot be deleted ({problem.strerror}). "
                 f"They are in {folder}."
             ) from problem
-        del self._claims[session.id]
+        finally:
+            self.keep(session)
+
+    def tidy(self) -> None:
+        """Delete what a process that died has half deleted, or had not yet begun to fill."""
+        with contextlib.suppress(OSError):
+            for folder in self.folder.glob(f"{DISCARDED}*"):
+                shutil.rmtree(folder, ignore_errors=True)
+        with contextlib.suppress(UserError):
+            folders = self._folders()
+            for folder in folders:
+                with contextlib.suppress(OSError):
+                    age = abs(time.time() - folder.stat().st_mtime)
+                    if age > YOUNG_SECONDS and _is_empty(folder) and left_by(folder / LOCK):
+                        shutil.rmtree(folder, ignore_errors=True)
+            remove_leftovers(folders)
+
+    def _folders(self) -> list[Path]:
+        try:
+            with os.scandir(self.folder) as entries:
+                names = [entry.name for entry in entries]
+        except FileNotFoundError:
+            return []
+        except OSError as problem:
+            raise UserError(
+                f"The folder of recovered drawings, {self.folder}, cannot be read "
+                f"({problem.strerror}). Check its permissions."
+            ) from problem
+        return [self.folder / name for name in sorted(names) if not name.startswith(".")]
+
+    def _claim(self, session: CrashedSession) -> None:
+        if session.id in self._claims:
+            raise UserError(f"“{session.name}” is being brought back already.")
+        folder = self.folder / session.id
+        if not folder.is_dir():
+            raise UserError(f"“{session.name}” was brought back, or discarded, already.")
+        # A lock of another machine is taken over: the person was told of it, and chose it.
+        force = session.host != "" and left_by(folder / LOCK) is not None
+        self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name, force=force)
 
 
-def _facts(name: str, path: str | os.PathLike[str] | None, began: float) -> _Facts:
+def _recovered(
+    folder: Path, session: CrashedSession, states: StateTypes, progress: Callable[[], object]
+) -> Recovered:
+    problems: list[str] = []
+    unread: OSError | None = None
+    for generation in reversed(_generations(folder)):
+        place = folder / f"base-{generation}.bozz"
+        try:
+            base = parse_document(place.read_bytes())
+        except (DocumentError, OSError) as problem:
+            unread = problem if isinstance(problem, OSError) else unread
+            problems.append(f"A later state could not be read: {problem}")
+            continue
+        progress()
+        replay = Replay(base)
+        journal = JournalReader(folder / f"journal-{generation}.bin")
+        try:
+            with contextlib.suppress(FileNotFoundError):  # it came between base and journal
+                for record in journal:
+                    replay.feed(record)
+                    progress()
+            if journal.is_damaged:
+                problems.append("Later changes could not be read: the journal is damaged.")
+        except (DocumentError, OSError) as problem:
+            problems.append(f"Later changes could not be read: {problem}")
+        document, report = open_document(replay.stored, states)
+        last = session.complete_to if replay.time is None else replay.time
+        warnings = (*problems, *report.warnings)
+        return Recovered(document, replay.pending, last, warnings, not problems)
+    if unread is not None:
+        raise unread
+    raise DocumentError(
+        f"The recovery data of “{session.name}” are damaged. They stay in {folder}."
+    )
+
+
+def _delete(folder: Path, lock: FileLock) -> None:
+    """Delete a session that this process holds: all of it at once, as others see it."""
+    if os.name == "nt":  # where a folder with an open file cannot be renamed
+        lock.release()
+    gone = folder.with_name(DISCARDED + folder.name)
+    folder.rename(gone)
+    lock.release()
+    shutil.rmtree(gone, ignore_errors=True)
+
+
+def _facts(
+    name: str, path: str | os.PathLike[str] | None, began: float, stamp: FileStamp | None
+) -> _Facts:
     """Facts as JSON can hold them: file names need not be text on every system."""
-    shown = None if path is None else os.fspath(path).encode("utf-8", "replace").decode()
-    return _Facts(name.encode("utf-8", "replace").decode(), shown, began)
+    shown = None if path is None else _as_text(os.fspath(path))
+    raw = None if path is None or shown == os.fspath(path) else os.fsencode(path)
+    return _Facts(_as_text(name), shown, began, raw, stamp)
+
+
+def _as_text(name: str) -> str:
+    return name.encode("utf-8", "replace").decode()
+
+
+def _read_facts(folder: Path) -> _Facts:
+    """What a session says of itself; a drawing without a name where that cannot be read."""
+    try:
+        return decode_json((folder / FACTS).read_bytes(), _Facts)
+    except (OSError, DocumentError):
+        began = 0.0
+        with contextlib.suppress(OSError):
+            began = folder.stat().st_mtime
+        return _Facts(UNNAMED, None, began)
 
 
 def _generations(folder: Path) -> list[int]:
@@ -311,19 +482,21 @@ def _generations(folder: Path) -> list[int]:
     return sorted(int(found[1]) for found in names if found)
 
 
-def _records(folder: Path, generation: int) -> Iterator[bytes]:
-    with contextlib.suppress(FileNotFoundError):  # the crash came between base and journal
-        yield from read_records(folder / f"journal-{generation}.bin")
+def _is_empty(folder: Path) -> bool:
+    """Whether a session died before its first base was whole."""
+    return not any(re.match(r"(base|journal)-", path.name) for path in folder.iterdir())
 
 
-def _complete_to(folder: Path) -> float:
-    """When the last change that is kept was made."""
-    generation = _generations(folder)[-1:]
-    if not generation:
-        raise DocumentError("There is no base.")
-    last = None
-    for record in _records(folder, generation[0]):
-        last = record
-    if last is not None:
-        return record_time(last)
-    return (folder / f"base-{generation[0]}.bozz").stat().st_mtime
+def _complete_to(folder: Path, otherwise: float) -> float:
+    """When the last change that is kept was made; the other time where nothing says so."""
+    try:
+        generation = _generations(folder)[-1]
+        last = None
+        with contextlib.suppress(FileNotFoundError):
+            for last in JournalReader(folder / f"journal-{generation}.bin"):  # noqa: B007
+                pass
+        if last is not None:
+            return record_time(last)
+        return (folder / f"base-{generation}.bozz").stat().st_mtime
+    except (OSError, IndexError, DocumentError):
+        return otherwise

@@ -90,7 +90,8 @@ def test_a_lock_file_without_sense_is_replaced_once_it_is_old(tmp_path, content)
     FileLock.acquire(path, "a").release()
 
 
-def test_only_one_of_many_gets_a_stale_lock(tmp_path):
+def test_only_one_of_many_gets_a_stale_lock(tmp_path, monkeypatch):
+    monkeypatch.setattr(lock, "PATIENCE_SECONDS", 0.05)
     path = tmp_path / "lock"
     for _ in range(20):
         foreign_lock(path)
@@ -212,7 +213,8 @@ def test_a_child_that_lives_on_does_not_keep_it(tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links")
-def test_what_cannot_be_a_lock_file_is_said_and_not_waited_for_without_end(tmp_path):
+def test_what_cannot_be_a_lock_file_is_said_and_not_waited_for_without_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(lock, "FRESH_SECONDS", 0.1)
     (tmp_path / "link").symlink_to(tmp_path / "nowhere")
     (tmp_path / "folder").mkdir()
     for name in ("link", "folder"):

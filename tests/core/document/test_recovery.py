@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
-import socket
-import subprocess
-import sys
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -38,13 +36,10 @@ from tests.document_kit import (
 
 
 def crash(session) -> None:
-    """Leave a session as a dead process does."""
+    """Leave a session as a dead process does: the lock file stays, and nobody holds it."""
     session._journal.close()
-    lock = session.folder / "lock"
-    facts = json.loads(lock.read_text())
-    process = subprocess.Popen([sys.executable, "-c", ""])
-    process.wait()
-    lock.write_text(json.dumps(facts | {"pid": process.pid, "host": socket.gethostname()}))
+    os.close(session._lock._handle)
+    session._lock._handle = -1
 
 
 def random_edit(document: Document, rng: random.Random) -> Document:
@@ -183,10 +178,14 @@ def test_nothing_is_deleted_without_an_answer(tmp_path):
         assert store.crashed_sessions() == []  # it is claimed …
         with pytest.raises(Locked):
             RecoveryStore(tmp_path).recover(found, FakeRegistry())
+        with pytest.raises(UserError, match="already"):
+            store.recover(found, FakeRegistry())
         store.keep(found)  # … until the person says: later
     (found,) = store.crashed_sessions()
     store.discard(found)
     assert os.listdir(tmp_path) == []
+    with pytest.raises(UserError, match="already"):
+        store.recover(found, FakeRegistry())
 
 
 def test_discarding_needs_no_recovering(tmp_path):
@@ -314,6 +313,102 @@ def test_damaged_data_stay_where_they_are(tmp_path):
         store.recover(store.crashed_sessions()[0], FakeRegistry())
     assert (folder / "journal-1.bin").exists()
     assert len(store.crashed_sessions()) == 1
+
+
+@pytest.mark.parametrize("content", [b"", b"dust", b"\xff", b"{}", None])
+def test_damaged_facts_hide_no_drawing(tmp_path, content):
+    folder, snapshots = session_with_records(tmp_path)
+    (folder / "session.json").unlink()
+    if content is not None:
+        (folder / "session.json").write_bytes(content)
+    store = RecoveryStore(tmp_path)
+    (found,) = store.crashed_sessions()
+    assert (found.name, found.path) == ("Untitled", None)
+    assert same_document(store.recover(found, FakeRegistry()).document, snapshots[-1])
+
+
+def test_a_session_of_another_machine_is_offered_with_its_name(tmp_path):
+    folder, snapshots = session_with_records(tmp_path)
+    lock = folder / "lock"
+    lock.write_text(json.dumps(json.loads(lock.read_text()) | {"machine": "0", "host": "attic"}))
+    store = RecoveryStore(tmp_path)
+    (found,) = store.crashed_sessions()
+    assert found.host == "attic"
+    assert same_document(store.recover(found, FakeRegistry()).document, snapshots[-1])
+    assert store.crashed_sessions() == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="any bytes are a name")
+def test_a_path_that_is_not_text_comes_back_as_it_was(tmp_path):
+    path = tmp_path / "caf\udce9.bozz"
+    crash(RecoveryStore(tmp_path).begin("caf\udce9", path, Document()))
+    (found,) = RecoveryStore(tmp_path).crashed_sessions()
+    assert found.path == path
+    assert found.name == "caf?"
+
+
+def test_a_damaged_journal_is_told_and_a_torn_one_is_not(tmp_path):
+    folder, snapshots = session_with_records(tmp_path)
+    path = folder / "journal-1.bin"
+    whole = path.read_bytes()
+    for content, is_whole in (
+        (whole[:-3], True),
+        (whole + bytes(100), True),
+        (whole[:-9] + b"!" + whole[-8:], False),
+        (b"?" + whole[1:], False),
+    ):
+        path.write_bytes(content)
+        store = RecoveryStore(tmp_path)
+        (found,) = store.crashed_sessions()
+        recovered = store.recover(found, FakeRegistry())
+        assert recovered.is_whole is is_whole
+        assert bool(recovered.warnings) is not is_whole
+        store.keep(found)
+
+
+def test_a_clock_that_goes_backwards_loses_nothing(tmp_path, monkeypatch):
+    clock = iter(range(10**9, 0, -(10**6)))
+    monkeypatch.setattr(time, "time", lambda: float(next(clock)))
+    monkeypatch.setattr(recovery, "REBASE_BYTES", 20_000)
+    document = rich_document()
+    session = RecoveryStore(tmp_path).begin("A", None, document)
+    for n in range(40):
+        added = Model(f"n{n}", "M", "test.ink", Ink(Strokes([stroke(n, 100)])))
+        document = edit.add_model(document, added).document
+        session.record(document)
+    crash(session)
+    store = RecoveryStore(tmp_path)
+    store.tidy()
+    (found,) = store.crashed_sessions()
+    assert same_document(store.recover(found, FakeRegistry()).document, document)
+
+
+def test_what_was_half_deleted_or_never_filled_is_tidied_and_nothing_else(tmp_path):
+    folder, _ = session_with_records(tmp_path)
+    half = tmp_path / f".discarded-{folder.name}"
+    half.mkdir()
+    (half / "base-1.bozz").write_bytes(b"")
+    empty, young = tmp_path / "19990101-000000-0", tmp_path / "19990101-000000-1"
+    living = RecoveryStore(tmp_path).begin("B", None, Document())
+    for made in (empty, young):
+        made.mkdir()
+        (made / "session.json").write_bytes(b"{}")
+    os.utime(empty, (1, 1))
+    os.utime(living.folder, (1, 1))
+    RecoveryStore(tmp_path).tidy()
+    assert set(os.listdir(tmp_path)) == {folder.name, young.name, living.folder.name}
+    living.close()
+
+
+def test_a_session_that_is_set_aside_is_offered_again(tmp_path):
+    document = rich_document()
+    store = RecoveryStore(tmp_path)
+    session = store.begin("A", None, Document())
+    session.record(document)
+    session.set_aside()
+    session.close()  # from a thread that has not heard of it
+    (found,) = store.crashed_sessions()
+    assert same_document(store.recover(found, FakeRegistry()).document, document)
 
 
 def test_pictures_under_the_sheet_are_written_once(tmp_path):
