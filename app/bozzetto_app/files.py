@@ -5,10 +5,8 @@ No dialog is shown here: `bozzetto_app.asking` asks, this does.
 
 from __future__ import annotations
 
-import threading
-import time
-from collections.abc import Callable
-from contextlib import suppress
+import os
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,66 +17,84 @@ from bozzetto.document.lock import FileLock, Locked, document_lock_path
 from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.guard import PluginFault
+from bozzetto.leftovers import remove_leftovers
 from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
+from bozzetto.storage import FileChanged, FileStamp, Over, Written
+from bozzetto_app.claims import Claim, Claims
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.saying import Notice
 from bozzetto_app.settings import settings
+from bozzetto_app.small_picture import SmallPictures
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
-    from bozzetto.view.camera import Camera
-    from bozzetto.workbench import Workbench
     from bozzetto_app.session import Session
 
-__all__ = ["DOCUMENT_ENDING", "Claim", "Files", "recent_files"]
+__all__ = ["DOCUMENT_ENDING", "Claim", "Files", "Hindrance", "recent_files"]
 
 DOCUMENT_ENDING = ".bozz"
 MESH_MODELER = "bozzetto.mesh"
 RECENT = "recent/files"
 MOST_RECENT = 10
-THUMBNAIL = 256
-"""Side of the picture that file managers show, pixels."""
-
-PATIENCE = 2.0
-"""Seconds that a save waits for what modelers show of a view in a document's small picture."""
-
 READ_LIMIT = 60.0
 """Seconds that reading or exporting may go on without progress before it counts as hung."""
 
 
-def recent_files() -> list[Path]:
-    """Documents opened or saved lately that are still there, newest first."""
+def recent_paths() -> list[Path]:
+    """Documents opened or saved lately, newest first; the disk is not asked."""
     kept = settings().value(RECENT, [])
     names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
-    return [Path(name) for name in names if Path(name).is_file()]
+    return [Path(name) for name in names]
+
+
+def recent_files() -> list[Path]:
+    """Documents opened or saved lately that are still there, newest first."""
+    return [path for path in recent_paths() if path.is_file()]
 
 
 @dataclass(frozen=True)
-class Claim:
-    """Whether a document may be written to.
+class Hindrance:
+    """Why a document was not saved, and what can be done about it; for the person to choose.
 
     Attributes
     ----------
-    lock : FileLock, optional
-        Held if it may.
-    refusal : str
-        Why it may not; told to the person.
+    problem : FileChanged or Locked
+    path : Path
+        Where it was to be saved.
+    go_on : callable
+        Saves over what is there, or takes the document over.
+    keep_both : callable
+        Saves beside it, under a name that is free.
+    leave : callable
+        Saves nothing.
     """
 
-    lock: FileLock | None
-    refusal: str = ""
+    problem: FileChanged | Locked
+    path: Path
+    go_on: Callable[[], None]
+    keep_both: Callable[[], None]
+    leave: Callable[[], None]
 
 
 class Files(QObject):
     """What a session does with the disk.
+
+    Attributes
+    ----------
+    stamp : FileStamp, optional
+        Of the content that the document's file had when it was opened or saved last.
+    when_hindered : callable
+        Called with what stands in the way of a save; the window asks the person.
 
     Signals
     -------
     recent_changed
         The list of recent documents is another one.
     saved : Path
+    given_up
+        The person said that what is on the sheet, as it is now, may go.
+    locked : Path
+        What was opened can be looked at only, for somebody else has it open.
     imported
         Something came in from a file.
     progressed : float, str; busy_changed : bool
@@ -88,13 +104,19 @@ class Files(QObject):
     recent_changed = Signal()
     imported = Signal()
     saved = Signal(object)
+    given_up = Signal()
+    locked = Signal(object)
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
+        self.stamp: FileStamp | None = None
+        self.when_hindered: Callable[[Hindrance], None] = self._refuse
         self._lock: FileLock | None = None
+        self._claims = Claims()
+        self._pictures = SmallPictures(session.workbench)
         # Saving has a channel of its own: a plugin that hangs over an import or an export
         # must not come between a person and their file.
         self._saves = Channel("save", keep_all=True, parent=self)
@@ -106,7 +128,7 @@ class Files(QObject):
     @property
     def busy(self) -> bool:
         """Whether a file is being read or written."""
-        return self._saves.busy or self._reads.busy
+        return self._saves.busy or self._reads.busy or self._claims.busy
 
     @property
     def saving(self) -> bool:
@@ -121,9 +143,17 @@ class Files(QObject):
         """The program ends: others may have the document."""
         self._hold(None)
 
+    def tidy(self) -> None:
+        """Delete, beside the window, what killed processes left where documents lie."""
+        folders = {path.parent for path in recent_paths()}
+        self._reads.submit(
+            Request(lambda job: remove_leftovers(folders), lambda _: None, self._session.complain)
+        )
+
     def new(self) -> None:
         """Start on an empty sheet."""
         self._hold(None)
+        self.stamp = None
         self._session.show_document(Document(), None)
 
     def open(self, path: Path) -> None:
@@ -142,21 +172,21 @@ class Files(QObject):
             try:
                 document, report = read_document(path, session.registry)
                 job.checkpoint(1.0, path.name)
-                return claim, document, report
+                return claim, document, report, still_there(recent_paths(), path)
             except BaseException:
                 self._give_back(claim.lock)
                 raise
 
         def done(answer: Any) -> None:
-            claim, document, report = answer
+            claim, document, report, recent = answer
             if (session.document, session.pending) != before and session.is_modified:
                 self._give_back(claim.lock)
                 session.tell(
                     tr("Files", "“{name}” was not opened: you were drawing.", name=path.name)
                 )
                 return
-            self.show(claim, document, path, read_only=report.read_only)
-            self._remember(path)
+            self.show(claim, document, path, read_only=report.read_only, stamp=report.stamp)
+            self._remember(path, recent)
             for warning in report.warnings:
                 session.tell(warning)
 
@@ -164,35 +194,28 @@ class Files(QObject):
 
     def claim(self, path: Path) -> Claim:
         """In a worker: see whether a document may be written to, and keep others from it."""
-        place = document_lock_path(path)
-        if self._lock is not None and self._lock.path == place:
-            return Claim(self._lock)
-        try:
-            return Claim(FileLock.acquire(place, path.name))
-        except Locked as locked:
-            since = time.strftime("%H:%M", time.localtime(locked.holder.since))
-            return Claim(
-                None,
-                tr(
-                    "Files",
-                    "{user} on {host} has had “{name}” open since {time}. You can look at it "
-                    "and save it under another name.",
-                    user=locked.holder.user,
-                    host=locked.holder.host,
-                    name=path.name,
-                    time=since,
-                ),
-            )
-        except UserError:
-            return Claim(
-                None,
-                tr(
-                    "Files",
-                    "“{name}” lies where nothing can be written. You can look at it and save "
-                    "it elsewhere.",
-                    name=path.name,
-                ),
-            )
+        return self._claims.claim(path, self._lock)
+
+    def leave(self, claim: Claim) -> None:
+        """Give back a claim that nothing came of."""
+        self._give_back(claim.lock)
+
+    def take_over(self, path: Path) -> None:
+        """Write to a document that somebody else has open; the person said so."""
+        session, history = self._session, self._session.history
+
+        def work(job: Job) -> FileLock:
+            return self._claims.acquire(path, force=True)
+
+        def done(lock: FileLock) -> None:
+            if session.history is not history or session.path != path:
+                self._give_back(lock)
+                return
+            self._hold(lock)
+            session.allow_saving()
+            session.tell(tr("Files", "“{name}” is yours to save now.", name=path.name))
+
+        self._reads.submit(Request(work, done, session.complain))
 
     def show(
         self,
@@ -203,9 +226,22 @@ class Files(QObject):
         read_only: bool = False,
         saved: bool = True,
         pending: tuple[Stroke, ...] = (),
+        stamp: FileStamp | None = None,
     ) -> None:
-        """Make another document the one on the sheet; see `Session.show_document`."""
+        """Make another document the one on the sheet; see `Session.show_document`.
+
+        Parameters
+        ----------
+        claim : Claim
+        document : Document
+        path : Path, optional
+        read_only, saved : bool
+        pending : tuple of Stroke
+        stamp : FileStamp, optional
+            Of the content that the file had when it was read.
+        """
         self._hold(claim.lock)
+        self.stamp = stamp
         self._session.show_document(
             document,
             path,
@@ -215,16 +251,33 @@ class Files(QObject):
         )
         if claim.refusal:
             self._session.noticed.emit(Notice("error", claim.refusal))
+        if claim.holder is not None and not read_only and path is not None:
+            self.locked.emit(path)
 
-    def save(self, path: Path | None = None, then: Callable[[], None] = lambda: None) -> None:
+    def save(
+        self,
+        path: Path | None = None,
+        then: Callable[[], None] = lambda: None,
+        failed: Callable[[], None] = lambda: None,
+        *,
+        over: FileStamp | Over | None = None,
+        force: bool = False,
+        beside: bool = False,
+    ) -> None:
         """Save the document as it is at this moment.
 
         Parameters
         ----------
         path : Path, optional
             Default: where it was opened from or saved to.
-        then : callable
-            Called once it is safely on the disk.
+        then, failed : callable
+            Called once it is safely on the disk, or once it is clear that it will not be.
+        over : FileStamp or Over, optional
+            What may be written over. Default: what was read from there, or saved there, last.
+        force : bool
+            Take the document over from whoever has it open.
+        beside : bool
+            Save under the next name that is free.
         """
         session = self._session
         target = path or session.path
@@ -232,44 +285,64 @@ class Files(QObject):
             raise ValueError("a document without a place needs a path")
         if target.suffix.lower() != DOCUMENT_ENDING:
             target = target.with_name(target.name + DOCUMENT_ENDING)
+        known = self.stamp if target == session.path else None
+        expected = over or known or Over.NOTHING
         snapshot, scene, camera = session.document, session.scene, session.camera
         history = session.history
         backups = int(str(settings().value("files/backups", 3)))
 
-        def work(job: Job) -> FileLock:
+        def work(job: Job) -> tuple[Path, FileLock, Written, list[Path]]:
             from bozzetto.document.file import write_document
-            from bozzetto.scene.picture import framed, thumbnail
-            from bozzetto.scene.png import png_bytes
 
-            place = document_lock_path(target)
-            mine = self._lock is not None and self._lock.path == place
-            lock = self._lock if mine and self._lock else FileLock.acquire(place, target.name)
-            view = framed(scene, size=(THUMBNAIL, THUMBNAIL))
-            shown = scene.under(_hanging_on_view(session.workbench, snapshot, view))
+            place = free_name(target) if beside else target
+            held = self._lock
+            mine = held is not None and held.path == document_lock_path(place) and held.is_held
+            lock = held if mine and held else self._claims.acquire(place, force=force)
             try:
-                write_document(
+                written = write_document(
                     replace(snapshot, camera=camera),
-                    target,
-                    thumbnail=png_bytes(thumbnail(shown, THUMBNAIL, camera=view)),
+                    place,
+                    thumbnail=self._pictures.of(snapshot, scene),
                     backups=backups,
+                    over=Over.NOTHING if beside else expected,
                 )
+                remove_leftovers([place.parent])
             except BaseException:
                 self._give_back(lock)
                 raise
-            return lock
+            return place, lock, written, still_there(recent_paths(), place)
 
-        def done(lock: FileLock) -> None:
-            self._remember(target)
+        def done(answer: tuple[Path, FileLock, Written, list[Path]]) -> None:
+            place, lock, written, recent = answer
+            self._remember(place, recent)
             if session.history is history:
                 self._hold(lock)
-                session.saved_as(target, snapshot)
-                self.saved.emit(target)
+                self.stamp = written.stamp
+                session.saved_as(place, snapshot)
+                self.saved.emit(place)
             else:
                 self._give_back(lock)
-            session.tell(tr("Files", "Saved “{name}”.", name=target.name))
+            session.tell(_said(place, written, was_known=isinstance(expected, FileStamp)))
             then()
 
-        self._saves.submit(Request(work, done, session.complain))
+        def hindered(problem: BaseException) -> None:
+            if not isinstance(problem, FileChanged | Locked) or session.history is not history:
+                session.complain(problem)
+                failed()
+                return
+
+            def go_on() -> None:
+                if isinstance(problem, FileChanged):
+                    self.save(target, then, failed, over=problem.found, force=force)
+                else:
+                    self.save(target, then, failed, over=over, force=True)
+
+            def keep_both() -> None:
+                self.save(target, then, failed, beside=True)
+
+            self.when_hindered(Hindrance(problem, target, go_on, keep_both, failed))
+
+        self._saves.submit(Request(work, done, hindered))
 
     def export(self, path: Path) -> None:
         """Hand all visible objects over to other programs."""
@@ -327,37 +400,53 @@ class Files(QObject):
 
         self._reads.submit(Request(work, done, session.complain))
 
+    def _refuse(self, hindrance: Hindrance) -> None:
+        """Nobody can be asked: nothing is written over."""
+        self._session.complain(hindrance.problem)
+        hindrance.leave()
+
     def _hold(self, lock: FileLock | None) -> None:
         """Hold one document's lock, and no other."""
         held, self._lock = self._lock, lock
         if held is not None and held is not lock:
-            held.release()
+            self._claims.give_back(held)
 
     def _give_back(self, lock: FileLock | None) -> None:
         """Release a lock that came to nothing, unless it is the one of the open document."""
         if lock is not None and lock is not self._lock:
-            lock.release()
+            self._claims.give_back(lock)
 
-    def _remember(self, path: Path) -> None:
-        whole = path.resolve()
-        names = [str(whole), *(str(p) for p in recent_files() if p != whole)]
-        settings().setValue(RECENT, names[:MOST_RECENT])
+    def _remember(self, path: Path, recent: Iterable[Path]) -> None:
+        settings().setValue(RECENT, [str(path) for path in recent][:MOST_RECENT])
         self.recent_changed.emit()
 
 
-def _hanging_on_view(bench: Workbench, document: Document, camera: Camera) -> Scene:
-    """What hangs on the view of a document's picture; nothing where a plugin takes too long.
+def still_there(recent: Iterable[Path], newest: Path) -> list[Path]:
+    """In a worker: a document, and those before it that still exist."""
+    whole = Path(os.path.abspath(newest))
+    return [whole, *(path for path in recent if path != whole and path.is_file())]
 
-    Asked in a thread of its own: no plugin may come between a person and their file.
-    """
-    found: list[Scene] = []
 
-    def ask() -> None:
-        # A fault has been told to whoever listens to the guard.
-        with suppress(UserError, PluginFault):
-            found.append(bench.advice_scene(document, camera))
+def free_name(path: Path) -> Path:
+    """In a worker: the next name like this that no file has."""
+    number = 2
+    while (free := path.with_stem(f"{path.stem} {number}")).exists():
+        number += 1
+    return free
 
-    asking = threading.Thread(target=ask, name="bozzetto-thumbnail", daemon=True)
-    asking.start()
-    asking.join(PATIENCE)
-    return found[0] if found else Scene()
+
+def _said(path: Path, written: Written, *, was_known: bool) -> str:
+    """What there is to say about a save."""
+    said = tr("Files", "Saved “{name}”.", name=path.name)
+    if was_known and written.is_new:
+        said = tr(
+            "Files",
+            "Saved “{name}” anew in {folder}: it had been moved or deleted.",
+            name=path.name,
+            folder=str(path.parent),
+        )
+    if written.other_names:
+        said += " " + tr(
+            "Files", "Its other names on this disk (hard links) keep the earlier version."
+        )
+    return said

@@ -10,62 +10,67 @@ from __future__ import annotations
 import logging
 import queue
 import threading
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
-from bozzetto.document.history import History
-from bozzetto.document.model import Document
-from bozzetto.document.recovery import CrashedSession, Recovered, RecoverySession, RecoveryStore
+from bozzetto.document.recovery import CrashedSession, Recovered, RecoveryStore
 from bozzetto.errors import UserError
-from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
+from bozzetto_app.claims import Claim
 from bozzetto_app.doorbell import ring
-from bozzetto_app.files import Claim
+from bozzetto_app.drawing_record import BroughtBack, DrawingRecord, Snapshot
 from bozzetto_app.jobs import Channel, Request
-from bozzetto_app.session import Session
+from bozzetto_app.words import tr
+
+if TYPE_CHECKING:
+    from bozzetto.document.history import History
+    from bozzetto_app.session import Session
 
 __all__ = ["Keeper"]
 
 log = logging.getLogger(__name__)
 
 RECOVER_LIMIT = 60.0
-"""Seconds that bringing a drawing back may take before it counts as hung."""
+"""Seconds without progress after which bringing a drawing back counts as hung."""
 
 LAST_WRITES = 10.0
-"""Seconds that closing waits for the disk; later the data are found at the next start."""
+"""Seconds that the end of the program waits for the disk; later the data are found at the
+next start."""
 
 
-class _Snapshot(NamedTuple):
-    name: str
-    path: Path | None
-    document: Document
-    pending: tuple[Stroke, ...]
-
-
-@dataclass(eq=False)
-class _Book:
-    """What is kept of one document while it is open.
+class _OnSheet:
+    """The drawing on the sheet, as the window's thread sees it.
 
     Attributes
     ----------
-    newest : deque
-        The snapshot to be written, if there is one: a newer one takes its place.
-    kept : RecoverySession, optional
-        Used by the writing thread alone.
-    brought_back : CrashedSession, optional
-        Forgotten once this book has everything that was in it.
+    last, written : Snapshot, optional
+        How it is, set by the window's thread; and what of it the writing thread has written.
+    is_unsaved : bool
+        Whether something of it is in no file.
+    given_up : Snapshot, optional
+        What the person said may go; what was drawn since may not.
     """
 
-    history: History
-    brought_back: CrashedSession | None = None
-    begun: bool = False
-    newest: deque[_Snapshot] = field(default_factory=lambda: deque(maxlen=1))
-    kept: RecoverySession | None = None
+    def __init__(self, history: History, record: DrawingRecord) -> None:
+        self.history = history
+        self.record = record
+        self.last: Snapshot | None = None
+        self.written: Snapshot | None = None
+        self.is_unsaved = False
+        self.given_up: Snapshot | None = None
+
+    @property
+    def may_go(self) -> bool:
+        """Whether it is safe in a file, or the person said that it may go as it is."""
+        return not self.is_unsaved or (
+            self.last is not None
+            and self.given_up is not None
+            and self.last.document is self.given_up.document
+            and self.last.pending == self.given_up.pending
+        )
 
 
 class Keeper(QObject):
@@ -82,8 +87,10 @@ class Keeper(QObject):
         super().__init__(session)
         self._session = session
         self._store = RecoveryStore(folder)
-        self._book = _Book(session.history)
-        self._coming: CrashedSession | None = None
+        self._sheet = _OnSheet(session.history, DrawingRecord(self._store))
+        self._landing: BroughtBack | None = None
+        self._coming: set[str] = set()
+        self._unwritten: list[_OnSheet] = []
         self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
@@ -91,6 +98,7 @@ class Keeper(QObject):
         session.document_changed.connect(self._record)
         session.pending_changed.connect(self._record)
         session.files.saved.connect(self._saved)
+        session.files.given_up.connect(self._given_up)
 
     @property
     def busy(self) -> bool:
@@ -101,73 +109,147 @@ class Keeper(QObject):
 
     def find_crashed(self, found: Callable[[list[CrashedSession]], None]) -> None:
         """Look for documents that were open when their program died."""
-        self._reads.submit(
-            Request(lambda job: self._store.crashed_sessions(), found, self._complain)
-        )
 
-    def recover(self, crashed: CrashedSession) -> None:
-        """Bring one back onto the sheet, complete to its last stroke."""
+        def work(job: Job) -> list[CrashedSession]:
+            self._store.tidy()
+            return self._store.crashed_sessions()
+
+        self._reads.submit(Request(work, found, self._complain))
+
+    def recover(
+        self, crashed: CrashedSession, ended: Callable[[bool], None] = lambda shown: None
+    ) -> None:
+        """Bring one back onto the sheet, complete to its last stroke.
+
+        What is on the sheet by then is asked about first, if it is not saved.
+
+        Parameters
+        ----------
+        crashed : CrashedSession
+        ended : callable
+            Called with whether it is on the sheet; if not, it is offered again.
+        """
         session = self._session
+        if crashed.id in self._coming:
+            return
+        self._coming.add(crashed.id)
 
         def work(job: Job) -> tuple[Recovered, Claim]:
-            recovered = self._store.recover(crashed, session.registry)
-            path = crashed.path
-            return recovered, session.files.claim(path) if path is not None else Claim(None)
-
-        def shown(answer: tuple[Recovered, Claim]) -> None:
-            recovered, claim = answer
-            self._coming = crashed
-            session.files.show(
-                claim, recovered.document, crashed.path, saved=False, pending=recovered.pending
+            recovered = self._store.recover(
+                crashed, session.registry, lambda: job.checkpoint(0.5, crashed.name)
             )
-            for warning in recovered.warnings:
-                session.tell(warning)
+            claim = Claim(None)
+            try:
+                if crashed.path is not None:
+                    claim = session.files.claim(crashed.path)
+                job.checkpoint(1.0, crashed.name)
+            except BaseException:  # nobody waits for it any more
+                session.files.leave(claim)
+                self._store.keep(crashed)
+                raise
+            return recovered, claim
 
-        self._reads.submit(Request(work, shown, session.complain))
+        def arrived(answer: tuple[Recovered, Claim]) -> None:
+            recovered, claim = answer
+
+            def show() -> None:
+                self._coming.discard(crashed.id)
+                self._landing = BroughtBack(crashed, recovered.is_whole)
+                session.files.show(
+                    claim,
+                    recovered.document,
+                    crashed.path,
+                    saved=False,
+                    pending=recovered.pending,
+                    stamp=crashed.stamp,
+                )
+                for warning in recovered.warnings:
+                    session.tell(warning)
+                ended(True)
+
+            def refused() -> None:
+                self._coming.discard(crashed.id)
+                session.files.leave(claim)
+                self._tasks.put(lambda: self._store.keep(crashed))
+                ended(False)
+
+            session.when_safe(show, refused)
+
+        def failed(problem: BaseException) -> None:
+            self._coming.discard(crashed.id)
+            session.complain(problem)
+            ended(False)
+
+        self._reads.submit(Request(work, arrived, failed))
+
+    def discard(self, crashed: CrashedSession, ended: Callable[[bool], None]) -> None:
+        """Delete what a crash left behind; the person said so.
+
+        Parameters
+        ----------
+        crashed : CrashedSession
+        ended : callable
+            Called with whether it is gone.
+        """
+
+        def failed(problem: BaseException) -> None:
+            self._session.complain(problem)
+            ended(False)
+
+        self._reads.submit(
+            Request(lambda job: self._store.discard(crashed), lambda _: ended(True), failed)
+        )
 
     # -- what is drawn now --
 
     def close(self) -> None:
-        """The person closed the document and knows what became of it."""
-        self._end_book(self._book)
+        """The drawing leaves the sheet for good, and the program ends."""
+        self._leave(self._sheet)
         self._tasks.put(None)
+
+    def wait(self) -> None:
+        """Wait for the last writes, at the end of the program."""
         self._thread.join(LAST_WRITES)
 
     def _record(self) -> None:
         """Write down the document as it is, and the ink that waits."""
         session = self._session
-        if session.history is not self._book.history:
-            self._end_book(self._book)
-            self._book = _Book(session.history, self._coming)
-            self._coming = None
-        book = self._book
-        if not book.begun and not session.is_modified:
+        if session.history is not self._sheet.history:
+            self._leave(self._sheet)
+            landing, self._landing = self._landing, None
+            self._sheet = _OnSheet(session.history, DrawingRecord(self._store, landing))
+        sheet = self._sheet
+        sheet.is_unsaved = session.is_modified
+        if sheet.last is None and not sheet.is_unsaved:
             return
-        book.begun = True
-        book.newest.append(
-            _Snapshot(session.title, session.path, session.document, session.pending)
+        sheet.last = self._snapshot()
+        self._tasks.put(lambda: self._write(sheet))
+
+    def _snapshot(self) -> Snapshot:
+        session = self._session
+        return Snapshot(
+            session.title, session.path, session.files.stamp, session.document, session.pending
         )
-        self._tasks.put(lambda: self._write(book))
+
+    def _given_up(self) -> None:
+        self._sheet.given_up = self._snapshot()
 
     def _saved(self, path: Path) -> None:
-        book, document = self._book, self._session.document
-
-        def begin_afresh() -> None:
-            if book.kept is not None:
-                book.kept.saved(document, path.stem, path)
-
-        if book.begun:
-            self._tasks.put(begin_afresh)
+        sheet, now = self._sheet, self._snapshot()
+        if sheet.last is not None:
+            self._tasks.put(lambda: sheet.record.saved(now, now.document))
             self._record()
 
-    def _end_book(self, book: _Book) -> None:
-        def end() -> None:
-            book.newest.clear()
-            if book.kept is not None:
-                book.kept.close()
-                book.kept = None
-
-        self._tasks.put(end)
+    def _leave(self, sheet: _OnSheet) -> None:
+        """Another drawing takes the place of one; it goes only if the person has answered."""
+        if sheet.may_go:
+            self._tasks.put(sheet.record.give_up)
+            return
+        self._tasks.put(lambda: self._set_aside(sheet))
+        name = sheet.last.name if sheet.last is not None else ""
+        self._session.tell(
+            tr("Recovery", "“{name}” is kept, and offered at the next start.", name=name)
+        )
 
     # -- in the writing thread --
 
@@ -183,19 +265,26 @@ class Keeper(QObject):
             finally:
                 self._tasks.task_done()
 
-    def _write(self, book: _Book) -> None:
-        if not book.newest:
-            return
-        now = book.newest.pop()
-        if book.kept is None:
-            book.kept = self._store.begin(now.name, now.path, now.document)
-        book.kept.record(now.document, now.pending)
-        if book.brought_back is not None:
-            crashed, book.brought_back = book.brought_back, None
-            self._store.discard(crashed)
+    def _write(self, sheet: _OnSheet) -> None:
+        """Write the newest snapshot, if it is not written yet."""
+        for late in tuple(self._unwritten):
+            self._unwritten.remove(late)
+            self._set_aside(late)
+        now = sheet.last
+        if now is not None and now is not sheet.written:
+            sheet.record.write(now)
+            sheet.written = now
+
+    def _set_aside(self, sheet: _OnSheet) -> None:
+        """Leave a drawing to be offered again, with all that was not yet written of it."""
+        try:
+            self._write(sheet)
+        except UserError:
+            self._unwritten.append(sheet)  # its turn comes with the next write
+            raise
+        sheet.record.set_aside()
 
     def _complain(self, problem: BaseException) -> None:
-        if isinstance(problem, UserError):
-            self._session.complain(problem)
-        else:
+        if not isinstance(problem, UserError):
             log.error("the journal cannot be written", exc_info=problem)
+        self._session.complain(problem)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from PySide6.QtCore import QObject, Signal
 
@@ -49,8 +49,14 @@ GHOST_LAYER = "ink"
 """Name of the layers that hold processed ink; they can be hidden together."""
 
 
-def _at_once(then: Callable[[], None]) -> None:
+def _at_once(then: Callable[[], None], refused: Callable[[], None] | None = None) -> None:
     then()
+
+
+class _WhenSafe(Protocol):
+    def __call__(
+        self, then: Callable[[], None], refused: Callable[[], None] | None = None
+    ) -> None: ...
 
 
 class Session(ObjectEdits, PartEditing, PenCalls, Looking):
@@ -59,7 +65,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     Attributes
     ----------
     when_safe : callable
-        Called with what would lose unsaved work; the window asks the person first.
+        Called with what would lose unsaved work, and with what to do if the person would
+        rather stay; the window asks them first.
     facts, pictures : mapping
         What the drawing that is being watched says beyond its strokes, and the pictures that
         it names; see `Context.facts`.
@@ -112,7 +119,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.facts: Mapping[str, Any] = {}
         self.pictures: Mapping[str, Picture] = {}
         self.hint = ""
-        self.when_safe: Callable[[Callable[[], None]], None] = _at_once
+        self.when_safe: _WhenSafe = _at_once
         self._selected: str | None = None
         self._recovered = False
         self._was_busy = False
@@ -357,6 +364,11 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.read_only = False
         self.history.mark_saved(snapshot)
         self._recovered = False
+        self.document_changed.emit()
+
+    def allow_saving(self) -> None:
+        """The document's file may be written to from now on."""
+        self.read_only = False
         self.document_changed.emit()
 
     def _document_replaced(self) -> None:

@@ -79,6 +79,7 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     window.show()
     _listen_for_interrupts(window)
     code = app.exec()
+    window.keeper.wait()
     _let_workers_end()
     faulthandler.disable()
     crash_log.close()

@@ -337,13 +337,11 @@ class Window(QMainWindow):
             if crashed:
                 from bozzetto_app.dialogs.recovery import RecoveryDialog
 
-                self._show(RecoveryDialog(crashed, self._recover, self))
+                keeper = self.keeper
+                self._show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
 
         self.keeper.find_crashed(found)
-
-    def _recover(self, crashed: CrashedSession) -> None:
-        """Bring one drawing back, once the one on the sheet is safe."""
-        self.files.when_safe(lambda: self.keeper.recover(crashed))
+        self.session.files.tidy()
 
     # -- what the commands need --
 

@@ -179,5 +179,6 @@ def make_window(qtbot, tmp_path, settle, _tidy):
     for window in made:
         window._closing = True
         window.close()
+        window.keeper.wait()
         window.deleteLater()
         window.session.deleteLater()

@@ -14,8 +14,10 @@ import pytest
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
 
 from bozzetto.document.recovery import RecoveryStore
+from bozzetto.errors import UserError
 from bozzetto.plugin.registry import Registry
 from bozzetto_app.dialogs.recovery import RecoveryDialog
+from bozzetto_app.drawing_record import State
 from bozzetto_app.keeping import Keeper
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
@@ -43,12 +45,13 @@ def keep(make_session, boxes, folder, settle):
     yield make
     for keeper in keepers:
         keeper.close()
+        keeper.wait()
 
 
 def crash(keeper):
     """As if its process had died: what it kept stays, and nobody is alive in there."""
-    keeper._book.kept._lock.release()
-    keeper._book.kept = None
+    keeper._sheet.record._own._lock.release()
+    keeper._sheet.record._own = None
 
 
 def draw(session, settle, *keepers, **more):
@@ -100,14 +103,15 @@ def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
     session, keeper = keep()
     totals = []
 
-    def look(book):
-        while book.newest:
-            now = book.newest.pop()
+    def look(sheet):
+        now = sheet.last
+        if now is not None and now is not sheet.written:
+            sheet.written = now
             totals.append(sum(strokes_of(m.state) for m in now.document) + len(now.pending))
 
     monkeypatch.setattr(keeper, "_write", look)
-    session.pending_changed.connect(lambda: look(keeper._book))
-    session.document_changed.connect(lambda: look(keeper._book))
+    session.pending_changed.connect(lambda: look(keeper._sheet))
+    session.document_changed.connect(lambda: look(keeper._sheet))
     for radius in range(40, 100, 10):
         draw(session, settle, keeper, radius=radius)
     assert totals == sorted(totals)
@@ -123,15 +127,48 @@ def test_a_live_session_is_not_offered_to_others(keep, folder, settle):
     assert RecoveryStore(folder).crashed_sessions() == []
 
 
-def test_closing_and_a_new_document_leave_nothing_behind(keep, folder, settle):
+def test_what_the_person_gives_up_leaves_nothing_behind(keep, folder, settle):
     session, keeper = keep()
     draw(session, settle, keeper)
+    session.files.given_up.emit()
     session.files.new()
     settle(session, keeper)
     assert list(folder.glob("*")) == []
     draw(session, settle, keeper)
+    session.files.given_up.emit()
     keeper.close()
+    keeper.wait()
     assert list(folder.glob("*")) == []
+
+
+def test_what_leaves_the_sheet_without_an_answer_is_offered_again(keep, folder, settle):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    session.files.given_up.emit()
+    draw(session, settle, keeper, radius=50)  # the answer was not about this stroke
+    session.files.new()
+    draw(session, settle, keeper)
+    keeper.close()
+    keeper.wait()
+    assert sorted(kept_strokes(folder, session.registry)) == [1, 2]
+    assert any("is kept" in notice.text for notice in session.heard)
+
+
+def test_what_could_not_be_written_when_it_left_is_written_later(keep, folder, settle, monkeypatch):
+    session, keeper = keep()
+
+    def full(*_):
+        raise UserError("The disk is full. Make room.")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(keeper._store, "begin", full)
+        draw(session, settle, keeper)
+        session.files.new()
+        settle(session, keeper)
+        assert not list(folder.glob("*/*"))
+    draw(session, settle, keeper)
+    crash(keeper)
+    assert kept_strokes(folder, session.registry) == [1, 1]
 
 
 def test_what_is_drawn_while_a_save_is_under_way_is_kept_too(keep, folder, settle, tmp_path):
@@ -168,29 +205,141 @@ def test_recovering_shows_the_drawing_unsaved_and_forgets_the_old_data_only_then
     assert kept_strokes(folder, later.registry) == [2]
 
 
-def test_a_second_recovery_gives_the_first_up_only_after_asking(
-    make_window, keep, boxes, folder, settle, qtbot
-):
-    for _ in range(2):
-        session, keeper = keep()
-        draw(session, settle, keeper)
-        crash(keeper)
-    window = make_window(MODELER, extra=[boxes.package], recovery=folder)
-    window.offer_recovery()
-    qtbot.waitUntil(lambda: window.findChild(RecoveryDialog) is not None, timeout=10_000)
-    dialog = window.findChild(RecoveryDialog)
-    opens = [b for b in dialog.findChildren(QPushButton) if b.text() == "Open"]
-    opens[0].click()
-    settle(window.session, window.keeper)
+@pytest.fixture
+def offered(make_window, keep, boxes, folder, settle, qtbot):
+    """A window that offers so many crashed drawings of one stroke each; and its dialog."""
+
+    def make(count):
+        for _ in range(count):
+            session, keeper = keep()
+            draw(session, settle, keeper)
+            crash(keeper)
+        window = make_window(MODELER, extra=[boxes.package], recovery=folder)
+        window.offer_recovery()
+        qtbot.waitUntil(lambda: window.findChild(RecoveryDialog) is not None, timeout=10_000)
+        return window, window.findChild(RecoveryDialog)
+
+    return make
+
+
+def buttons(dialog, words):
+    return [b for b in dialog.findChildren(QPushButton) if b.text() == words]
+
+
+def question(window, qtbot, name="unsaved"):
+    qtbot.waitUntil(lambda: window.findChild(QMessageBox, name) is not None, timeout=10_000)
+    return window.findChild(QMessageBox, name)
+
+
+def press(box, words):
+    next(b for b in box.buttons() if b.text() == words).click()
+
+
+def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle, qtbot):
+    window, dialog = offered(2)
+    first, second = buttons(dialog, "Open")
+    first.click()
+    second.click()
+    box = question(window, qtbot)
     assert len(window.session.document) == 1
-    opens[1].click()
-    settle(window.session, window.keeper)
-    box = window.findChild(QMessageBox, "unsaved")
-    assert box is not None
     box.reject()
     settle(window.session, window.keeper)
+    assert (first.text(), second.text()) == ("Opened", "Open")
+    assert second.isEnabled()
     crash(window.keeper)
     assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
+def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, settle, qtbot):
+    window, dialog = offered(1)
+    buttons(dialog, "Open")[0].click()
+    stroke = stroke_of(circle(share=0.5), window.session.camera)
+    window.session.inking.pending = (stroke,)
+    window.session.pending_changed.emit()
+    question(window, qtbot).reject()
+    settle(window.session, window.keeper)
+    assert window.session.pending == (stroke,)
+    crash(window.keeper)
+    assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
+def test_what_is_given_up_for_another_drawing_goes_and_that_comes(offered, folder, settle, qtbot):
+    window, dialog = offered(2)
+    for button in buttons(dialog, "Open"):
+        button.click()
+    press(question(window, qtbot), "Don’t save")
+    settle(window.session, window.keeper)
+    assert window.findChild(RecoveryDialog) is None
+    crash(window.keeper)
+    assert kept_strokes(folder, window.session.registry) == [1]
+
+
+def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
+    offered, folder, settle, qtbot, tmp_path
+):
+    window, dialog = offered(1)
+    session = window.session
+    draw(session, settle, window.keeper)
+    session.files.save(tmp_path / "mine.bozz")
+    draw(session, settle, window.keeper, radius=50)
+    buttons(dialog, "Open")[0].click()
+    box = question(window, qtbot)
+    before = session.files.save
+
+    def save_and_draw(*arguments, **more):
+        before(*arguments, **more)
+        session.inking.pending = (stroke_of(circle(share=0.5), session.camera),)
+        session.pending_changed.emit()
+
+    session.files.save = save_and_draw
+    press(box, "Save")
+    session.files.save = before
+    qtbot.waitUntil(lambda: not session.files.saving, timeout=10_000)
+    qtbot.waitUntil(lambda: window.findChild(QMessageBox, "unsaved") not in (None, box))
+    window.findChild(QMessageBox, "unsaved").reject()
+    settle(session, window.keeper)
+    assert session.title == "mine"
+    assert len(session.pending) == 1
+    assert len(RecoveryStore(folder).crashed_sessions()) == 1
+
+
+def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, monkeypatch, qtbot):
+    window, dialog = offered(2)
+    answers = iter([False, True])
+    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: next(answers))
+    away = buttons(dialog, "Discard…")[0]
+    away.click()
+    assert len(RecoveryStore(folder).crashed_sessions()) == 2
+    away.click()
+    qtbot.waitUntil(lambda: len(RecoveryStore(folder).crashed_sessions()) == 1)
+    qtbot.waitUntil(lambda: len(buttons(dialog, "Discarded")) == 1)
+    assert len(buttons(dialog, "Open")) == 1
+    assert not window.session.is_modified
+
+
+def test_a_damaged_drawing_can_be_tried_again_and_is_not_deleted(offered, folder, settle):
+    window, dialog = offered(1)
+    for base in folder.glob("*/base-*"):
+        base.write_bytes(b"dust")
+    (button,) = buttons(dialog, "Open")
+    for _ in range(2):
+        button.click()
+        settle(window.session, window.keeper)
+        assert button.isEnabled()
+    assert len(RecoveryStore(folder).crashed_sessions()) == 1
+
+
+def test_what_was_not_brought_back_whole_stays_until_it_is_discarded(offered, folder, settle):
+    window, dialog = offered(1)
+    (journal,) = folder.glob("*/journal-*")
+    content = bytearray(journal.read_bytes())
+    content[-20] ^= 255
+    journal.write_bytes(content)
+    buttons(dialog, "Open")[0].click()
+    settle(window.session, window.keeper)
+    assert journal.exists()
+    assert len(RecoveryStore(folder).crashed_sessions()) == 1
+    assert any("Not all" in notice.text for notice in window.session.heard)
 
 
 def test_keeping_a_crash_for_later_deletes_nothing(make_window, keep, boxes, folder, settle, qtbot):
@@ -207,8 +356,6 @@ def test_keeping_a_crash_for_later_deletes_nothing(make_window, keep, boxes, fol
 
 
 def test_a_full_disk_is_told_and_drawing_goes_on(keep, settle, monkeypatch):
-    from bozzetto.errors import UserError
-
     session, keeper = keep()
 
     def full(*_):
@@ -221,7 +368,7 @@ def test_a_full_disk_is_told_and_drawing_goes_on(keep, settle, monkeypatch):
     assert strokes_of(session.document.models[0].state) == 2
     monkeypatch.undo()
     draw(session, settle, keeper)
-    assert keeper._book.kept is not None
+    assert keeper._sheet.record.state is State.IN_OWN_DATA
 
 
 # -- a process that is killed ---------------------------------------------------------------------

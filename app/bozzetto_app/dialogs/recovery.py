@@ -6,7 +6,15 @@ from collections.abc import Callable, Sequence
 from datetime import datetime
 
 from PySide6.QtCore import QDateTime, QLocale
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QMessageBox,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+from shiboken6 import isValid
 
 from bozzetto.document.recovery import CrashedSession
 from bozzetto_app.dialogs.page import Page, label, quiet
@@ -17,7 +25,10 @@ __all__ = ["RecoveryDialog"]
 
 def _clock(seconds: float) -> str:
     """The time of day; with its date where that is not today."""
-    when = datetime.fromtimestamp(seconds)
+    try:
+        when = datetime.fromtimestamp(seconds)
+    except (ValueError, OverflowError, OSError):  # a clock, or a file, out of order
+        return tr("Recovery", "a time that is not known")
     if when.date() == datetime.now().date():
         return when.strftime("%H:%M:%S")
     moment = QDateTime.fromSecsSinceEpoch(round(seconds))
@@ -33,17 +44,20 @@ class RecoveryDialog(Page):
     ----------
     sessions : sequence of CrashedSession
     open_ : callable
-        Opens one; called once for each that the person asks for.
+        Opens one, and calls back with whether it is on the sheet now.
+    discard : callable
+        Deletes one, and calls back with whether it is gone.
     """
 
     def __init__(
         self,
         sessions: Sequence[CrashedSession],
-        open_: Callable[[CrashedSession], object],
+        open_: Callable[[CrashedSession, Callable[[bool], None]], object],
+        discard: Callable[[CrashedSession, Callable[[bool], None]], object],
         parent: QWidget | None = None,
     ) -> None:
         super().__init__("recovery", tr("Recovery", "Recover drawings"), parent)
-        self._open = open_
+        self._open, self._discard = open_, discard
         self._left = len(sessions)
         self.column.addWidget(
             label(tr("Recovery", "Bozzetto closed unexpectedly."), kind="heading")
@@ -68,21 +82,48 @@ class RecoveryDialog(Page):
             time=_clock(session.complete_to),
         )
         place = str(session.path) if session.path else tr("Recovery", "It was never saved.")
+        if session.host:
+            place += "\n" + tr(
+                "Recovery",
+                "It was open on “{host}”. Open it here only if it is not open there any more.",
+                host=session.host,
+            )
         button = QPushButton(tr("Recovery", "Open"))
         button.setAccessibleName(tr("Recovery", "Open “{name}”", name=session.name))
         button.setProperty("rank", "first" if first else "")
         button.setDefault(first)
         button.setAutoDefault(first)
+        away = QPushButton(tr("Recovery", "Discard…"))
+        away.setAccessibleName(tr("Recovery", "Discard “{name}”", name=session.name))
+        away.setAutoDefault(False)
+
+        def tell(words: str, *, is_free: bool) -> None:
+            button.setText(words)
+            button.setEnabled(is_free)
+            away.setEnabled(is_free)
+
+        def ended(done: str) -> Callable[[bool], None]:
+            def show(is_done: bool) -> None:
+                if not isValid(self):
+                    return
+                tell(done if is_done else tr("Recovery", "Open"), is_free=not is_done)
+                self._left -= is_done
+                if self._left == 0:
+                    self.accept()
+
+            return show
 
         def open_it() -> None:
-            button.setEnabled(False)
-            button.setText(tr("Recovery", "Opened"))
-            self._left -= 1
-            self._open(session)
-            if self._left == 0:
-                self.accept()
+            tell(tr("Recovery", "Opening…"), is_free=False)
+            self._open(session, ended(tr("Recovery", "Opened")))
+
+        def discard_it() -> None:
+            if self._is_sure(session):
+                tell(tr("Recovery", "Discarding…"), is_free=False)
+                self._discard(session, ended(tr("Recovery", "Discarded")))
 
         button.clicked.connect(open_it)
+        away.clicked.connect(discard_it)
         column = QVBoxLayout()
         column.setSpacing(4)
         column.addWidget(label(said))
@@ -91,5 +132,19 @@ class RecoveryDialog(Page):
         row.setContentsMargins(12, 12, 12, 12)
         row.setSpacing(12)
         row.addLayout(column, 1)
+        row.addWidget(away)
         row.addWidget(button)
         return card
+
+    def _is_sure(self, session: CrashedSession) -> bool:
+        """Ask before the only copy of a drawing is deleted."""
+        box = QMessageBox(self)
+        box.setObjectName("discard")
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(tr("Recovery", "Discard “{name}” for good?", name=session.name))
+        box.setInformativeText(tr("Recovery", "This cannot be undone."))
+        sure = box.addButton(tr("Recovery", "Discard"), QMessageBox.ButtonRole.DestructiveRole)
+        keep = box.addButton(tr("Recovery", "Keep"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(keep)
+        box.exec()
+        return box.clickedButton() is sure
