@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote_to_bytes
 
 from PySide6.QtCore import QObject, Signal
 
@@ -36,6 +37,7 @@ DOCUMENT_ENDING = ".bozz"
 MESH_MODELER = "bozzetto.mesh"
 RECENT = "recent/files"
 MOST_RECENT = 10
+URI = "file://"
 READ_LIMIT = 60.0
 """Seconds that reading or exporting may go on without progress before it counts as hung."""
 
@@ -44,7 +46,20 @@ def recent_paths() -> list[Path]:
     """Documents opened or saved lately, newest first; the disk is not asked."""
     kept = settings().value(RECENT, [])
     names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
-    return [Path(name) for name in names]
+    return [_path_of(str(name)) for name in names]
+
+
+def _name_of(path: Path) -> str:
+    """A path as settings can hold it: as text, or as an address where it is not text."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return path.as_uri()
+    return str(path)
+
+
+def _path_of(name: str) -> Path:
+    return Path(os.fsdecode(unquote_to_bytes(name[7:]))) if name.startswith(URI) else Path(name)
 
 
 def recent_files() -> list[Path]:
@@ -417,7 +432,7 @@ class Files(QObject):
             self._claims.give_back(lock)
 
     def _remember(self, path: Path, recent: Iterable[Path]) -> None:
-        settings().setValue(RECENT, [str(path) for path in recent][:MOST_RECENT])
+        settings().setValue(RECENT, [_name_of(path) for path in recent][:MOST_RECENT])
         self.recent_changed.emit()
 
 

@@ -8,14 +8,17 @@ import stat
 import subprocess
 import sys
 import threading
+import zipfile
 
 import numpy as np
 import pytest
 
-from bozzetto.document.lock import FileLock, document_lock_path, holder
+from bozzetto.document.lock import FileLock, Locked, document_lock_path, holder
 from bozzetto.exchange.importing import read_mesh
 from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
+from bozzetto.storage import FileChanged
+from bozzetto_app import small_picture
 from bozzetto_app.files import recent_files
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
@@ -94,13 +97,11 @@ def test_what_is_drawn_while_saving_counts_as_unsaved(session, settle, tmp_path)
     assert not session.is_modified
 
 
-def json_names(path):
-    import zipfile
-
+def json_names(path, *names):
     with zipfile.ZipFile(path) as file:
         models = json.loads(file.read("core/models.json"))
     found = json.dumps(models)
-    return [name for name in ("Boxes", "Later") if f'"{name}"' in found]
+    return [name for name in names or ("Boxes", "Later") if f'"{name}"' in found]
 
 
 def test_a_save_that_ends_after_a_new_sheet_was_begun_does_not_name_it(session, settle, tmp_path):
@@ -278,9 +279,11 @@ def test_the_lock_is_there_while_a_document_is_open_and_goes_with_it(session, se
     reopen(session, settle, one)
     assert document_lock_path(one).exists()
     session.files.new()
+    settle(session)
     assert not document_lock_path(one).exists()
     reopen(session, settle, one)
     session.files.close()
+    settle(session)
     assert not document_lock_path(one).exists()
 
 
@@ -355,3 +358,221 @@ def test_where_no_lock_can_be_made_a_document_is_read_only(session, settle, tmp_
     assert session.read_only
     assert len(session.document) == 1
     assert "nothing can be written" in words(session, "error")[0]
+
+
+def test_a_document_can_be_taken_over_and_who_lost_it_is_asked(make_session, settle, tmp_path):
+    path, theirs = tmp_path / "a.bozz", make_session()
+    draw(theirs, settle)
+    save(theirs, settle, path)
+    me = make_session()
+    locked = []
+    me.files.locked.connect(locked.append)
+    reopen(me, settle, path)
+    assert locked == [path]
+    me.files.take_over(path)
+    settle(me)
+    assert not me.read_only
+    me.rename(me.selected, "Mine")
+    me.files.save()
+    settle(me)
+    assert not me.is_modified
+
+    met = []
+    theirs.files.when_hindered = met.append
+    theirs.rename(theirs.selected, "Theirs")
+    theirs.files.save()
+    settle(theirs)
+    assert isinstance(met[0].problem, Locked)
+    assert theirs.is_modified
+    met[0].go_on()
+    settle(theirs)
+    assert isinstance(met[1].problem, FileChanged)  # it was saved meanwhile
+    met[1].go_on()
+    settle(theirs)
+    assert not theirs.is_modified
+    assert json_names(path, "Theirs", "Mine") == ["Theirs"]
+
+
+# -- what other programs do to the file ----------------------------------------------------------
+
+
+@pytest.fixture
+def saved(session, settle, tmp_path):
+    """The session's document, saved and then changed."""
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    session.rename(session.selected, "Later")
+    return tmp_path / "a.bozz"
+
+
+def test_a_file_that_another_program_changed_is_not_written_over(session, saved, settle):
+    saved.write_bytes(b"theirs")
+    session.files.save()
+    settle(session)
+    assert saved.read_bytes() == b"theirs"
+    assert session.is_modified
+    assert "changed by another program" in words(session, "error")[-1]
+
+
+@pytest.mark.parametrize("answer", ["go_on", "keep_both", "leave"])
+def test_the_answer_to_a_changed_file_is_done(session, saved, settle, answer):
+    saved.write_bytes(b"theirs")
+    met, ended = [], []
+    session.files.when_hindered = met.append
+    session.files.save(None, lambda: ended.append("then"), lambda: ended.append("failed"))
+    settle(session)
+    assert ended == []
+    getattr(met[0], answer)()
+    settle(session)
+    assert ended == (["failed"] if answer == "leave" else ["then"])
+    assert session.is_modified is (answer == "leave")
+    beside = saved.with_name("a 2.bozz")
+    assert session.path == (beside if answer == "keep_both" else saved)
+    assert beside.exists() is (answer == "keep_both")
+    if answer == "go_on":
+        assert json_names(saved) == ["Later"]
+        assert saved.with_name("a.bozz~1").read_bytes() == b"theirs"
+    else:
+        assert saved.read_bytes() == b"theirs"
+    session.rename(session.selected, "Last")
+    if answer != "leave":
+        session.files.save()
+        settle(session)
+        assert not session.is_modified
+        assert len(met) == 1
+
+
+def test_a_file_that_changes_again_while_the_person_thinks_is_asked_about_again(
+    session, saved, settle
+):
+    met = []
+    session.files.when_hindered = met.append
+    saved.write_bytes(b"theirs")
+    session.files.save()
+    settle(session)
+    saved.write_bytes(b"theirs, once more")
+    met[0].go_on()
+    settle(session)
+    assert len(met) == 2
+    assert saved.read_bytes() == b"theirs, once more"
+
+
+def test_what_was_opened_and_changed_elsewhere_is_asked_about(make_session, saved, session, settle):
+    session.files.save()
+    settle(session)
+    session.files.close()
+    other = make_session()
+    reopen(other, settle, saved)
+    saved.write_bytes(saved.read_bytes() + b" ")
+    other.rename(other.selected, "Mine")
+    other.files.save()
+    settle(other)
+    assert other.is_modified
+
+
+def test_saving_beside_never_hits_a_file_that_is_there(session, settle, tmp_path):
+    draw(session, settle)
+    (tmp_path / "a.bozz").write_bytes(b"theirs")
+    save(session, settle, tmp_path / "a")
+    assert (tmp_path / "a.bozz").read_bytes() == b"theirs"
+    assert "already" in words(session, "error")[-1]
+
+
+def test_a_file_that_is_gone_is_saved_anew_and_said(session, saved, settle, tmp_path):
+    saved.rename(tmp_path / "moved.bozz")
+    session.files.save()
+    settle(session)
+    assert saved.exists()
+    assert "moved or deleted" in words(session, "info")[-1]
+
+
+def test_a_file_that_became_a_folder_or_read_only_stays_as_it_is(session, saved, settle, tmp_path):
+    saved.chmod(0o444)
+    session.files.save()
+    settle(session)
+    assert "may not be written" in words(session, "error")[-1]
+    saved.unlink()
+    saved.mkdir()
+    session.files.save()
+    settle(session)
+    assert "is a folder" in words(session, "error")[-1]
+    assert session.is_modified
+    save(session, settle, tmp_path / "b.bozz")
+    assert not session.is_modified
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links")
+def test_other_names_of_a_file_are_told(session, saved, settle, tmp_path):
+    os.link(saved, tmp_path / "other.bozz")
+    session.files.save()
+    settle(session)
+    assert "hard links" in words(session, "info")[-1]
+    assert json_names(tmp_path / "other.bozz") == ["Boxes"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="any bytes are a name")
+def test_a_document_whose_name_is_not_text_is_opened_and_saved(session, saved, settle, tmp_path):
+    session.files.save()
+    settle(session)
+    odd = tmp_path / "caf\udce9.bozz"
+    try:
+        os.rename(saved, odd)
+    except OSError:
+        pytest.skip("the disk wants text")
+    reopen(session, settle, odd)
+    assert session.path == odd
+    session.rename(session.selected, "Boxes")
+    session.files.save()
+    settle(session)
+    assert not session.is_modified
+    assert json_names(odd) == ["Boxes"]
+    assert words(session, "error") + words(session, "fault") == []
+    assert recent_files()[0] == odd
+
+
+# -- the small picture ---------------------------------------------------------------------------
+
+
+def has_picture(path):
+    with zipfile.ZipFile(path) as file:
+        return "thumbnail.png" in file.namelist()
+
+
+def test_a_document_has_a_small_picture(session, settle, tmp_path, monkeypatch):
+    monkeypatch.setattr(small_picture, "PATIENCE", 30.0)
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    assert has_picture(tmp_path / "a.bozz")
+
+
+def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
+    session, settle, tmp_path, monkeypatch
+):
+    def fail(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(small_picture, "_painted", fail)
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    assert not session.is_modified
+    assert not has_picture(tmp_path / "a.bozz")
+    reopen(session, settle, tmp_path / "a.bozz")
+    assert len(session.document) == 1
+
+
+def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_path, monkeypatch):
+    gate, begun = threading.Event(), []
+
+    def wait(*_):
+        begun.append(None)
+        gate.wait(30)
+        return b"late"
+
+    monkeypatch.setattr(small_picture, "_painted", wait)
+    draw(session, settle)
+    for name in ("a.bozz", "b.bozz"):
+        save(session, settle, tmp_path / name)
+        assert not session.is_modified
+        assert not has_picture(tmp_path / name)
+    assert len(begun) == 1  # the second save did not start another beside it
+    gate.set()

@@ -57,7 +57,7 @@ def crashed():
 
 def test_every_drawing_is_offered(shown, crashed):
     crashed[0] = CrashedSession("a", "Horse", None, 0.0, _today_at(0, 0, 7))
-    dialog = shown(RecoveryDialog(crashed, lambda one: None))
+    dialog = shown(RecoveryDialog(crashed, nothing, nothing))
     assert "Bozzetto closed unexpectedly." in said(dialog)
     assert "Your drawing “Horse” is here, complete to 00:00:07." in said(dialog)
     assert "Your drawing “Untitled” is here, complete to " in said(dialog)
@@ -69,40 +69,87 @@ def _today_at(hour, minute, second):
     return time.mktime((*now[:3], hour, minute, second, 0, 0, -1))
 
 
-def test_nothing_happens_to_what_is_kept(shown, crashed):
-    """The dialog has no way to delete: its only answers are Open and Keep for later."""
-    opened = []
-    dialog = shown(RecoveryDialog(crashed, opened.append))
+def nothing(crashed, ended):
+    """Do what the dialog asks for, without an end."""
+
+
+@pytest.fixture
+def asked():
+    """What a dialog asked for: (verb, session, callback)."""
+    return []
+
+
+@pytest.fixture
+def offer(shown, crashed, asked):
+    def show():
+        return shown(
+            RecoveryDialog(
+                crashed,
+                lambda one, ended: asked.append(("open", one, ended)),
+                lambda one, ended: asked.append(("discard", one, ended)),
+            )
+        )
+
+    return show
+
+
+def test_nothing_happens_to_what_is_kept(offer, asked):
+    dialog = offer()
     words = {button.text() for button in dialog.findChildren(QPushButton)}
-    assert words == {"Open", "Keep for later"}
+    assert words == {"Open", "Discard…", "Keep for later"}
     dialog.keep.click()
-    assert opened == []
+    assert asked == []
     assert not dialog.isVisible()
 
 
 @pytest.mark.parametrize("leave", ["escape", "close"])
-def test_leaving_it_keeps_everything(shown, crashed, leave):
-    opened = []
-    dialog = shown(RecoveryDialog(crashed, opened.append))
+def test_leaving_it_keeps_everything(offer, asked, leave):
+    dialog = offer()
     if leave == "escape":
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
     else:
         dialog.close()
-    assert opened == []
+    assert asked == []
     assert not dialog.isVisible()
 
 
-def test_each_is_opened_once_and_the_rest_stays_on_offer(shown, crashed):
-    opened = []
-    dialog = shown(RecoveryDialog(crashed, opened.append))
+def test_each_is_opened_once_and_the_rest_stays_on_offer(offer, crashed, asked):
+    dialog = offer()
     first, second = (b for b in dialog.findChildren(QPushButton) if b.text() == "Open")
     first.click()
     first.click()
-    assert opened == [crashed[0]]
+    assert [(verb, one) for verb, one, _ in asked] == [("open", crashed[0])]
+    assert first.text() == "Opening…"
+    asked[0][2](True)
+    assert first.text() == "Opened"
     assert dialog.isVisible()
     second.click()
-    assert opened == crashed
+    asked[1][2](True)
     assert not dialog.isVisible()
+
+
+def test_what_could_not_be_opened_is_offered_again(offer, asked):
+    dialog = offer()
+    first = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Open")
+    first.click()
+    asked[0][2](False)
+    assert (first.text(), first.isEnabled()) == ("Open", True)
+
+
+@pytest.mark.parametrize("sure", [True, False])
+def test_nothing_is_discarded_by_who_is_not_sure(offer, asked, monkeypatch, sure):
+    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: sure)
+    dialog = offer()
+    next(b for b in dialog.findChildren(QPushButton) if b.text() == "Discard…").click()
+    assert [verb for verb, *_ in asked] == ["discard"] * sure
+
+
+@pytest.mark.parametrize("moment", [-1e300, 1e300, float("nan"), 0.0])
+def test_times_without_sense_stop_nobody(shown, crashed, moment):
+    crashed[0] = CrashedSession("a", "Horse", None, moment, moment, "attic")
+    words = said(shown(RecoveryDialog(crashed, nothing, nothing)))
+    assert "Your drawing “Horse” is here, complete to" in words
+    assert "It was open on “attic”" in words
 
 
 # -- plugins --
