@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.reliability import suite_kills
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
@@ -36,19 +38,13 @@ def test_twenty_thousand_mutated_files_are_one_error_or_open():
 
 
 @needs_fork
-def test_sixty_kills_during_saves_lose_nothing():
-    assert "60 kills, 0 lost, 0 stale" in command("tests.kill_documents", "saves", "--count", "60")
-
-
-@needs_fork
-def test_sixty_kills_while_drawing_lose_at_most_the_stroke_under_way():
-    assert "60 kills, 0 lost, 0 wrong" in command(
-        "tests.kill_documents", "drawing", "--count", "60"
-    )
+@pytest.mark.parametrize("what", ["saves", "drawing", "recovering"])
+def test_sixty_kills_lose_nothing(what):
+    tally = getattr(suite_kills, what)(60)
+    assert [tally.get(name, 0) for name in ("lost", "stale", "wrong")] == [0, 0, 0], tally
 
 
 @needs_fork
 @pytest.mark.kill
-@pytest.mark.parametrize("what", ["saves", "drawing"])
-def test_a_thousand_kills(what):
-    assert "1000 kills, 0 lost, 0 " in command("tests.kill_documents", what, "--count", "1000")
+def test_three_hundred_kills_of_each_kind_lose_nothing():
+    assert [row for row in suite_kills.rows(0.3) if not row.kept] == []
