@@ -22,7 +22,7 @@ import secrets
 import shutil
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -210,15 +210,15 @@ class RecoverySession:
         self._stop()
         self._generation += 1
         base = self.folder / f"base-{self._generation}.bozz"
-        write_document(document, base, backups=0)
+        written = write_document(document, base, backups=0)
         self._changes = ChangeWriter(document)
         self._journal = JournalWriter(self.folder / f"journal-{self._generation}.bin")
-        self._longest = max(REBASE_BYTES, 4 * base.stat().st_size)
-        for old in _generations(self.folder):
-            if old < self._generation:
-                for stem in ("journal-{}.bin", "base-{}.bozz"):
-                    with contextlib.suppress(OSError):
-                        (self.folder / stem.format(old)).unlink(missing_ok=True)
+        self._longest = max(REBASE_BYTES, 4 * written.stamp.size)
+        with contextlib.suppress(OSError):  # older ones do no harm
+            for old in _generations(self.folder):
+                if old < self._generation:
+                    (self.folder / f"journal-{old}.bin").unlink(missing_ok=True)
+                    (self.folder / f"base-{old}.bozz").unlink(missing_ok=True)
 
     def _stop(self) -> None:
         if self._journal is not None:
@@ -328,18 +328,14 @@ class RecoveryStore:
         UserError
             If it was claimed already, or the disk fails.
         """
-        self._claim(session)
-        try:
-            return _recovered(self.folder / session.id, session, states, progress)
-        except OSError as problem:
-            self.keep(session)
-            raise UserError(
-                f"The recovery data of “{session.name}” cannot be read now "
-                f"({problem.strerror or problem}). They stay in {self.folder / session.id}."
-            ) from problem
-        except BaseException:
-            self.keep(session)
-            raise
+        folder = self.folder / session.id
+        with _told(session, folder, "read"):
+            self._claim(session)
+            try:
+                return _recovered(folder, session, states, progress)
+            except BaseException:
+                self.keep(session)
+                raise
 
     def keep(self, session: CrashedSession) -> None:
         """The person said: not now. The session is offered again next time."""
@@ -356,17 +352,13 @@ class RecoveryStore:
             If the data cannot be deleted, or another process has claimed them.
         """
         folder = self.folder / session.id
-        if session.id not in self._claims:
-            self._claim(session)
-        try:
-            _delete(folder, self._claims[session.id])
-        except OSError as problem:
-            raise UserError(
-                f"The recovery data of “{session.name}” cannot be deleted ({problem.strerror}). "
-                f"They are in {folder}."
-            ) from problem
-        finally:
-            self.keep(session)
+        with _told(session, folder, "deleted"):
+            if session.id not in self._claims:
+                self._claim(session)
+            try:
+                _delete(folder, self._claims[session.id])
+            finally:
+                self.keep(session)
 
     def tidy(self) -> None:
         """Delete what a process that died has half deleted, or had not yet begun to fill."""
@@ -404,6 +396,18 @@ class RecoveryStore:
         # A lock of another machine is taken over: the person was told of it, and chose it.
         force = session.host != "" and left_by(folder / LOCK) is not None
         self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name, force=force)
+
+
+@contextlib.contextmanager
+def _told(session: CrashedSession, folder: Path, what: str) -> Iterator[None]:
+    """Say what the disk refused, and where the data are."""
+    try:
+        yield
+    except OSError as problem:
+        raise UserError(
+            f"The recovery data of “{session.name}” cannot be {what} now "
+            f"({problem.strerror or problem}). They stay in {folder}."
+        ) from problem
 
 
 def _recovered(
