@@ -27,6 +27,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions import ActionRegistry
 from bozzetto_app.asking import FileQuestions
 from bozzetto_app.canvas.canvas import Canvas
+from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.changing_menus import ChangingMenus
 from bozzetto_app.commands import commands_of, number_keys
 from bozzetto_app.files import recent_files
@@ -111,6 +112,8 @@ class Window(QMainWindow):
         self.canvas = Canvas(session, current_palette(), self)
         self.actions_ = ActionRegistry(self, self.canvas)
         self.canvas.menu_entries = self._radial_entries
+        self._framing = Framing(session, self)
+        self.canvas.hand.pressed.connect(self._framing.end)
         self._replay: Replay | None = None
         self._closing = False
         self._said_first = ""

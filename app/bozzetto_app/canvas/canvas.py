@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
 from PySide6.QtGui import (
     QCursor,
@@ -29,10 +30,11 @@ from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
-from bozzetto.view.navigation import fit_points, with_kind
+from bozzetto.view.navigation import with_kind
 from bozzetto.view.standard import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
 from bozzetto_app.canvas.drop import carries_something, take
+from bozzetto_app.canvas.framing import framed, points_to_frame
 from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
 from bozzetto_app.canvas.ink_overlay import InkOverlay
@@ -228,22 +230,21 @@ class Canvas(QWidget):
             self.show_camera(self.better_view)
 
     def fit(self) -> None:
-        """Show everything."""
-        self._frame(self._session.scene)
+        """Show everything; on an empty sheet what the modeler shows there, such as its box."""
+        self._frame(points_to_frame(self._session))
 
     def frame_selection(self) -> None:
         """Show the selected model, or everything where none is selected."""
         selected = self._session.selected
         layers = tuple(layer for layer in self._session.scene.layers if layer.owner == selected)
-        self._frame(Scene(layers) if selected and layers else self._session.scene)
+        if selected and layers:
+            self._frame(Scene(layers).points())
+        else:
+            self.fit()
 
-    def _frame(self, scene: Scene) -> None:
+    def _frame(self, points: NDArray[np.float64]) -> None:
         self.motion.finish()
-        points = scene.points()
-        camera = self._own_view()
-        if len(points) and np.ptp(points, axis=0).max() == 0.0:
-            points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
-        self.animate_to(fit_points(camera, points))
+        self.animate_to(framed(self._own_view(), points))
 
     def _own_view(self) -> Camera:
         """The view now; one that stood where a picture was drawn from as an ordinary view.
