@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
@@ -58,7 +58,15 @@ class Inking(QObject):
         Strokes that no tool has understood yet.
     live : Scene
         What is shown only until something better is there.
+
+    Signals
+    -------
+    progressed : float, str; busy_changed : bool
+        Work on gestures advances, starts, ends.
     """
+
+    progressed = Signal(float, str)
+    busy_changed = Signal(bool)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -70,11 +78,18 @@ class Inking(QObject):
         self._unpreviewable: set[tuple[str, str]] = set()
         self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
+        self._edits.progressed.connect(self.progressed)
+        self._edits.busy_changed.connect(self.busy_changed)
 
     @property
     def busy(self) -> bool:
         """Whether a gesture is being worked on."""
-        return self._edits.busy or self._previews.busy
+        return self.is_applying or self._previews.busy
+
+    @property
+    def is_applying(self) -> bool:
+        """Whether a gesture or a command is on its way into the document."""
+        return self._edits.busy
 
     # -- strokes --
 
@@ -110,6 +125,11 @@ class Inking(QObject):
         self._edits.cancel()
         self._await_ink(pending)
         self.cancelled()
+
+    def stop(self) -> None:
+        """Stop work on gestures and commands; ink that was worked on waits."""
+        self._edits.cancel()
+        self._show_nothing()
 
     def go_on(self) -> None:
         """The person jumped in the history: only the ink that waits is still meant."""
@@ -279,7 +299,7 @@ class Inking(QObject):
             gesture = gesture_now()
             if gesture is None:
                 return None
-            return self._worked_out(gesture, modeler_id, tool_id, context)
+            return self._worked_out(gesture, modeler_id, tool_id, context, job)
 
         def answered(answer: _Answer | None) -> None:
             if answer is None or (isinstance(answer.gesture, Ink) and gesture_now() is None):
@@ -301,20 +321,14 @@ class Inking(QObject):
             )
             if used:
                 session.pending_changed.emit()
-            hint = session.toolbox.hint_of(answer.tool)
-            if hint and not session.toolbox.tells_next(answer.tool):
-                session.say_hint(
-                    tr(
-                        "Session",
-                        "{hint} Middle button or Alt + pen turns. Enter starts a new object.",
-                        hint=hint,
-                    )
-                )
+            # The tool in the hand speaks, whichever tool took the drag of a handle.
+            if not session.toolbox.tells_next(session.active_tool):
+                session.say_hint(session.toolbox.hint_and_more(session.active_tool))
 
         self._edits.submit(Request(work, answered, failed))
 
     def _worked_out(
-        self, gesture: Gesture, modeler_id: str, tool_id: str, context: Context
+        self, gesture: Gesture, modeler_id: str, tool_id: str, context: Context, job: Job
     ) -> _Answer:
         """In the worker: the state after a gesture."""
         bench = self._session.workbench
@@ -330,6 +344,7 @@ class Inking(QObject):
                        title=self._session.registry.info(modeler_id).title)
                 )  # fmt: skip
             tool = tools[0]
+        job.checkpoint(0.0, tool.title)
         changed = bench.apply(model, tool, gesture, context)
         only_chosen = base is not None and bench.parts.only_choice_differs(base, changed)
         return _Answer(gesture, base, changed, tool.title, tool.id, only_chosen)

@@ -133,7 +133,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
         self.showing.busy_changed.connect(self._look_who_is_busy)
-        for part in (self.files, self.using, self.picturing):
+        for part in (self.inking, self.files, self.using, self.picturing):
             part.progressed.connect(self.progressed)
             part.busy_changed.connect(self._look_who_is_busy)
         self.view_style_changed.connect(self._style_changed)
@@ -389,6 +389,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
+        self.inking.stop()
         self.tell(tr("Session", "Stopped. Nothing was changed."))
 
     def cancel_all(self) -> None:
@@ -401,7 +402,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
 
     def _look_who_is_busy(self) -> None:
         parts = (self.showing, self.files, self.using, self.picturing)
-        busy = any(part.busy for part in parts)
+        busy = self.inking.is_applying or any(part.busy for part in parts)
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)

@@ -194,10 +194,24 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     assert len(handles) == len(sketch.marks)
     assert session.history.position == steps + 1
 
-    # Touching a mark changes nothing.
+    # A tap on it sets the point that is asked for, in the same place.
     now = state(window).sketch.marks
     tap(window, on_canvas(window, (new.u, new.v)), settle)
-    assert state(window).sketch.marks == now
+    *same, last = state(window).sketch.marks
+    assert tuple(same) == now
+    assert (last.u, last.v) == pytest.approx((new.u, new.v), abs=1.0)
+
+
+@pytest.mark.parametrize("gap", [0.0, 3.0, 9.0])
+def test_a_mark_can_be_set_right_beside_another_one(window, settle, gap):
+    drop(window, picture_of(FIRST), settle)
+    first = on_canvas(window, (300.0, 300.0))
+    tap(window, first, settle)
+    tap(window, first + (gap, 0.0), settle)
+    one, other = state(window).sketch.marks
+    assert one.node != other.node
+    before = on_canvas(window, (one.u, one.v)), on_canvas(window, (other.u, other.v))
+    assert before[1] - before[0] == pytest.approx((gap, 0.0), abs=1.0)
 
 
 def test_a_second_sketch_comes_into_view(window, settle):
