@@ -98,11 +98,11 @@ class FileQuestions:
 
     def ask_export(self) -> None:
         """A place and a format for the shapes."""
-        from bozzetto.exchange.formats import writers
+        from bozzetto_app.offering import offered_formats
 
         kinds = ";;".join(
             f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})"
-            for one in writers("mesh", "curves")
+            for one in offered_formats(self._session)
         )
         path = self._place(tr("Files", "Export"), kinds, "")
         if path is not None:

@@ -207,7 +207,7 @@ def test_a_mark_can_be_set_right_beside_another_one(window, settle, gap):
     drop(window, picture_of(FIRST), settle)
     first = on_canvas(window, (300.0, 300.0))
     tap(window, first, settle)
-    tap(window, first + (gap, 0.0), settle)
+    tap(window, first + np.array([gap, 0.0]), settle)
     one, other = state(window).sketch.marks
     assert one.node != other.node
     before = on_canvas(window, (one.u, one.v)), on_canvas(window, (other.u, other.v))
