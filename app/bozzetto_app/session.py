@@ -136,6 +136,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         for part in (self.inking, self.files, self.using, self.picturing):
             part.progressed.connect(self.progressed)
             part.busy_changed.connect(self._look_who_is_busy)
+        self.picturing.taken.connect(self.toolbox.take_first_tool)
         self.view_style_changed.connect(self._style_changed)
         self.tool_changed.connect(self._hand_changed)
         self.selection_changed.connect(self._hand_changed)

@@ -104,6 +104,11 @@ class Toolbox(QObject):
                 self._session.tool_changed.emit()
                 self._session.say_hint(tool.hint)
 
+    def take_first_tool(self) -> None:
+        """Take the modeler's first tool: with it a picture that came in is worked on."""
+        if self.tools and self.tool != self.tools[0].id:
+            self.take_tool(self.tools[0].id)
+
     def tool_for(self, gesture: Literal["ink", "tap", "drag"]) -> str:
         """The tool that gets a gesture.
 

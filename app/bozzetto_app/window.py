@@ -137,6 +137,7 @@ class Window(QMainWindow):
         self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
+        session.picturing.taken.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
         self._changing = ChangingMenus(self, self.actions_)
@@ -386,6 +387,11 @@ class Window(QMainWindow):
         if title:
             self._plugin_dock.raise_()
             QTimer.singleShot(0, self, self._make_room)
+
+    def _show_what_guides(self) -> None:
+        """A picture came in: the modeler's own panel says what to do with it."""
+        if self._plugin_panel.is_filled:
+            self._plugin_dock.raise_()
 
     def _make_room(self) -> None:
         if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:

@@ -225,6 +225,33 @@ def test_a_second_sketch_comes_into_view(window, settle):
     assert session.advising.advice.pinned
 
 
+@pytest.mark.parametrize("shading", ["shaded", "zebra"])
+def test_a_second_sketch_of_a_finished_car_takes_marks_at_once(
+    window, settle, qtbot, tmp_path, shading
+):
+    """With *Style* in the hand, the parameters in front, and the body before the drawing."""
+    session = window.session
+    facts = {name: value for name, value in SEDAN.items() if name != "styling"}
+    few = dict(list(FIRST["marks"].items())[:8])
+    facts["views"] = [{"kind": FIRST["kind"], "image": FIRST["image"], "marks": few}]
+    (tmp_path / "one.json").write_text(json.dumps(facts), "utf-8")
+    picture = picture_of(FIRST)
+    (tmp_path / picture.name).write_bytes(picture.read_bytes())
+    drop(window, tmp_path / "one.json", settle)
+    assert session.report["views"][0]["solved"]
+    session.set_parameter("shading", shading)
+    session.activate_tool("style")
+    window._docks[1].raise_()
+    settle(session, window.keeper)
+    drop(window, picture_of(SECOND), settle)
+    assert session.active_tool == "mark"
+    qtbot.waitUntil(lambda: guide(window).isVisible(), timeout=5_000)
+    (body,) = shown(window, "body")
+    assert body.opacity < 0.5, "the drawing shows through"
+    tap(window, on_canvas(window, (300.0, 300.0)), settle)
+    assert len(state(window).sketch.marks) == 1
+
+
 def test_keys_pass_points_over(window, settle):
     session = window.session
     drop(window, picture_of(FIRST), settle)
