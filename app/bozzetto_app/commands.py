@@ -376,6 +376,15 @@ def _view(window: Window) -> Iterator[Action]:
 def _help(window: Window) -> Iterator[Action]:
     menu = (tr("Menu", "&Help"),)
     yield Action(
+        "help.guide",
+        tr("Help", "&Guide"),
+        window.open_guide,
+        "help",
+        ("Shift+F1",),
+        menu,
+        tip=tr("Help", "How everything works, with pictures; nothing is fetched from the web"),
+    )
+    yield Action(
         "help.shortcuts",
         tr("Help", "&Keys and gestures"),
         window.open_shortcuts,

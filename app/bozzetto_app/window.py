@@ -435,6 +435,12 @@ class Window(QMainWindow):
         palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         palette.open_over(self)
 
+    def open_guide(self) -> None:
+        """Show the guide beside the sheet."""
+        from bozzetto_app.dialogs.guide import GuideDialog
+
+        self._show(GuideDialog(self))
+
     def open_shortcuts(self) -> None:
         """List keys and gestures."""
         from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
