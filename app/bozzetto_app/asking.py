@@ -40,7 +40,12 @@ class FileQuestions:
 
     def ask_new(self) -> None:
         """An empty sheet, once unsaved work is safe."""
-        self.when_safe(self._session.files.new)
+
+        def begin() -> None:
+            self._session.files.new()
+            self._session.tell(tr("Files", "A new sheet."))
+
+        self.when_safe(begin)
 
     def ask_open(self) -> None:
         """A document to open."""

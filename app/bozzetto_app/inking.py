@@ -39,7 +39,10 @@ PREVIEW_LIMIT = 10.0
 
 @dataclass(frozen=True)
 class _Answer:
-    """What became of a gesture: `model` in the place of `base`, or a new one."""
+    """What became of a gesture: `model` in the place of `base`, or a new one.
+
+    `changed` is False where the gesture did nothing at all to `base`.
+    """
 
     gesture: Gesture
     base: Model | None
@@ -47,6 +50,7 @@ class _Answer:
     label: str
     tool: str
     only_chosen: bool
+    changed: bool
 
 
 class Inking(QObject):
@@ -308,8 +312,13 @@ class Inking(QObject):
             if base is not None and all(base is not known for known in session.document):
                 self._submit(gesture_now, tool_id, failed)
                 return
+            if not answer.changed:
+                self._await_ink(self._without(_strokes_of(answer.gesture)))
+                self._show_nothing()
+                session.say_nothing_changed(session.toolbox.hint_of(answer.tool))
+                return
             # Ink and model change places at once: the journal must never miss a stroke.
-            used = answer.gesture.strokes if isinstance(answer.gesture, Ink) else ()
+            used = _strokes_of(answer.gesture)
             self.pending = self._without(used)
             self._previews.cancel()
             self._awaited = answer.model.id
@@ -333,6 +342,8 @@ class Inking(QObject):
         """In the worker: the state after a gesture."""
         bench = self._session.workbench
         base = self.target(modeler_id)
+        if base is None and not isinstance(gesture, Ink):
+            self._refuse_closed(modeler_id)
         model = base or bench.create(modeler_id, context)
         if tool_id:
             tool = bench.tool(modeler_id, tool_id)
@@ -347,7 +358,28 @@ class Inking(QObject):
         job.checkpoint(0.0, tool.title)
         changed = bench.apply(model, tool, gesture, context)
         only_chosen = base is not None and bench.parts.only_choice_differs(base, changed)
-        return _Answer(gesture, base, changed, tool.title, tool.id, only_chosen)
+        differs = base is None or bench.differs(base, changed, only_chosen=only_chosen)
+        return _Answer(gesture, base, changed, tool.title, tool.id, only_chosen, differs)
+
+    def _refuse_closed(self, modeler_id: str) -> None:
+        """Refuse touches and drags while what they are meant for is locked or hidden.
+
+        Raises
+        ------
+        UserError
+            Ink may still start a new object; a touch can mean the selected one only.
+        """
+        model = self._session.selected_model
+        if model is None or model.modeler != modeler_id:
+            return
+        if model.locked:
+            raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
+        if not model.visible:
+            raise UserError(tr("Session", "This object is hidden. Show it to change it."))
+
+
+def _strokes_of(gesture: Gesture) -> tuple[Stroke, ...]:
+    return gesture.strokes if isinstance(gesture, Ink) else ()
 
 
 def _warning(strokes: tuple[Stroke, ...]) -> Scene:

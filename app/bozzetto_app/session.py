@@ -21,6 +21,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
+from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
@@ -443,6 +444,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def tell(self, text: str) -> None:
         """Say that something went well."""
         self.noticed.emit(Notice("info", text))
+
+    def say_nothing_changed(self, why: str) -> None:
+        """Say that what was just asked for changed nothing, and why or what to do instead."""
+        self.complain(UserError(tr("Session", "Nothing changed. {why}", why=why).strip()))
 
     def complain(self, problem: BaseException) -> None:
         """Tell the person about a problem, each kind in its own way."""

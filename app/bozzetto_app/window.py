@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QIcon
+from PySide6.QtGui import QCloseEvent, QIcon, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
     QDialog,
@@ -141,6 +141,9 @@ class Window(QMainWindow):
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
         self._changing = ChangingMenus(self, self.actions_)
+        self.actions_.refused.connect(lambda why: session.complain(UserError(why)))
+        self.actions_.is_so.connect(session.tell)
+        self.canvas.menu_refused.connect(lambda entry: self.actions_.refuse(entry.action))
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
@@ -231,6 +234,14 @@ class Window(QMainWindow):
             shown = event.type() == QEvent.Type.Show
             self.canvas.leave_room(self.welcome.width() if shown else 0)
         return False
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """A key that nobody took: its action cannot be done now, which is told."""
+        keys = QKeySequence(event.keyCombination()).toString(
+            QKeySequence.SequenceFormat.PortableText
+        )
+        if not self.actions_.refuse_key(keys):
+            super().keyPressEvent(event)
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:
         self.actions_.refresh()

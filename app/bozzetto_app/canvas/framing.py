@@ -20,7 +20,7 @@ from bozzetto_app.looking import FIRST_VIEW
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["Framing", "framed", "is_in_view", "points_to_frame"]
+__all__ = ["Framing", "framed", "is_in_view", "points_to_frame", "same_view"]
 
 Array = NDArray[np.float64]
 
@@ -30,6 +30,9 @@ may have saved while looking at a detail."""
 
 SMALLEST: Final = 0.05
 """Least extent of what is seen for that, in canvas sides: what is smaller is only a speck."""
+
+SAME: Final = 1e-5
+"""Largest difference of two views that are the same, in visible heights and as a sine."""
 
 EDGE: Final = 0.5
 """How far a point may lie beyond the canvas and still count as seen, pixels."""
@@ -62,6 +65,18 @@ def is_in_view(camera: Camera, points: Array, share: float = 1.0) -> bool:
         return False
     extent = np.ptp(places[seen], axis=0) / size
     return bool(extent.max() >= SMALLEST)
+
+
+def same_view(one: Camera, other: Camera) -> bool:
+    """Whether nobody could tell two views apart."""
+    if one.kind != other.kind or one.viewport != other.viewport:
+        return False
+    near = SAME * one.visible_height
+    return (
+        np.allclose(one.axes, other.axes, rtol=0.0, atol=SAME)
+        and np.allclose((one.eye, one.target), (other.eye, other.target), rtol=0.0, atol=near)
+        and abs(one.visible_height - other.visible_height) <= near
+    )
 
 
 class Framing(QObject):

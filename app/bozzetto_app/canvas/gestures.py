@@ -16,6 +16,7 @@ from typing import Final, Literal
 
 __all__ = [
     "FLICK_TRAVEL",
+    "TAP_TRAVEL",
     "Button",
     "GestureMachine",
     "Keys",

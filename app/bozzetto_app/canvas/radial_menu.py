@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import (
     QFont,
     QFontMetricsF,
@@ -89,9 +89,12 @@ class RadialMenu(QWidget):
     -------
     closed
         The menu is gone, whether something was chosen or not.
+    refused : MenuEntry
+        An entry was chosen that cannot be done now.
     """
 
     closed = Signal()
+    refused = Signal(object)
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -214,6 +217,7 @@ class RadialMenu(QWidget):
 
     def _choose(self, index: int) -> None:
         if index >= 0 and not self._entries[index].enabled:
+            self.refused.emit(self._entries[index])
             return
         self.close_menu()
         if index >= 0:
@@ -300,7 +304,7 @@ def entry_places(
     """
     metrics = QFontMetricsF(font)
     above = ICON + GAP if has_icon else 0.0
-    tried = []
+    tried: list[QSizeF] = []
     for width in range(WIDEST, NARROWEST - 1, -4):
         room = QRectF(0.0, 0.0, width, 4.0 * metrics.height())
         size = metrics.boundingRect(room, int(WRAPPED), title).size()
