@@ -55,6 +55,11 @@ LAYOUT_VERSION = 3
 RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
 
 FIRST_SIZE = (1280, 800)
+"""Of the window at the first start, if the screen is large enough, pixels."""
+
+FRAME = (8, 48)
+"""What a window's frame and title take of a screen, pixels."""
+
 DOCK_HEIGHTS = (310, 340, 90)
 """Of objects, parameters and history at the first start, pixels."""
 
@@ -255,7 +260,9 @@ class Window(QMainWindow):
     # -- the layout is remembered --
 
     def _restore_layout(self) -> None:
-        self.resize(*FIRST_SIZE)
+        free = self.screen().availableGeometry().size()
+        room = free.width() - FRAME[0], free.height() - FRAME[1]
+        self.resize(min(FIRST_SIZE[0], room[0]), min(FIRST_SIZE[1], room[1]))
         kept = settings()
         geometry, state = kept.value("window/geometry"), kept.value("window/state")
         if isinstance(geometry, QByteArray):

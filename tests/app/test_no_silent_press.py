@@ -7,6 +7,7 @@ on nothing and on an object: in every state that the sheet can be in.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt
@@ -170,26 +171,22 @@ def test_no_tool_is_silent_on_nothing_or_on_an_object(put, settle, asked, modele
     middle = (canvas.width() / 2, canvas.height() / 2)
     silent = []
     for tool in [tool.id for tool in session.tools]:
-        for place in (NOTHING, middle):
-            for eraser in (False, True):
-                for way in ("tap", "drag"):
-                    restore(state)
-                    session.activate_tool(tool)
-                    settle(session)
-                    # Twice: the second press finds what the first one left.
-                    for time in (1, 2):
-                        watch = Watch(window, asked)
-                        stylus = Stylus(canvas, eraser=eraser)
-                        stylus.press(place)
-                        if way == "drag":
-                            stylus.move((place[0] + 20.0, place[1] - 10.0))
-                            stylus.move((place[0] + 50.0, place[1] - 20.0))
-                            stylus.lift((place[0] + 50.0, place[1] - 20.0))
-                        else:
-                            stylus.lift(place)
-                        settle(session)
-                        if watch.is_silent:
-                            silent.append((tool, place, eraser, way, time))
+        restore(state)
+        session.activate_tool(tool)
+        settle(session)
+        for place, eraser, way in product((NOTHING, middle), (False, True), ("tap", "drag")):
+            # Twice: the second press finds what the first one left.
+            for time in (1, 2):
+                watch = Watch(window, asked)
+                stylus, end = Stylus(canvas, eraser=eraser), (place[0] + 50.0, place[1] - 20.0)
+                if way == "drag":
+                    stylus.draw([place, (place[0] + 20.0, place[1] - 10.0), end])
+                else:
+                    stylus.press(place)
+                    stylus.lift(place)
+                settle(session)
+                if watch.is_silent:
+                    silent.append((tool, place, eraser, way, time))
     assert silent == []
 
 

@@ -146,7 +146,9 @@ class GuideText(QTextBrowser):
 
     def _show_again(self) -> None:
         """With pictures for the width that there is now, at the same place."""
-        first = self.cursorForPosition(QPoint(0, 0)).blockNumber()
+        self.document().documentLayout().documentSize()
+        at_top = not self.verticalScrollBar().value()
+        first = 0 if at_top else self.cursorForPosition(QPoint(0, 0)).blockNumber()
         page, self._page = self._page, ""
         if page:
             self.show_page(page)
