@@ -96,7 +96,11 @@ def _file(window: Window) -> Iterator[Action]:
         menu,
         "save",
         enabled=lambda: len(session.document) > 0,
-        why_not=lambda: tr("File", "There is nothing to export yet. Draw something first."),
+        why_not=lambda: (
+            tr("File", "Ink is waiting. Finish it with Enter, then export.")
+            if session.pending
+            else tr("File", "There is nothing to export yet. Draw something first.")
+        ),
         tip=tr("File", "For a 3D printer, for Blender, for the web"),
     )
     yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
