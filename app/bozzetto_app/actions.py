@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from bozzetto_app.icons import icon
 from bozzetto_app.theme import current_palette
+from bozzetto_app.words import tr
 
 __all__ = ["Action", "ActionConflict", "ActionRegistry", "key_text"]
 
@@ -20,6 +21,10 @@ MenuPath = tuple[str, ...]
 
 def _always() -> bool:
     return True
+
+
+def _no_reason() -> str:
+    return ""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,9 @@ class Action:
         without a name, where their first action was registered.
     enabled : callable
         Whether it can be done now.
+    why_not : callable
+        Why it cannot be done now and what to do first, in one sentence. Asked only while
+        `enabled` says no.
     checked : callable, optional
         Whether it is on; None for actions that are not switches.
     tip : str
@@ -62,6 +70,7 @@ class Action:
     menu: tuple[str, ...] = ()
     group: str = ""
     enabled: Callable[[], bool] = _always
+    why_not: Callable[[], str] = _no_reason
     checked: Callable[[], bool] | None = None
     tip: str = ""
     on_sheet: bool = False
@@ -101,9 +110,15 @@ class ActionRegistry(QObject):
     -------
     changed
         Actions came or went.
+    refused : str
+        An action was asked for that cannot be done now: why.
+    is_so : str
+        A choice was made that had been made before: its words.
     """
 
     changed = Signal()
+    refused = Signal(str)
+    is_so = Signal(str)
 
     def __init__(self, window: QWidget, sheet: QWidget | None = None) -> None:
         super().__init__(window)
@@ -168,15 +183,36 @@ class ActionRegistry(QObject):
         return self._made[action_id]
 
     def run(self, action_id: str) -> None:
-        """Do it, if it can be done now."""
+        """Do it, if it can be done now; else say why not."""
         self.refresh()
-        self._made[action_id].trigger()
+        if self._made[action_id].isEnabled():
+            self._made[action_id].trigger()
+        else:
+            self.refuse(action_id)
+
+    def refuse(self, action_id: str) -> None:
+        """Say why an action cannot be done now."""
+        action = self._actions[action_id]
+        cannot = tr("Actions", "“{title}” cannot be done now.", title=action.plain_title)
+        self.refused.emit(action.why_not() or cannot)
+
+    def refuse_key(self, key: str) -> bool:
+        """Say why the action of a key cannot be done now; False where there is no such action."""
+        action = self.holder(key)
+        if action is None or action.enabled():
+            return False
+        self.refuse(action.id)
+        return True
 
     def refresh(self) -> None:
         """Ask every action whether it can be done and whether it is on."""
         for action_id, action in self._actions.items():
             made = self._made[action_id]
-            made.setEnabled(action.enabled())
+            enabled = action.enabled()
+            made.setEnabled(enabled)
+            tip = action.tip if enabled else action.why_not() or action.tip
+            made.setToolTip(tip or action.plain_title)
+            made.setStatusTip(tip)
             if action.checked is not None:
                 made.setChecked(action.checked())
 
@@ -215,8 +251,11 @@ class ActionRegistry(QObject):
         return self._sheet if action.on_sheet else self._window
 
     def _do(self, action: Action) -> None:
+        was_on = action.checked is not None and action.checked()
         action.callback()
         self.refresh()
+        if was_on and action.checked is not None and action.checked():
+            self.is_so.emit(tr("Actions", "“{title}” is on already.", title=action.plain_title))
 
     def _rebuilt(self) -> None:
         if self._bar is not None:
@@ -254,6 +293,7 @@ class ActionRegistry(QObject):
                     menu.addAction(self._made[entry.id])
                     continue
                 inner = menu.addMenu(entry[-1])
+                inner.setToolTipsVisible(True)
                 inner.aboutToShow.connect(self.refresh)
                 self._menus.append(inner)
                 self._add(inner, entry, entries)

@@ -96,7 +96,12 @@ class FileQuestions:
 
     def ask_new(self) -> None:
         """An empty sheet, once unsaved work is safe."""
-        self.when_safe(self._session.files.new)
+
+        def begin() -> None:
+            self._session.files.new()
+            self._session.tell(tr("Files", "A new sheet."))
+
+        self.when_safe(begin)
 
     def ask_open(self) -> None:
         """A document to open."""
@@ -222,11 +227,11 @@ class FileQuestions:
 
     def ask_export(self) -> None:
         """A place and a format for the shapes."""
-        from bozzetto.exchange.formats import writers
+        from bozzetto_app.offering import offered_formats
 
         kinds = ";;".join(
             f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})"
-            for one in writers("mesh", "curves")
+            for one in offered_formats(self._session)
         )
         path, is_asked = self._place(tr("Files", "Export"), kinds, "")
         if path is not None and (is_asked or self._may_replace(path)):

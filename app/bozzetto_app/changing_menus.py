@@ -50,6 +50,12 @@ def _plain(title: str) -> str:
     return title.replace("&", "&&")
 
 
+def _not_now(title: str, help_: str) -> str:
+    """Why a modeler's command cannot be run: only the modeler knows, but it says what it does."""
+    words = tr("Object", "“{title}” means nothing here as things are.", title=title)
+    return f"{words} {help_}".strip()
+
+
 class ChangingMenus(QObject):
     """Keeps these submenus as they should be now.
 
@@ -146,6 +152,7 @@ class ChangingMenus(QObject):
                 keys=(key,) if free else (),
                 menu=(tr("Menu", "&Object"), _plain(title)),
                 enabled=partial(commanding.is_enabled, command.id),
+                why_not=partial(_not_now, command.title, command.help),
                 tip=tip.strip(),
             )
 

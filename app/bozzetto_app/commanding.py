@@ -14,6 +14,7 @@ from bozzetto.document.model import Model
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.job import Job
 from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
@@ -104,18 +105,23 @@ class Commanding(QObject):
         modeler, context = model.modeler, session.context()
         commands, parts = session.workbench.commands, session.workbench.parts
 
-        def work(job: Job) -> tuple[Model, Model, str, bool] | None:
+        def work(job: Job) -> tuple[Model, Model, str, bool, bool] | None:
             base = session.selected_model
             if base is None or base.modeler != modeler:
                 return None
             command = commands.find(modeler, command_id)
             made = commands.run(base, command, context)
-            return base, made, command.title, parts.only_choice_differs(base, made)
+            only_chosen = parts.only_choice_differs(base, made)
+            differs = session.workbench.differs(base, made, only_chosen=only_chosen)
+            return base, made, command.title, only_chosen, differs
 
-        def done(answer: tuple[Model, Model, str, bool] | None) -> None:
+        def done(answer: tuple[Model, Model, str, bool, bool] | None) -> None:
             if answer is None:
                 return
-            base, made, title, only_chosen = answer
+            base, made, title, only_chosen, differs = answer
+            if not differs:
+                session.say_nothing_changed(tr("Object", "“{title}” is done already.", title=title))
+                return
             if all(base is not known for known in session.document):
                 self.run(command_id)  # the document moved on meanwhile
                 return

@@ -74,6 +74,9 @@ def _file(window: Window) -> Iterator[Action]:
         menu,
         "save",
         enabled=lambda: not session.read_only,
+        why_not=lambda: tr(
+            "File", "This document can only be looked at here. Use Save as to keep changes."
+        ),
     )
     yield Action(
         "file.save_as",
@@ -93,6 +96,11 @@ def _file(window: Window) -> Iterator[Action]:
         menu,
         "save",
         enabled=lambda: len(session.document) > 0,
+        why_not=lambda: (
+            tr("File", "Ink is waiting. Finish it with Enter, then export.")
+            if session.pending
+            else tr("File", "There is nothing to export yet. Draw something first.")
+        ),
         tip=tr("File", "For a 3D printer, for Blender, for the web"),
     )
     yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
@@ -109,6 +117,7 @@ def _edit(window: Window) -> Iterator[Action]:
         ("Ctrl+Z",),
         menu,
         enabled=lambda: bool(session.pending) or session.history.undo_label is not None,
+        why_not=lambda: tr("Edit", "There is nothing to undo."),
     )
     yield Action(
         "edit.redo",
@@ -118,6 +127,7 @@ def _edit(window: Window) -> Iterator[Action]:
         ("Ctrl+Shift+Z", "Ctrl+Y"),
         menu,
         enabled=lambda: session.history.redo_label is not None,
+        why_not=lambda: tr("Edit", "There is nothing to do again: nothing was undone."),
     )
     yield Action("edit.paste", tr("Edit", "&Paste"), files.paste, "", ("Ctrl+V",), menu)
     yield Action(
@@ -148,6 +158,7 @@ def _edit(window: Window) -> Iterator[Action]:
         menu,
         "ink",
         enabled=lambda: bool(session.pending),
+        why_not=lambda: tr("Edit", "No stroke is waiting. Undo takes back what is done."),
         on_sheet=True,
     )
     yield Action(
@@ -181,6 +192,21 @@ def _object(window: Window) -> Iterator[Action]:
         model = session.selected_model
         return model is not None and not model.locked
 
+    def no_selection() -> str:
+        if not len(session.document):
+            return tr("Object", "There is no object yet. Draw one first.")
+        return tr("Object", "No object is selected. Click one in the list of objects.")
+
+    def not_free() -> str:
+        if session.selected_model is None:
+            return no_selection()
+        return tr("Object", "This object is locked. Unlock it to change it.")
+
+    def no_group() -> str:
+        if not free():
+            return not_free()
+        return tr("Object", "No group is chosen. Click one in the list of objects.")
+
     yield Action(
         "object.duplicate",
         tr("Object", "&Duplicate"),
@@ -189,6 +215,7 @@ def _object(window: Window) -> Iterator[Action]:
         ("Ctrl+D",),
         menu,
         enabled=has_selection,
+        why_not=no_selection,
     )
     yield Action(
         "object.delete",
@@ -198,6 +225,7 @@ def _object(window: Window) -> Iterator[Action]:
         ("Delete",),
         menu,
         enabled=free,
+        why_not=not_free,
         on_sheet=True,
     )
     yield Action(
@@ -208,6 +236,7 @@ def _object(window: Window) -> Iterator[Action]:
         ("Ctrl+Shift+G",),
         menu,
         enabled=lambda: free() and bool(session.chosen_group),
+        why_not=no_group,
         tip=tr("Object", "The chosen group goes; what is in it stays where it is"),
     )
     for info in session.using.takers:
@@ -217,6 +246,7 @@ def _object(window: Window) -> Iterator[Action]:
             partial(session.using.use_chosen, info.id),
             menu=(*menu, tr("Object", "U&se as input for")),
             enabled=has_selection,
+            why_not=no_selection,
             tip=tr("Object", "A new object starts from a copy of the chosen shape"),
         )
     yield Action(
@@ -228,6 +258,7 @@ def _object(window: Window) -> Iterator[Action]:
         menu,
         "state",
         enabled=has_selection,
+        why_not=no_selection,
     )
     yield Action(
         "object.lock",
@@ -238,6 +269,7 @@ def _object(window: Window) -> Iterator[Action]:
         menu,
         "state",
         enabled=has_selection,
+        why_not=no_selection,
     )
 
 
@@ -302,6 +334,7 @@ def _view(window: Window) -> Iterator[Action]:
         ("T",),
         menu,
         enabled=lambda: canvas.better_view is not None,
+        why_not=lambda: tr("View", "No better view is known: this one will do."),
         tip=tr("View", "Where the light above the sheet points"),
     )
     shadings: dict[str, str] = {
@@ -376,6 +409,15 @@ def _view(window: Window) -> Iterator[Action]:
 def _help(window: Window) -> Iterator[Action]:
     menu = (tr("Menu", "&Help"),)
     yield Action(
+        "help.guide",
+        tr("Help", "&Guide"),
+        window.open_guide,
+        "help",
+        ("Shift+F1",),
+        menu,
+        tip=tr("Help", "How everything works, with pictures; nothing is fetched from the web"),
+    )
+    yield Action(
         "help.shortcuts",
         tr("Help", "&Keys and gestures"),
         window.open_shortcuts,
@@ -410,6 +452,14 @@ def number_keys(window: Window) -> Iterator[Action]:
         if there_is(place):
             window.session.activate_tool(window.session.tools[place].id)
 
+    def too_few() -> str:
+        session = window.session
+        if not session.active_modeler:
+            return tr("Tool", "Choose a modeler at the top right first.")
+        title = session.registry.info(session.active_modeler).title
+        count = len(session.tools)
+        return tr("Tool", "{title} has {count} tools.", title=title, count=count)
+
     for number, key in enumerate(TOOL_KEYS, 1):
         yield Action(
             f"tool.{number}",
@@ -417,5 +467,6 @@ def number_keys(window: Window) -> Iterator[Action]:
             partial(take, number - 1),
             keys=(key,),
             enabled=partial(there_is, number - 1),
+            why_not=too_few,
             on_sheet=True,
         )

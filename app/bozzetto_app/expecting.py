@@ -62,7 +62,9 @@ class Expecting(QObject):
 
         def done(hint: str) -> None:
             if _same(question, self._asked):
-                session.say_hint(hint)
+                # A tool with nothing special to say leaves room for what else can be done.
+                usual = hint == session.toolbox.hint_of(tool)
+                session.say_hint(session.toolbox.hint_and_more(tool) if usual else hint)
 
         def failed(problem: BaseException) -> None:
             """One fault is enough to know: it would come back with every stroke."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
@@ -39,7 +39,10 @@ PREVIEW_LIMIT = 10.0
 
 @dataclass(frozen=True)
 class _Answer:
-    """What became of a gesture: `model` in the place of `base`, or a new one."""
+    """What became of a gesture: `model` in the place of `base`, or a new one.
+
+    `changed` is False where the gesture did nothing at all to `base`.
+    """
 
     gesture: Gesture
     base: Model | None
@@ -47,6 +50,7 @@ class _Answer:
     label: str
     tool: str
     only_chosen: bool
+    changed: bool
 
 
 class Inking(QObject):
@@ -58,7 +62,15 @@ class Inking(QObject):
         Strokes that no tool has understood yet.
     live : Scene
         What is shown only until something better is there.
+
+    Signals
+    -------
+    progressed : float, str; busy_changed : bool
+        Work on gestures advances, starts, ends.
     """
+
+    progressed = Signal(float, str)
+    busy_changed = Signal(bool)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -70,11 +82,18 @@ class Inking(QObject):
         self._unpreviewable: set[tuple[str, str]] = set()
         self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
+        self._edits.progressed.connect(self.progressed)
+        self._edits.busy_changed.connect(self.busy_changed)
 
     @property
     def busy(self) -> bool:
         """Whether a gesture is being worked on."""
-        return self._edits.busy or self._previews.busy
+        return self.is_applying or self._previews.busy
+
+    @property
+    def is_applying(self) -> bool:
+        """Whether a gesture or a command is on its way into the document."""
+        return self._edits.busy
 
     # -- strokes --
 
@@ -110,6 +129,11 @@ class Inking(QObject):
         self._edits.cancel()
         self._await_ink(pending)
         self.cancelled()
+
+    def stop(self) -> None:
+        """Stop work on gestures and commands; ink that was worked on waits."""
+        self._edits.cancel()
+        self._show_nothing()
 
     def go_on(self) -> None:
         """The person jumped in the history: only the ink that waits is still meant."""
@@ -279,7 +303,7 @@ class Inking(QObject):
             gesture = gesture_now()
             if gesture is None:
                 return None
-            return self._worked_out(gesture, modeler_id, tool_id, context)
+            return self._worked_out(gesture, modeler_id, tool_id, context, job)
 
         def answered(answer: _Answer | None) -> None:
             if answer is None or (isinstance(answer.gesture, Ink) and gesture_now() is None):
@@ -288,8 +312,13 @@ class Inking(QObject):
             if base is not None and all(base is not known for known in session.document):
                 self._submit(gesture_now, tool_id, failed)
                 return
+            if not answer.changed:
+                self._await_ink(self._without(_strokes_of(answer.gesture)))
+                self._show_nothing()
+                session.say_nothing_changed(session.toolbox.hint_of(answer.tool))
+                return
             # Ink and model change places at once: the journal must never miss a stroke.
-            used = answer.gesture.strokes if isinstance(answer.gesture, Ink) else ()
+            used = _strokes_of(answer.gesture)
             self.pending = self._without(used)
             self._previews.cancel()
             self._awaited = answer.model.id
@@ -301,24 +330,20 @@ class Inking(QObject):
             )
             if used:
                 session.pending_changed.emit()
-            hint = session.toolbox.hint_of(answer.tool)
-            if hint and not session.toolbox.tells_next(answer.tool):
-                session.say_hint(
-                    tr(
-                        "Session",
-                        "{hint} Middle button or Alt + pen turns. Enter starts a new object.",
-                        hint=hint,
-                    )
-                )
+            # The tool in the hand speaks, whichever tool took the drag of a handle.
+            if not session.toolbox.tells_next(session.active_tool):
+                session.say_hint(session.toolbox.hint_and_more(session.active_tool))
 
         self._edits.submit(Request(work, answered, failed))
 
     def _worked_out(
-        self, gesture: Gesture, modeler_id: str, tool_id: str, context: Context
+        self, gesture: Gesture, modeler_id: str, tool_id: str, context: Context, job: Job
     ) -> _Answer:
         """In the worker: the state after a gesture."""
         bench = self._session.workbench
         base = self.target(modeler_id)
+        if base is None and not isinstance(gesture, Ink):
+            self._refuse_closed(modeler_id)
         model = base or bench.create(modeler_id, context)
         if tool_id:
             tool = bench.tool(modeler_id, tool_id)
@@ -330,9 +355,31 @@ class Inking(QObject):
                        title=self._session.registry.info(modeler_id).title)
                 )  # fmt: skip
             tool = tools[0]
+        job.checkpoint(0.0, tool.title)
         changed = bench.apply(model, tool, gesture, context)
         only_chosen = base is not None and bench.parts.only_choice_differs(base, changed)
-        return _Answer(gesture, base, changed, tool.title, tool.id, only_chosen)
+        differs = base is None or bench.differs(base, changed, only_chosen=only_chosen)
+        return _Answer(gesture, base, changed, tool.title, tool.id, only_chosen, differs)
+
+    def _refuse_closed(self, modeler_id: str) -> None:
+        """Refuse touches and drags while what they are meant for is locked or hidden.
+
+        Raises
+        ------
+        UserError
+            Ink may still start a new object; a touch can mean the selected one only.
+        """
+        model = self._session.selected_model
+        if model is None or model.modeler != modeler_id:
+            return
+        if model.locked:
+            raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
+        if not model.visible:
+            raise UserError(tr("Session", "This object is hidden. Show it to change it."))
+
+
+def _strokes_of(gesture: Gesture) -> tuple[Stroke, ...]:
+    return gesture.strokes if isinstance(gesture, Ink) else ()
 
 
 def _warning(strokes: tuple[Stroke, ...]) -> Scene:

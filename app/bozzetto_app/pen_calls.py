@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto.scene.display_list import Scene
+from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto.view.camera import Camera
     from bozzetto_app.advising import Advising
     from bozzetto_app.inking import Inking
+    from bozzetto_app.toolbox import Toolbox
 
 __all__ = ["PenCalls"]
 
@@ -26,11 +28,17 @@ class PenCalls:
     if TYPE_CHECKING:
         advising: Advising
         inking: Inking
+        toolbox: Toolbox
         camera: Camera
+
+        @property
+        def active_tool(self) -> str: ...
 
         def select(self, model_id: str | None) -> None: ...
 
         def say_hint(self, text: str) -> None: ...
+
+        def say_nothing_changed(self, why: str) -> None: ...
 
     @property
     def pending(self) -> tuple[Stroke, ...]:
@@ -70,6 +78,18 @@ class PenCalls:
     def clear_pending(self) -> None:
         """Take back all pending strokes."""
         self.inking.restart()
+
+    def explain_gesture(self, mode: Mode) -> None:
+        """Say what a press that came to nothing should have been."""
+        if mode is Mode.NAVIGATING:
+            self.say_nothing_changed(tr("Session", "Drag to turn the view."))
+            return
+        hint = self.toolbox.hint_of(self.active_tool)
+        if mode is Mode.TAPPING:
+            wish = tr("Session", "This tool wants a short tap in one place.")
+        else:
+            wish = tr("Session", "That was too short for a stroke.")
+        self.say_nothing_changed(f"{wish} {hint}".strip())
 
     def tapped(self, x: float, y: float, *, shift: bool = False, ctrl: bool = False) -> None:
         """A short touch with a tool that takes taps."""

@@ -147,13 +147,13 @@ class Picturing(QObject):
                 self._hand_over(picture, modeler, base)  # the document moved on meanwhile
                 return
             session.take_drawn(tr("Session", "Add sketch"), model, is_new=before is None)
+            self.taken.emit(model.id)
             session.tell(
                 tr(
                     "Session",
                     "Sketch added. With Shift, a dropped picture lies under the sheet instead.",
                 )
             )
-            self.taken.emit(model.id)
 
         session.inking.queue(Request(work, done, session.complain))
 

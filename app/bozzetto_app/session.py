@@ -21,6 +21,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
+from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.registry import ModelerInfo, Registry
@@ -140,9 +141,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
         self.showing.busy_changed.connect(self._look_who_is_busy)
-        for part in (self.files, self.using, self.picturing):
+        for part in (self.inking, self.files, self.using, self.picturing):
             part.progressed.connect(self.progressed)
             part.busy_changed.connect(self._look_who_is_busy)
+        self.picturing.taken.connect(self.toolbox.take_first_tool)
         self.view_style_changed.connect(self._style_changed)
         self.tool_changed.connect(self._hand_changed)
         self.selection_changed.connect(self._hand_changed)
@@ -401,6 +403,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
+        self.inking.stop()
         self.tell(tr("Session", "Stopped. Nothing was changed."))
 
     def cancel_all(self) -> None:
@@ -413,7 +416,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
 
     def _look_who_is_busy(self) -> None:
         parts = (self.showing, self.files, self.using, self.picturing)
-        busy = any(part.busy for part in parts)
+        busy = self.inking.is_applying or any(part.busy for part in parts)
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)
@@ -453,6 +456,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def tell(self, text: str) -> None:
         """Say that something went well."""
         self.noticed.emit(Notice("info", text))
+
+    def say_nothing_changed(self, why: str) -> None:
+        """Say that what was just asked for changed nothing, and why or what to do instead."""
+        self.complain(UserError(tr("Session", "Nothing changed. {why}", why=why).strip()))
 
     def complain(self, problem: BaseException) -> None:
         """Tell the person about a problem, each kind in its own way."""

@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Aims, TellsNext
 from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
@@ -103,6 +104,11 @@ class Toolbox(QObject):
                 self._session.tool_changed.emit()
                 self._session.say_hint(tool.hint)
 
+    def take_first_tool(self) -> None:
+        """Take the modeler's first tool: with it a picture that came in is worked on."""
+        if self.tools and self.tool != self.tools[0].id:
+            self.take_tool(self.tools[0].id)
+
     def tool_for(self, gesture: Literal["ink", "tap", "drag"]) -> str:
         """The tool that gets a gesture.
 
@@ -118,6 +124,14 @@ class Toolbox(QObject):
     def hint_of(self, tool_id: str) -> str:
         """A tool's hint; "" where it is not among the tools."""
         return next((tool.hint for tool in self.tools if tool.id == tool_id), "")
+
+    def hint_and_more(self, tool_id: str) -> str:
+        """A tool's hint, and what can be done beside drawing once there is an object."""
+        return tr(
+            "Session",
+            "{hint} Middle button or Alt + pen turns. Enter starts a new object.",
+            hint=self.hint_of(tool_id),
+        ).strip()
 
     def tells_next(self, tool_id: str) -> bool:
         """Whether a tool says itself what to do next."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QIcon
+from PySide6.QtGui import QCloseEvent, QIcon, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
     QDialog,
@@ -27,6 +27,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions import ActionRegistry
 from bozzetto_app.asking import FileQuestions
 from bozzetto_app.canvas.canvas import Canvas
+from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.changing_menus import ChangingMenus
 from bozzetto_app.commands import commands_of, number_keys
 from bozzetto_app.files import recent_files
@@ -54,6 +55,11 @@ LAYOUT_VERSION = 3
 RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
 
 FIRST_SIZE = (1280, 800)
+"""Of the window at the first start, if the screen is large enough, pixels."""
+
+FRAME = (8, 48)
+"""What a window's frame and title take of a screen, pixels."""
+
 DOCK_HEIGHTS = (310, 340, 90)
 """Of objects, parameters and history at the first start, pixels."""
 
@@ -111,6 +117,8 @@ class Window(QMainWindow):
         self.canvas = Canvas(session, current_palette(), self)
         self.actions_ = ActionRegistry(self, self.canvas)
         self.canvas.menu_entries = self._radial_entries
+        self._framing = Framing(session, self)
+        self.canvas.hand.pressed.connect(self._framing.end)
         self._replay: Replay | None = None
         self._closing = False
         self._said_first = ""
@@ -134,9 +142,13 @@ class Window(QMainWindow):
         self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
+        session.picturing.taken.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
         self._changing = ChangingMenus(self, self.actions_)
+        self.actions_.refused.connect(lambda why: session.complain(UserError(why)))
+        self.actions_.is_so.connect(session.tell)
+        self.canvas.menu_refused.connect(lambda entry: self.actions_.refuse(entry.action))
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
@@ -228,6 +240,14 @@ class Window(QMainWindow):
             self.canvas.leave_room(self.welcome.width() if shown else 0)
         return False
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """A key that nobody took: its action cannot be done now, which is told."""
+        keys = QKeySequence(event.keyCombination()).toString(
+            QKeySequence.SequenceFormat.PortableText
+        )
+        if not self.actions_.refuse_key(keys):
+            super().keyPressEvent(event)
+
     def _radial_entries(self) -> Sequence[_MenuEntry]:
         self.actions_.refresh()
         entries = []
@@ -240,7 +260,9 @@ class Window(QMainWindow):
     # -- the layout is remembered --
 
     def _restore_layout(self) -> None:
-        self.resize(*FIRST_SIZE)
+        free = self.screen().availableGeometry().size()
+        room = free.width() - FRAME[0], free.height() - FRAME[1]
+        self.resize(min(FIRST_SIZE[0], room[0]), min(FIRST_SIZE[1], room[1]))
         kept = settings()
         geometry, state = kept.value("window/geometry"), kept.value("window/state")
         if isinstance(geometry, QByteArray):
@@ -382,6 +404,11 @@ class Window(QMainWindow):
             self._plugin_dock.raise_()
             QTimer.singleShot(0, self, self._make_room)
 
+    def _show_what_guides(self) -> None:
+        """A picture came in: the modeler's own panel says what to do with it."""
+        if self._plugin_panel.is_filled:
+            self._plugin_dock.raise_()
+
     def _make_room(self) -> None:
         if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:
             self.resizeDocks(self._docks, list(GUIDED_HEIGHTS), Qt.Orientation.Vertical)
@@ -423,6 +450,12 @@ class Window(QMainWindow):
         )
         palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         palette.open_over(self)
+
+    def open_guide(self) -> None:
+        """Show the guide beside the sheet."""
+        from bozzetto_app.dialogs.guide import GuideDialog
+
+        self._show(GuideDialog(self))
 
     def open_shortcuts(self) -> None:
         """List keys and gestures."""

@@ -130,6 +130,28 @@ class Workbench(ModelSources):
         self.registry.guard.check_state(model.modeler, modeler.state_type, state)
         return replace(model, state=state)
 
+    def differs(self, before: Model, after: Model, *, only_chosen: bool = False) -> bool:
+        """Whether anything at all is different in two states of a model.
+
+        Parameters
+        ----------
+        before, after : Model
+        only_chosen : bool
+            Whether at most the chosen part differs; then states are compared by value.
+        """
+        if before.state is after.state:
+            return False
+        if not only_chosen:
+            return True
+        same = self.registry.guard.call(
+            before.modeler,
+            "its state",
+            lambda one, two: bool(one == two),
+            before.state,
+            after.state,
+        )
+        return not same
+
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
         """What to show while the pen is down, in the world, marked as the model's own.
 

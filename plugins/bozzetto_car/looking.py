@@ -71,9 +71,10 @@ def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
     if seen is not None:
         level, message = _said_of(state, body, placed)
         if seen is stand:
-            return ViewAdvice(level, message, None, scene + _draft(state, body), pinned=True)
+            scene = scene + _draft(state, body, placed)
+            return ViewAdvice(level, message, None, scene, pinned=True)
         better = stand.windowed(camera.viewport, seen.window(camera))
-        scene = hanging_on_view(state, body, better) + _draft(state, body)
+        scene = hanging_on_view(state, body, better) + _draft(state, body, placed)
         return ViewAdvice(level, message, better, scene, pinned=True, follow=True)
     better = stand.view(camera.viewport)
     if state.selected == sketch.id and _sees_another(state, body, camera):
@@ -81,11 +82,16 @@ def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
     return ViewAdvice("good", f"Not seen through “{sketch.name}”.", better, scene)
 
 
-def _draft(state: CarState, body: Body) -> Scene:
-    """The body so thin that the drawing shows through, unless its own look is wanted."""
-    sketch = state.sketch
-    drawn = sketch is not None and sketch.picture is not None and sketch.opacity > 0.0
-    if not drawn or state.shading != "shaded" or not is_shown(state, body):
+def _draft(state: CarState, body: Body, placed: Placed) -> Scene:
+    """The body so thin that the drawing shows through, unless its own look is wanted.
+
+    Over a sketch whose own camera is not known it does not fit and hides what is to be marked:
+    there it is thin in any case.
+    """
+    sketch = placed.sketch
+    drawn = sketch.picture is not None and sketch.visible and sketch.opacity > 0.0
+    judged = state.shading != "shaded" and placed.is_known
+    if not drawn or judged or not is_shown(state, body):
         return Scene()
     thin = replace(state, shading="draft")
     return Scene(tuple(layer for layer in body_layers(thin, body) if layer.name in DRAFTED))

@@ -194,10 +194,24 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     assert len(handles) == len(sketch.marks)
     assert session.history.position == steps + 1
 
-    # Touching a mark changes nothing.
+    # A tap on it sets the point that is asked for, in the same place.
     now = state(window).sketch.marks
     tap(window, on_canvas(window, (new.u, new.v)), settle)
-    assert state(window).sketch.marks == now
+    *same, last = state(window).sketch.marks
+    assert tuple(same) == now
+    assert (last.u, last.v) == pytest.approx((new.u, new.v), abs=1.0)
+
+
+@pytest.mark.parametrize("gap", [0.0, 3.0, 9.0])
+def test_a_mark_can_be_set_right_beside_another_one(window, settle, gap):
+    drop(window, picture_of(FIRST), settle)
+    first = on_canvas(window, (300.0, 300.0))
+    tap(window, first, settle)
+    tap(window, first + np.array([gap, 0.0]), settle)
+    one, other = state(window).sketch.marks
+    assert one.node != other.node
+    before = on_canvas(window, (one.u, one.v)), on_canvas(window, (other.u, other.v))
+    assert before[1] - before[0] == pytest.approx((gap, 0.0), abs=1.0)
 
 
 def test_a_second_sketch_comes_into_view(window, settle):
@@ -209,6 +223,33 @@ def test_a_second_sketch_comes_into_view(window, settle):
     seen = corners(window)
     assert ((seen >= -1.0) & (seen <= np.array(session.camera.viewport) + 1.0)).all()
     assert session.advising.advice.pinned
+
+
+@pytest.mark.parametrize("shading", ["shaded", "zebra"])
+def test_a_second_sketch_of_a_finished_car_takes_marks_at_once(
+    window, settle, qtbot, tmp_path, shading
+):
+    """With *Style* in the hand, the parameters in front, and the body before the drawing."""
+    session = window.session
+    facts = {name: value for name, value in SEDAN.items() if name != "styling"}
+    few = dict(list(FIRST["marks"].items())[:8])
+    facts["views"] = [{"kind": FIRST["kind"], "image": FIRST["image"], "marks": few}]
+    (tmp_path / "one.json").write_text(json.dumps(facts), "utf-8")
+    picture = picture_of(FIRST)
+    (tmp_path / picture.name).write_bytes(picture.read_bytes())
+    drop(window, tmp_path / "one.json", settle)
+    assert session.report["views"][0]["solved"]
+    session.set_parameter("shading", shading)
+    session.activate_tool("style")
+    window._docks[1].raise_()
+    settle(session, window.keeper)
+    drop(window, picture_of(SECOND), settle)
+    assert session.active_tool == "mark"
+    qtbot.waitUntil(lambda: guide(window).isVisible(), timeout=5_000)
+    (body,) = shown(window, "body")
+    assert body.opacity < 0.5, "the drawing shows through"
+    tap(window, on_canvas(window, (300.0, 300.0)), settle)
+    assert len(state(window).sketch.marks) == 1
 
 
 def test_keys_pass_points_over(window, settle):

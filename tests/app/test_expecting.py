@@ -78,3 +78,34 @@ def test_a_fault_is_told_once_and_drawing_goes_on(session, draw, marks, words):
         draw(session, x)
     assert [notice.kind for notice in session.heard].count("fault") == 1
     assert len(session.document.models[0].state.marks) == 3
+
+
+def test_a_tool_with_nothing_special_to_say_leaves_room_for_what_else_can_be_done(
+    session, marks, draw
+):
+    marks.words = lambda state: "Draw a mark."
+    draw(session)
+    assert session.hint.startswith("Draw a mark. ")
+    assert "Enter starts a new object." in session.hint
+
+
+def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window, settle):
+    """A joint's drag goes to *Arrange*, whatever tool is in the hand."""
+    window = make_window()
+    session = window.session
+    session.import_file(session.modelers[0].samples[1])
+    settle(session, window.keeper)
+    session.set_parameter("posing", True)
+    settle(session, window.keeper)
+    assert session.active_tool == "draw"
+    assert "joint" in session.hint
+    assert "outline" not in session.hint
+    layers = [layer for layer in session.scene.layers if layer.name == "joints"]
+    handle = next(item for layer in layers for item in layer.items if hasattr(item, "tip"))
+    x, y = session.camera.project([handle.point])[0][0]
+    path = stroke_of([(x, y), (x + 15.0, y + 15.0)], session.camera)
+    session.handle_released(handle.id, path)
+    settle(session)
+    assert session.history.undo_label == "Arrange"
+    assert session.active_tool == "draw"
+    assert "joint" in session.hint

@@ -195,6 +195,20 @@ def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
     assert sizes == {(size.width(), size.height())}
 
 
+def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settle, qtbot):
+    gate = threading.Event()
+    boxes.misdeeds["apply"] = lambda *args: gate.wait(20.0)
+    Stylus(window.canvas).draw(circle())
+    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
+    assert window.status._step.text() == "Draw"
+    window.status._cancel.click()
+    gate.set()
+    settle(window.session)
+    assert not window.status._cancel.isVisible()
+    assert not len(window.session.document)
+    assert len(window.session.pending) == 1, "the ink waits"
+
+
 # -- questions -------------------------------------------------------------------------------------
 
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QCursor,
     QDragEnterEvent,
@@ -24,15 +25,17 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QWidget
 
+from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
-from bozzetto.view.navigation import fit_points, with_kind
+from bozzetto.view.navigation import with_kind
 from bozzetto.view.standard import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
 from bozzetto_app.canvas.drop import carries_something, take
+from bozzetto_app.canvas.framing import framed, points_to_frame, same_view
 from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
 from bozzetto_app.canvas.ink_overlay import InkOverlay
@@ -88,7 +91,14 @@ class Canvas(QWidget):
         What the modeler says of the view.
     menu_entries : callable
         Returns what the radial menu shows, most wanted first; set by the window.
+
+    Signals
+    -------
+    menu_refused : MenuEntry
+        Something was chosen in the radial menu that cannot be done now.
     """
+
+    menu_refused = Signal(object)
 
     def __init__(self, session: Session, palette: Palette, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -115,6 +125,7 @@ class Canvas(QWidget):
         self.light = ViewLight(self)
         self._loupe = Loupe(lambda: self.viewports.current.shown(), self)
         self._menu = RadialMenu(self)
+        self._menu.refused.connect(self.menu_refused)
         self.hand = Hand(session, self._overlay)
         self.motion = ViewMotion(session, self)
 
@@ -139,6 +150,7 @@ class Canvas(QWidget):
         self.hand.aimed.connect(self._aim)
         self.hand.aim_ended.connect(self._loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
+        self.hand.came_to_nothing.connect(session.explain_gesture)
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(self._menu.point)
         self.hand.menu_released.connect(lambda flicked: self._menu.lift(flicked=flicked))
@@ -196,9 +208,12 @@ class Canvas(QWidget):
     # -- looking ------------------------------------------------------------------------------
 
     def animate_to(self, camera: Camera) -> None:
-        """Go to another view."""
+        """Go to another view, or say that it is shown."""
         self.motion.finish()
-        self.motion.animate_to(camera)
+        if same_view(camera, self._session.camera):
+            self._session.tell(tr("Canvas", "This view is shown already."))
+        else:
+            self.motion.animate_to(camera)
 
     def show_camera(self, camera: Camera) -> None:
         """Go to a view that was kept, perhaps on a sheet of another size."""
@@ -228,22 +243,21 @@ class Canvas(QWidget):
             self.show_camera(self.better_view)
 
     def fit(self) -> None:
-        """Show everything."""
-        self._frame(self._session.scene)
+        """Show everything; on an empty sheet what the modeler shows there, such as its box."""
+        self._frame(points_to_frame(self._session))
 
     def frame_selection(self) -> None:
         """Show the selected model, or everything where none is selected."""
         selected = self._session.selected
         layers = tuple(layer for layer in self._session.scene.layers if layer.owner == selected)
-        self._frame(Scene(layers) if selected and layers else self._session.scene)
+        if selected and layers:
+            self._frame(Scene(layers).points())
+        else:
+            self.fit()
 
-    def _frame(self, scene: Scene) -> None:
+    def _frame(self, points: NDArray[np.float64]) -> None:
         self.motion.finish()
-        points = scene.points()
-        camera = self._own_view()
-        if len(points) and np.ptp(points, axis=0).max() == 0.0:
-            points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
-        self.animate_to(fit_points(camera, points))
+        self.animate_to(framed(self._own_view(), points))
 
     def _own_view(self) -> Camera:
         """The view now; one that stood where a picture was drawn from as an ordinary view.
@@ -453,4 +467,9 @@ class Canvas(QWidget):
     def dropEvent(self, event: QDropEvent) -> None:
         event.acceptProposedAction()
         under = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        take(self._session, event.mimeData(), under=under)
+        if not take(self._session, event.mimeData(), under=under):
+            self._session.complain(
+                UserError(
+                    tr("Canvas", "Only files of this computer and pictures can be dropped here.")
+                )
+            )

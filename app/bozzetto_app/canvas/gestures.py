@@ -16,6 +16,7 @@ from typing import Final, Literal
 
 __all__ = [
     "FLICK_TRAVEL",
+    "TAP_TRAVEL",
     "Button",
     "GestureMachine",
     "Keys",
@@ -33,6 +34,10 @@ TAP_TRAVEL: Final = 4.0
 
 TAP_TIME: Final = 0.25
 """Longest time of a tap, seconds."""
+
+STILL: Final = 2.0
+"""Largest movement, however slow, of a tap on the handle of a tool that aims, pixels: a drag may
+be as short as that, for marks are put right by little."""
 
 PALM_TIME: Final = 0.4
 """How long after the pen was last seen touch and mouse stay ignored, seconds."""
@@ -235,14 +240,16 @@ class GestureMachine:
         """End the gesture if this pointer and button made it; say what it was."""
         if not self.owns(pointer, button) or self.press is None:
             return Outcome.NOTHING
-        mode, travel, lasted = self.mode, self.travel, t - self.press.t
+        mode, travel, lasted, aims = self.mode, self.travel, t - self.press.t, self.press.aims
         self.cancel()
         if mode is Mode.INKING:
             return Outcome.STROKE if travel >= TAP_TRAVEL else Outcome.NOTHING
         if mode is Mode.ERASING:
             return Outcome.STROKE
         if mode is Mode.DRAGGING:
-            return Outcome.DROP
+            # Places may be closer together than a handle reaches: a tap there is still a tap.
+            quick = travel < TAP_TRAVEL and lasted < TAP_TIME
+            return Outcome.TAP if aims and (quick or travel < STILL) else Outcome.DROP
         if mode is Mode.AIMING:
             return Outcome.TAP
         if mode is Mode.TAPPING and travel < TAP_TRAVEL and lasted < TAP_TIME:

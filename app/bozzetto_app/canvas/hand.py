@@ -22,6 +22,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import orbit, pan, zoom
 from bozzetto_app.canvas.fingers import Fingers, middle_and_spread
 from bozzetto_app.canvas.gestures import (
+    TAP_TRAVEL,
     Button,
     GestureMachine,
     Mode,
@@ -81,6 +82,8 @@ class Hand(QObject):
     aimed : QPointF; aim_ended
         A place is being sought that must be met exactly; no longer.
     ink_began, mode_changed
+    came_to_nothing : Mode
+        A press was let go, and it was none of the gestures that mean something.
     """
 
     pressed = Signal()
@@ -91,6 +94,7 @@ class Hand(QObject):
     aim_ended = Signal()
     ink_began = Signal()
     mode_changed = Signal()
+    came_to_nothing = Signal(object)
 
     def __init__(self, session: Session, overlay: InkOverlay) -> None:
         super().__init__(overlay)
@@ -347,6 +351,7 @@ class Hand(QObject):
         if self._recording:
             self._drain()
         press, columns, place = self.machine.press, self._columns, self.machine.place
+        mode, travel = self.machine.mode, self.machine.travel
         outcome = self.machine.release(pointer, button, perf_counter())
         stroke = self._stroke(columns) if columns is not None and self._recording else None
         was_recording = self._recording
@@ -365,6 +370,8 @@ class Hand(QObject):
             self.menu_released.emit(outcome is Outcome.FLICK)
         elif was_recording:
             self._session.pen_cancelled()
+        if outcome is Outcome.NOTHING and (mode is not Mode.NAVIGATING or travel < TAP_TRAVEL):
+            self.came_to_nothing.emit(mode)
         self.mode_changed.emit()
 
     def _forget(self, *, keep_wet: bool = False) -> None:

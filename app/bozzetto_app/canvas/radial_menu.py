@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final, Protocol
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import (
+    QFont,
+    QFontMetricsF,
     QIcon,
     QKeyEvent,
     QMouseEvent,
@@ -29,7 +32,7 @@ from bozzetto_app.words import tr
 __all__ = ["MOST_ENTRIES", "MenuEntry", "RadialMenu"]
 
 MOST_ENTRIES: Final = 8
-RADIUS: Final = 124.0
+RADIUS: Final = 136.0
 INNER: Final = 38.0
 """Radius of the hole in the middle, in which nothing is chosen, pixels."""
 
@@ -37,6 +40,23 @@ SHADOW: Final = 12.0
 ICON: Final = 22
 SPREAD: Final = 3.0
 """Gap between two neighbours, pixels."""
+
+WIDEST: Final = 72
+NARROWEST: Final = 36
+"""Widths between which a title is broken into lines, pixels."""
+
+GAP: Final = 2.0
+"""Between an icon and its title, pixels."""
+
+SHIFTS: Final = tuple(
+    sorted(
+        (QPointF(x, y) for x in range(-16, 17, 4) for y in range(-16, 17, 4)),
+        key=lambda shift: math.hypot(shift.x(), shift.y()),
+    )
+)
+"""How far from the centre of its sector an entry may be laid out, the nearest first, pixels."""
+
+WRAPPED: Final = Qt.AlignmentFlag.AlignHCenter | Qt.TextFlag.TextWordWrap
 
 
 class MenuEntry(Protocol):
@@ -69,9 +89,12 @@ class RadialMenu(QWidget):
     -------
     closed
         The menu is gone, whether something was chosen or not.
+    refused : MenuEntry
+        An entry was chosen that cannot be done now.
     """
 
     closed = Signal()
+    refused = Signal(object)
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -194,6 +217,7 @@ class RadialMenu(QWidget):
 
     def _choose(self, index: int) -> None:
         if index >= 0 and not self._entries[index].enabled:
+            self.refused.emit(self._entries[index])
             return
         self.close_menu()
         if index >= 0:
@@ -230,24 +254,73 @@ class RadialMenu(QWidget):
         painter.setPen(QPen(qcolor(tones.accent_fill if hot and usable else tones.hairline), 1.0))
         painter.setBrush(qcolor(tones.accent_fill if hot and usable else tones.raised))
         painter.drawPath(_sector_path(middle, index, len(self._entries)))
-        angle = math.radians(360.0 / len(self._entries) * index)
-        radius = 0.5 * (INNER + RADIUS) + 4.0
-        centre = middle + QPointF(radius * math.sin(angle), -radius * math.cos(angle))
+        centre = sector_centre(middle, index, len(self._entries))
         color = tones.on_accent if hot and usable else tones.text if usable else tones.disabled
         font = small_font(self.font())
         painter.setFont(font)
         painter.setPen(qcolor(color))
-        width, line = 68.0, float(painter.fontMetrics().height())
         icon = entry.icon
         has_icon = icon is not None and not icon.isNull()
-        words = QRectF(centre.x() - width / 2, centre.y() - line, width, 2 * line)
+        sector = _sector_path(middle, index, len(self._entries))
+        places = entry_places(sector, centre, font, entry.title, has_icon=has_icon)
         if has_icon:
-            place = QPointF(centre.x() - ICON / 2, centre.y() - ICON - 1)
-            painter.drawPixmap(place, _tinted(icon, color, self.devicePixelRatioF()))
-            words.moveTop(centre.y() + 2)
-        align = Qt.AlignmentFlag.AlignHCenter
-        align |= Qt.AlignmentFlag.AlignTop if has_icon else Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(words, align | Qt.TextFlag.TextWordWrap, entry.title)
+            tinted = _tinted(icon, color, self.devicePixelRatioF())
+            painter.drawPixmap(places.icon.topLeft(), tinted)
+        painter.drawText(places.words, WRAPPED, entry.title)
+
+
+def sector_centre(middle: QPointF, index: int, count: int) -> QPointF:
+    """The place in a sector around which its entry is laid out."""
+    angle = math.radians(360.0 / count * index)
+    radius = 0.5 * (INNER + RADIUS) + 4.0
+    return middle + QPointF(radius * math.sin(angle), -radius * math.cos(angle))
+
+
+@dataclass(frozen=True)
+class EntryPlaces:
+    """Where the icon and the title of an entry stand; the icon's is empty where there is none."""
+
+    icon: QRectF
+    words: QRectF
+
+    def are_inside(self, sector: QPainterPath) -> bool:
+        """Whether both lie in a sector."""
+        return sector.contains(self.words) and (self.icon.isEmpty() or sector.contains(self.icon))
+
+
+def entry_places(
+    sector: QPainterPath, centre: QPointF, font: QFont, title: str, *, has_icon: bool
+) -> EntryPlaces:
+    """Lay an entry out in its sector: near its centre, in as few lines as there is room for.
+
+    Parameters
+    ----------
+    sector : QPainterPath
+    centre : QPointF
+        Of the sector.
+    font : QFont
+    title : str
+    has_icon : bool
+    """
+    metrics = QFontMetricsF(font)
+    above = ICON + GAP if has_icon else 0.0
+    tried: list[QSizeF] = []
+    for width in range(WIDEST, NARROWEST - 1, -4):
+        room = QRectF(0.0, 0.0, width, 4.0 * metrics.height())
+        size = metrics.boundingRect(room, int(WRAPPED), title).size()
+        if size.width() > width or any(size == known for known in tried):
+            continue
+        tried.append(size)
+        for shift in SHIFTS:
+            at = centre + shift
+            top = at.y() - 0.5 * (above + size.height())
+            icon = QRectF(at.x() - ICON / 2, top, ICON, ICON) if has_icon else QRectF()
+            words = QRectF(at.x() - size.width() / 2, top + above, size.width(), size.height())
+            places = EntryPlaces(icon, words)
+            if places.are_inside(sector):
+                return places
+    narrow = QRectF(centre.x() - NARROWEST / 2, centre.y(), NARROWEST, 2.0 * metrics.height())
+    return EntryPlaces(QRectF(centre.x() - ICON / 2, centre.y() - ICON - GAP, ICON, ICON), narrow)
 
 
 def _tinted(icon: QIcon, color: Color, scale: float) -> QPixmap:

@@ -17,6 +17,9 @@ __all__ = ["SheetHint"]
 FADE: Final = 400
 """Length of the fading, milliseconds."""
 
+PLATE: Final = 16
+"""How far the plate under the line reaches beyond it, pixels."""
+
 LARGER: Final = 1.5
 """Size of the line against the system's type."""
 
@@ -72,5 +75,14 @@ class SheetHint(QWidget):
         palette = self._palette
         painter.setPen(qcolor(readable(palette.ghost, palette.ink, palette.paper)))
         flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-        painter.drawText(self.rect().adjusted(self.left, 0, 0, 0), flags, self.text)
+        room = self.rect().adjusted(self.left + PLATE, 0, -PLATE, 0)
+        words = painter.boundingRect(room, int(flags), self.text)
+        # On a plate of paper: a modeler may show a box, or a picture, beneath.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        ink = painter.pen()
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(qcolor(palette.paper, 0.85))
+        painter.drawRoundedRect(words.adjusted(-PLATE, -PLATE // 2, PLATE, PLATE // 2), 8, 8)
+        painter.setPen(ink)
+        painter.drawText(room, flags, self.text)
         painter.end()

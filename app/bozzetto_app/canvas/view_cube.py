@@ -58,7 +58,7 @@ def _label(name: str) -> str:
 
 
 class CubeButton(QAbstractButton):
-    """A quiet round button with an icon of the family."""
+    """A quiet button with an icon of the family, legible on whatever lies under it."""
 
     def __init__(self, icon: str, name: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -79,10 +79,11 @@ class CubeButton(QAbstractButton):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         tones = tones_of(self.colors)
         ground = QRectF(self.rect()).adjusted(1, 1, -1, -1)
-        if self.isDown() or self.underMouse():
-            painter.setPen(Qt.PenStyle.NoPen)
-            painter.setBrush(qcolor(tones.press if self.isDown() else tones.hover))
-            painter.drawRoundedRect(ground, 6, 6)
+        # A ground of its own: beneath may lie a picture on white paper, in the dark theme, too.
+        painter.setPen(QPen(qcolor(tones.hairline), 1.0))
+        lit = tones.press if self.isDown() else tones.hover if self.underMouse() else tones.panel
+        painter.setBrush(qcolor(lit))
+        painter.drawRoundedRect(ground, 6, 6)
         if self.hasFocus():
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(qcolor(tones.accent), 1.5))

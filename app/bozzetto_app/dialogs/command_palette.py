@@ -278,8 +278,6 @@ class CommandPalette(QFrame):
         if item is None:
             return
         entry: Entry = item.data(FOUND).entry
-        if not entry.enabled:
-            return
         used = [entry.id, *(one for one in _used() if one != entry.id)]
         settings().setValue(USED, used[:MOST_USED])
         self.close()

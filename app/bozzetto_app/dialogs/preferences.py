@@ -113,7 +113,7 @@ class PreferencesDialog(Page):
         self.recent = self._button(
             tr("Preferences", "Recent files"), tr("Preferences", "Clear the list")
         )
-        self.recent.setEnabled(bool(settings().value(RECENT)))
+        self._enable_recent()
         self.recent.clicked.connect(self._clear_recent)
         self.add_button(tr("Preferences", "Close"), default=True).clicked.connect(self.accept)
         self.setMinimumWidth(600)
@@ -167,9 +167,14 @@ class PreferencesDialog(Page):
         self._row(words, button)
         return button
 
+    def _enable_recent(self) -> None:
+        there_are = bool(settings().value(RECENT))
+        self.recent.setEnabled(there_are)
+        self.recent.setToolTip("" if there_are else tr("Preferences", "The list is empty."))
+
     def _clear_recent(self) -> None:
-        self.recent.setEnabled(False)
         settings().remove(RECENT)
+        self._enable_recent()
         self.changed.emit(RECENT)
 
 

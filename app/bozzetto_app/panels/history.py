@@ -131,3 +131,5 @@ class HistoryPanel(QListWidget):
         row = self.row(item)
         if row != self.current:
             self._session.go_to(row)
+        else:
+            self._session.tell(tr("History", "This step is shown already."))

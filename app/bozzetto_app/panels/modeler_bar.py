@@ -109,6 +109,9 @@ class ModelerBar(QWidget):
         return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT)
 
     def _take(self, modeler: str) -> None:
+        if modeler == self._session.active_modeler:
+            title = self._session.registry.info(modeler).title
+            self._session.tell(tr("ModelerBar", "You are drawing with {title}.", title=title))
         self._session.activate_modeler(modeler)
         self._mark()  # the session decides; a click alone does not check a button
 

@@ -314,6 +314,10 @@ class ObjectsPanel(QWidget):
         kind = self._current().kind
         self._duplicate.setEnabled(kind in ("model", "part"))
         self._delete.setEnabled(kind != "heading")
+        nothing = tr("Objects", "Click an object first.")
+        for button in (self._duplicate, self._delete):
+            name = button.accessibleName()
+            button.setToolTip(name if button.isEnabled() else f"{name}\n{nothing}")
 
     def _chosen(self) -> None:
         """A person went to a row."""

@@ -219,6 +219,7 @@ class StatusLine(QWidget):
         session.progressed.connect(self._advance)
         session.busy_changed.connect(self._busy)
         session.document_changed.connect(self.went_on)
+        session.tool_changed.connect(self.went_on)
         self._show_work(False)
         self._show_hint()
 
@@ -227,15 +228,16 @@ class StatusLine(QWidget):
         if notice.kind == "fault":
             self.faults.show_fault(notice)
         elif notice.kind == "hint":
-            if self._sign.kind != "error":
+            # What was said before it is read first, unless the person goes on.
+            if self._sign.kind == "hint":
                 self._show_hint()
         else:
             self._say(notice.kind, notice.text)
             self._return.start(ERROR_TIME if notice.kind == "error" else INFO_TIME)
 
     def went_on(self) -> None:
-        """The pen is down again, or something was done: an old error has been read."""
-        if self._sign.kind == "error":
+        """The pen is down again, or something was done: what was said has been read."""
+        if self._sign.kind != "hint":
             self._show_hint()
 
     def _show_hint(self) -> None:

@@ -106,7 +106,11 @@ class Modeler(Protocol[State, Result]):
         ...
 
     def tools(self) -> Sequence[Tool[State]]:
-        """The tools, most used first; the first one is active at the start."""
+        """The tools, most used first.
+
+        The first one is active at the start, and is taken when a picture comes to a model:
+        see `TakesPictures`.
+        """
         ...
 
     def solve(self, state: State, job: Job) -> Result:

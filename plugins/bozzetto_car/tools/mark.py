@@ -45,7 +45,7 @@ class MarkPoints:
     id = MARK_TOOL
     title = "Mark points"
     icon = "icons/mark.svg"
-    hint = "Touch the point that is asked for. Drag a mark to move it."
+    hint = "Drop a sketch on the sheet, then touch each point that is asked for."
     gesture: Literal["ink", "tap", "drag"] = "drag"
     aims = True
 

@@ -17,6 +17,7 @@ from bozzetto_silhouette.motion import moved, resized, settled, turned
 from bozzetto_silhouette.places import carried, groups_around
 from bozzetto_silhouette.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 from bozzetto_silhouette.touch import touched_part
 
 __all__ = ["Arrange", "placed_anew"]
@@ -27,7 +28,7 @@ LIVE_CELLS = 48
 """Resolution of the shape while a part is dragged."""
 
 
-class Arrange:
+class Arrange(TellsOfJoints):
     """Tap a part to choose it, drag its handles; beside all parts nothing is chosen."""
 
     id = ARRANGE

@@ -17,6 +17,7 @@ from bozzetto_silhouette.tools.carving import check_that_it_carves
 from bozzetto_silhouette.tools.cut_preview import cut_preview
 from bozzetto_silhouette.tools.eraser import erased
 from bozzetto_silhouette.tools.landing import landed
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 from bozzetto_silhouette.tools.traces import trace_of
 from bozzetto_silhouette.touch import shape_seen
 
@@ -26,7 +27,7 @@ LOOKS = 96
 """Lines of sight along the line."""
 
 
-class DrawCut:
+class DrawCut(TellsOfJoints):
     """An open line cuts straight through; what falls away can be changed afterwards."""
 
     id = "cut"

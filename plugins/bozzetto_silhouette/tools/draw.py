@@ -17,6 +17,7 @@ from bozzetto_silhouette.places import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.sheet import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.tools.eraser import erased, without
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 
 __all__ = ["DrawOutline", "meets_itself"]
 
@@ -25,7 +26,7 @@ OPEN_GAP = 0.2
 as meant to be closed."""
 
 
-class DrawOutline:
+class DrawOutline(TellsOfJoints):
     """One closed outline makes a part; drawn inside a part on its sheet, a hole in it."""
 
     id = "draw"

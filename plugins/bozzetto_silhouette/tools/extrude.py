@@ -26,6 +26,7 @@ from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.tools.carving import NOTHING, check_that_it_carves, volume_left
 from bozzetto_silhouette.tools.eraser import erased
 from bozzetto_silhouette.tools.landing import landed
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 from bozzetto_silhouette.tools.traces import parts_at, trace_of
 from bozzetto_silhouette.touch import Touch, shape_seen
 
@@ -84,7 +85,7 @@ class _Base:
     parts: tuple[Part, ...]
 
 
-class Extrude:
+class Extrude(TellsOfJoints):
     """Two strokes: where something grows, and what grows there."""
 
     id = "extrude"

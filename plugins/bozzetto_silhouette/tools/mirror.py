@@ -14,6 +14,7 @@ from bozzetto_silhouette.leaf import body_of
 from bozzetto_silhouette.motion import mirrored
 from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.tools.arrange import placed_anew
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 from bozzetto_silhouette.touch import TOUCHED_CELLS, touched_part
 
 __all__ = ["MirrorCopy"]
@@ -26,7 +27,7 @@ SAME = 0.02
 part's size: the meshes of two like halves differ by less."""
 
 
-class MirrorCopy:
+class MirrorCopy(TellsOfJoints):
     """A twin across the plane of symmetry, right after the part itself.
 
     With Shift, and for a part that is its own mirror image there, across the upright plane

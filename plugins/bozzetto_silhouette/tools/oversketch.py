@@ -11,11 +11,12 @@ from bozzetto_silhouette.oversketching import ring_drawn_over
 from bozzetto_silhouette.state import Oversketch, SilhouetteState
 from bozzetto_silhouette.tools.eraser import erased
 from bozzetto_silhouette.tools.outline_edits import edited_part, preview_of
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 
 __all__ = ["SketchOver"]
 
 
-class SketchOver:
+class SketchOver(TellsOfJoints):
     """An open stroke replaces a piece of the outline, a closed one all of a ring."""
 
     id = "oversketch"

@@ -10,6 +10,7 @@ from bozzetto.plugin import Context, Gesture, Ink, Tap
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_silhouette.state import SilhouetteState
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 from bozzetto_silhouette.touch import touched_part
 
 __all__ = ["Paint"]
@@ -18,7 +19,7 @@ MOST_TOUCHES = 32
 """Samples of a stroke at which the shape is looked at: parts are larger than the gaps."""
 
 
-class Paint:
+class Paint(TellsOfJoints):
     """A stroke over parts colours them; the pen's other end takes their colour away."""
 
     id = "paint"

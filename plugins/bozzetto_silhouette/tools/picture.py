@@ -12,6 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture
 from bozzetto.scene import Scene
 from bozzetto_silhouette.state import Picture, SilhouetteState
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 
 __all__ = ["ProjectPicture"]
 
@@ -19,7 +20,7 @@ MOST_PIXELS = 2048
 """Longest side of the picture that is kept: beyond, files grow and nothing more shows."""
 
 
-class ProjectPicture:
+class ProjectPicture(TellsOfJoints):
     """The underlay colours the shape, front and back; without an underlay it comes off."""
 
     id = "picture"

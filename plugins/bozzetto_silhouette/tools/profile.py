@@ -13,11 +13,12 @@ from bozzetto_silhouette.places import shown_parts, stroke_in
 from bozzetto_silhouette.profile import understood
 from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.tools.eraser import erased
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 
 __all__ = ["DrawProfile"]
 
 
-class DrawProfile:
+class DrawProfile(TellsOfJoints):
     """The ink becomes the profile of the chosen part, in place of the one that it had."""
 
     id = "profile"

@@ -11,11 +11,12 @@ from bozzetto_silhouette.smoothing import rubbed_ring
 from bozzetto_silhouette.state import SilhouetteState, Smoothing
 from bozzetto_silhouette.tools.eraser import erased
 from bozzetto_silhouette.tools.outline_edits import edited_part, preview_of
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 
 __all__ = ["Smooth"]
 
 
-class Smooth:
+class Smooth(TellsOfJoints):
     """The stretch under the stroke is smoothed: more where the rub is broad or comes back."""
 
     id = "smooth"

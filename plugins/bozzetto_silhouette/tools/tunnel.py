@@ -18,6 +18,7 @@ from bozzetto_silhouette.tools.carving import check_that_it_carves
 from bozzetto_silhouette.tools.draw import meets_itself
 from bozzetto_silhouette.tools.eraser import erased
 from bozzetto_silhouette.tools.landing import landed
+from bozzetto_silhouette.tools.posing_words import TellsOfJoints
 from bozzetto_silhouette.tools.traces import Trace, trace_of
 from bozzetto_silhouette.touch import shape_seen
 
@@ -27,7 +28,7 @@ LOOKS = 96
 """Lines of sight along the outline."""
 
 
-class DrawTunnel:
+class DrawTunnel(TellsOfJoints):
     """A closed outline goes straight through what lies under it; the eraser takes parts away."""
 
     id = "tunnel"

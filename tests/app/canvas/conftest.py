@@ -123,6 +123,15 @@ class FakeSession(QObject):
     def handle_released(self, handle, path, *, shift, ctrl):
         self.calls.append(("handle_released", handle, path, shift, ctrl))
 
+    def explain_gesture(self, mode):
+        self.calls.append(("explain_gesture", mode.name))
+
+    def tell(self, text):
+        self.calls.append(("tell", text))
+
+    def complain(self, problem):
+        self.calls.append(("complain", str(problem)))
+
     def import_file(self, path):
         self.calls.append(("import_file", path))
 

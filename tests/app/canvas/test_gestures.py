@@ -67,6 +67,28 @@ def test_an_aimed_tap_is_where_it_lifts_after_any_time():
 
 
 @pytest.mark.parametrize(
+    ("aims", "travel", "lasted", "outcome"),
+    [
+        (True, 0.0, 60.0, Outcome.TAP),
+        (True, 1.5, 60.0, Outcome.TAP),
+        (True, 3.0, 0.2, Outcome.TAP),
+        (True, 3.0, 1.0, Outcome.DROP),
+        (True, 30.0, 0.1, Outcome.DROP),
+        (False, 0.0, 0.1, Outcome.DROP),
+    ],
+)
+def test_a_tap_on_a_handle_of_a_tool_that_aims_is_a_tap_and_a_drag_moves_it(
+    aims, travel, lasted, outcome
+):
+    machine = GestureMachine()
+    down = press(takes="drag", aims=aims, handle="h")
+    machine.begin(down)
+    machine.move(100.0 + travel, 100.0)
+    machine.move(100.0, 100.0)
+    assert machine.release("pen", Button.TIP, down.t + lasted) is outcome
+
+
+@pytest.mark.parametrize(
     ("keys", "motion"),
     [
         (Keys(alt=True), Motion.ORBIT),

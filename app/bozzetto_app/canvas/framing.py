@@ -1,0 +1,165 @@
+"""Framing: what is on the sheet is in view when a document comes onto it.
+
+Shapes and advice arrive one after the other, out of workers. So the view is looked after from
+the moment when a document was opened until the person looks elsewhere, draws, or takes a step.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject
+
+from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import fit_points
+from bozzetto.view.standard import standard_view
+from bozzetto_app.looking import FIRST_VIEW
+
+if TYPE_CHECKING:
+    from bozzetto_app.session import Session
+
+__all__ = ["Framing", "framed", "is_in_view", "points_to_frame", "same_view"]
+
+Array = NDArray[np.float64]
+
+KEPT_SHARE: Final = 0.5
+"""Share of the points that must be seen for the view of a saved document to be kept: a person
+may have saved while looking at a detail."""
+
+SMALLEST: Final = 0.05
+"""Least extent of what is seen for that, in canvas sides: what is smaller is only a speck."""
+
+SAME: Final = 1e-5
+"""Largest difference of two views that are the same, in visible heights and as a sine."""
+
+EDGE: Final = 0.5
+"""How far a point may lie beyond the canvas and still count as seen, pixels."""
+
+
+def points_to_frame(session: Session) -> Array:
+    """What has to be in view, (n, 3) mm: the objects, or else what a modeler shows without one.
+
+    On an empty sheet that is for instance the box in which a first curve is drawn.
+    """
+    points = session.scene.points()
+    return points if len(points) else session.advising.scene.points()
+
+
+def framed(camera: Camera, points: Array) -> Camera:
+    """The view with all points in it, from the same side; a single point keeps the scale."""
+    if len(points) and np.ptp(points, axis=0).max() == 0.0:
+        points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
+    return fit_points(camera, points)
+
+
+def is_in_view(camera: Camera, points: Array, share: float = 1.0) -> bool:
+    """Whether at least a share of the points is seen on the canvas, and larger than a speck."""
+    places, depths = camera.project(points)
+    size = np.array(camera.viewport)
+    with np.errstate(invalid="ignore"):
+        inside = (places >= -EDGE).all(axis=1) & (places <= size + EDGE).all(axis=1)
+    seen = inside & (depths > 0.0)
+    if not seen.any() or seen.mean() < share:
+        return False
+    extent = np.ptp(places[seen], axis=0) / size
+    return bool(extent.max() >= SMALLEST)
+
+
+def same_view(one: Camera, other: Camera) -> bool:
+    """Whether nobody could tell two views apart."""
+    if one.kind != other.kind or one.viewport != other.viewport:
+        return False
+    near = SAME * one.visible_height
+    return (
+        np.allclose(one.axes, other.axes, rtol=0.0, atol=SAME)
+        and np.allclose((one.eye, one.target), (other.eye, other.target), rtol=0.0, atol=near)
+        and abs(one.visible_height - other.visible_height) <= near
+    )
+
+
+class Framing(QObject):
+    """Looks after the view while nobody else does.
+
+    A saved document comes back in its own view if its objects can be seen there. A document
+    without a view is seen three-quarter, or as its last waiting stroke was drawn; an empty one
+    as at the start.
+
+    Parameters
+    ----------
+    session : Session
+    """
+
+    def __init__(self, session: Session, parent: QObject) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._camera: Camera | None = session.camera
+        self._share = 1.0
+        self._must_fit = False
+        session.opened.connect(self._opened)
+        session.scene_changed.connect(self._look)
+        session.advising.changed.connect(self._look)
+        session.camera_changed.connect(self._moved)
+        session.pending_changed.connect(self.end)
+        session.document_changed.connect(self._changed)
+
+    def end(self) -> None:
+        """The person is at work: the view is theirs."""
+        self._camera = None
+
+    def _opened(self) -> None:
+        session = self._session
+        document, pending = session.document, session.pending
+        size = session.camera.viewport
+        self._share, self._must_fit = 1.0, False
+        if document.camera is not None:
+            self._share = KEPT_SHARE
+            self._camera = session.camera
+        elif pending:
+            self._show(pending[-1].camera.with_viewport(*size))
+        elif document.models or document.underlays:
+            self._must_fit = True
+            self._show(standard_view(FIRST_VIEW.with_viewport(*size), "three-quarter"))
+        else:
+            self._show(FIRST_VIEW.with_viewport(*size))
+        self._look()
+
+    def _look(self) -> None:
+        """Frame what is there now, unless it is in view."""
+        session = self._session
+        if self._camera is None:
+            return
+        points = points_to_frame(session)
+        if not len(points):
+            return
+        advice = session.advising.advice
+        hidden = not len(session.scene.under(session.advising.scene).points())
+        if hidden and advice is not None and advice.better is not None:
+            # A sketch is seen from where it was drawn, and from nowhere else.
+            self._show(advice.better.with_viewport(*session.camera.viewport))
+        elif self._must_fit or not is_in_view(session.camera, points, self._share):
+            self._show(framed(session.camera, points))
+        else:
+            return
+        self._must_fit = False
+        self._share = 1.0
+
+    def _show(self, camera: Camera) -> None:
+        self._camera = camera
+        self._session.set_camera(camera)
+
+    def _moved(self) -> None:
+        """A sheet of another size shows the same view; any other view is the person's choice."""
+        now, known = self._session.camera, self._camera
+        if known is None or now == known:
+            return
+        if now != known.with_viewport(*now.viewport):
+            self.end()
+            return
+        self._camera = now
+        self._look()
+
+    def _changed(self) -> None:
+        if self._session.history.undo_label is not None:
+            self.end()

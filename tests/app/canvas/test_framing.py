@@ -1,0 +1,169 @@
+"""What is on the sheet is in view when a document comes onto it, and stays where a person looks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.document.file import write_document
+from bozzetto.exchange.importing import read_drawing
+from bozzetto.view import navigation
+from bozzetto.view.camera import Camera
+from bozzetto.view.standard import standard_view
+from bozzetto_app.canvas.framing import framed, is_in_view, points_to_frame
+from bozzetto_app.looking import FIRST_VIEW
+
+FAR = Camera(eye=(900.0, -40.0, 700.0), target=(800.0, 0.0, 700.0))
+"""A view that shows nothing of any drawing."""
+
+AWAY = np.array([400.0, 0.0, 0.0])
+BEHIND = np.array([0.0, 900.0, 0.0])
+
+
+def sees_all(window):
+    session = window.session
+    points = points_to_frame(session)
+    assert len(points)
+    return is_in_view(session.camera, points)
+
+
+def look_away(window):
+    session = window.session
+    session.set_camera(FAR.with_viewport(*session.camera.viewport))
+    assert not sees_all(window)
+
+
+def draw_sample(window, settle, modeler="bozzetto.silhouette", number=0):
+    session = window.session
+    (info,) = [one for one in session.modelers if one.id == modeler]
+    session.activate_modeler(modeler)
+    settle(session, window.keeper)
+    session.import_file(info.samples[number])
+    settle(session, window.keeper)
+    return session.document
+
+
+def test_a_point_outside_or_behind_or_a_speck_is_not_in_view():
+    camera = Camera(eye=(0.0, -500.0, 0.0), target=(0.0, 0.0, 0.0), viewport=(800.0, 600.0))
+    cube = np.array([(x, y, z) for x in (-50, 50) for y in (-50, 50) for z in (-50, 50)], float)
+    assert is_in_view(camera, cube)
+    assert not is_in_view(camera, cube + AWAY)
+    assert not is_in_view(camera, cube - BEHIND), "behind the eye"
+    assert not is_in_view(camera, 0.01 * cube), "a speck"
+    half = np.concatenate((cube, cube + AWAY))
+    assert is_in_view(camera, half, share=0.5)
+    assert not is_in_view(camera, half)
+
+
+@pytest.mark.parametrize("size", [(1280.0, 800.0), (800.0, 1280.0), (200.0, 160.0)])
+def test_what_is_framed_is_in_view(size):
+    points = np.random.default_rng(5).normal(scale=(300.0, 20.0, 90.0), size=(80, 3)) + 1000.0
+    for view in ("front", "three-quarter", "top"):
+        for kind in ("perspective", "orthographic"):
+            camera = replace(Camera(viewport=size), kind=kind)
+            camera = navigation.with_kind(camera, kind)
+            assert is_in_view(framed(standard_view(camera, view), points), points)
+
+
+def test_a_new_sheet_is_seen_as_the_first_one_was(make_window, settle):
+    window = make_window()
+    first = window.session.camera
+    assert first == FIRST_VIEW.with_viewport(*first.viewport)
+    look_away_from = FAR.with_viewport(*first.viewport)
+    window.session.set_camera(look_away_from)
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    assert window.session.camera == first
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (800, 1280)])
+def test_a_new_sheet_shows_the_whole_box_and_home_does(make_window, settle, size):
+    window = make_window("bozzetto.symmetry")
+    window.resize(*size)
+    settle(window.session, window.keeper)
+    assert sees_all(window), "at the start"
+    look_away(window)
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    assert sees_all(window)
+    look_away(window)
+    window.canvas.fit()
+    settle(window.session, window.keeper)
+    assert sees_all(window), "Home shows the box even though nothing is drawn"
+
+
+def test_taking_another_modeler_on_a_new_sheet_shows_its_box(make_window, settle):
+    window = make_window()
+    window.resize(560, 900)
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    window.session.activate_modeler("bozzetto.symmetry")
+    settle(window.session, window.keeper)
+    assert sees_all(window)
+
+
+def test_a_document_opens_in_its_own_view_if_it_is_seen_there(make_window, settle, tmp_path):
+    window = make_window()
+    document = draw_sample(window, settle)
+    session = window.session
+    window.canvas.look("three-quarter")
+    own = navigation.orbit(session.camera, 40.0, 10.0)
+    session.set_camera(own)
+    assert sees_all(window)
+    for name, camera in (("seen", own), ("lost", replace(FAR, viewport=own.viewport))):
+        write_document(replace(document, camera=camera), tmp_path / f"{name}.bozz")
+    write_document(replace(document, camera=None), tmp_path / "none.bozz")
+    for name in ("seen", "lost", "none"):
+        look_away(window)
+        session.history.mark_saved(session.document)
+        window.open(tmp_path / f"{name}.bozz")
+        settle(session, window.keeper)
+        assert session.title == name
+        assert sees_all(window), name
+        assert (session.camera == own) == (name == "seen")
+
+
+def test_the_view_is_left_alone_once_the_person_has_looked_elsewhere(make_window, settle, tmp_path):
+    window = make_window()
+    session = window.session
+    write_document(draw_sample(window, settle), tmp_path / "one.bozz")
+    session.history.mark_saved(session.document)
+    window.open(tmp_path / "one.bozz")
+    settle(session, window.keeper)
+    look_away(window)
+    away = session.camera
+    session.set_show_ghost_ink(False)  # another scene
+    session.select(None)
+    settle(session, window.keeper)
+    assert session.camera == away
+
+
+def test_recovered_drawings_are_in_view_and_ink_that_waits_as_it_was_drawn(
+    make_window, settle, tmp_path
+):
+    window = make_window()
+    session = window.session
+    document = replace(draw_sample(window, settle), camera=None)
+    look_away(window)
+    session.show_document(document, None, saved=False)
+    settle(session, window.keeper)
+    assert sees_all(window)
+    (info,) = [one for one in session.modelers if one.id == "bozzetto.silhouette"]
+    strokes = read_drawing(info.samples[0]).strokes
+    look_away(window)
+    session.show_document(replace(document, models=()), None, saved=False, pending=strokes[:1])
+    settle(session, window.keeper)
+    drawn = strokes[0].camera
+    assert session.camera == drawn.with_viewport(*session.camera.viewport)
+
+
+def test_a_drawing_that_is_watched_keeps_the_view_that_it_was_drawn_in(make_window, settle):
+    window = make_window()
+    (info,) = [one for one in window.session.modelers if one.id == "bozzetto.symmetry"]
+    drawing = read_drawing(info.samples[0])
+    window.watch(info.id, info.samples[0])
+    camera = window.session.camera
+    assert camera == drawing.camera.with_viewport(*camera.viewport)
+    window._stop_replay()

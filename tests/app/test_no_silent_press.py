@@ -1,0 +1,324 @@
+"""Whatever is pressed, something changes that can be seen, or the program says why nothing did.
+
+Every action of the menus, every key, every button, every entry of the radial menu, and every tool
+on nothing and on an object: in every state that the sheet can be in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt
+from PySide6.QtGui import QDropEvent, QKeySequence
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QApplication, QFileDialog
+
+from bozzetto_app.panels.history import HistoryPanel
+from tests.app.tablet import Stylus, circle
+
+MODELERS = ("bozzetto.silhouette", "bozzetto.symmetry", "bozzetto.car")
+SAMPLES = {"bozzetto.silhouette": 2, "bozzetto.symmetry": 0, "bozzetto.car": 0}
+
+STATES = ("empty", "object", "hidden", "locked", "nothing selected", "waiting ink")
+
+LEFT_ALONE = ("file.quit",)
+"""Ends the test, too."""
+
+NOTHING = (60.0, 500.0)
+"""Where nothing is drawn."""
+
+
+class Watch:
+    """What a person can notice of a window, before and after a press."""
+
+    def __init__(self, window, asked):
+        self.window, self.session, self.asked = window, window.session, asked
+        self.before = self.seen()
+        self.count = len(self.session.heard)
+
+    def seen(self):
+        session, window = self.session, self.window
+        return (
+            session.document.models,
+            session.document.underlays,
+            session.document.views,
+            session.history.position,
+            session.selected,
+            tuple(model.state for model in session.document.models),
+            [id(stroke) for stroke in session.pending],
+            session.camera,
+            (session.shading, session.show_grid, session.show_ghost_ink),
+            (session.active_modeler, session.active_tool),
+            (window.panels_shown, window.is_dark, window.welcome.isVisible()),
+            window.canvas._menu.isVisible(),
+            window._replay is not None,
+            {id(w) for w in QApplication.topLevelWidgets() if w.isVisible()},
+            len(self.asked),
+        )
+
+    @property
+    def said(self):
+        """What was said since, in words of which there are some."""
+        return [notice.text for notice in self.session.heard[self.count :] if notice.text.strip()]
+
+    @property
+    def is_silent(self):
+        pairs = zip(self.before, self.seen(), strict=True)
+        return not self.said and all(_same(one, two) for one, two in pairs)
+
+
+def _same(one, two):
+    """Whether two sights are the same; models are compared by identity, not by value."""
+    if isinstance(one, tuple) and isinstance(two, tuple) and one and not _is_plain(one[0]):
+        return len(one) == len(two) and all(a is b for a, b in zip(one, two, strict=True))
+    return one is two or bool(one == two)
+
+
+def _is_plain(value):
+    return isinstance(value, str | bool | int | float | None)
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """The files that were asked for; every question is answered with Cancel."""
+    asked = []
+
+    def cancel(*args, **more):
+        asked.append(args)
+        return "", ""
+
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", cancel)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", cancel)
+    return asked
+
+
+def close_dialogs(window):
+    window._stop_replay()
+    window.canvas._menu.close_menu()
+    for widget in QApplication.topLevelWidgets():
+        if widget is not window and widget.isVisible() and widget.objectName() != "window":
+            widget.close()
+    QApplication.processEvents()
+
+
+@pytest.fixture
+def put(make_window, settle, asked):
+    """A function that makes a window for a modeler, and one that brings a state back."""
+
+    def make(modeler):
+        window = make_window(modeler)
+        session = window.session
+        (info,) = [one for one in session.modelers if one.id == modeler]
+        session.import_file(info.samples[SAMPLES[modeler]])
+        settle(session, window.keeper)
+        drawn = session.document
+
+        def restore(state):
+            close_dialogs(window)
+            document = drawn
+            if state == "empty" or state == "waiting ink":
+                document = replace(drawn, models=())
+            if state in ("hidden", "locked"):
+                change = {"visible": False} if state == "hidden" else {"locked": True}
+                document = replace(drawn, models=tuple(replace(m, **change) for m in drawn))
+            session.show_document(document, None)
+            session.activate_modeler(modeler)
+            settle(session, window.keeper)
+            if state == "nothing selected":
+                session.select(None)
+            if state == "waiting ink":
+                Stylus(window.canvas).draw([(300.0, 300.0), (420.0, 330.0), (520.0, 300.0)])
+            window.canvas.fit()
+            settle(session, window.keeper)
+            session.history.mark_saved(session.document)
+
+        return window, restore
+
+    return make
+
+
+def silent_actions(window, restore, settle, asked, state):
+    restore(state)
+    session = window.session
+    for name in [action.id for action in window.actions_.actions()]:
+        if name in LEFT_ALONE or name not in {a.id for a in window.actions_.actions()}:
+            continue
+        watch = Watch(window, asked)
+        window.actions_.run(name)
+        settle(session, window.keeper)
+        if watch.is_silent:
+            yield name
+        restore(state)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("modeler", MODELERS)
+def test_no_action_is_silent(put, settle, asked, modeler, state):
+    window, restore = put(modeler)
+    assert list(silent_actions(window, restore, settle, asked, state)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("modeler", MODELERS)
+def test_no_tool_is_silent_on_nothing_or_on_an_object(put, settle, asked, modeler, state):
+    window, restore = put(modeler)
+    restore(state)
+    session, canvas = window.session, window.canvas
+    middle = (canvas.width() / 2, canvas.height() / 2)
+    silent = []
+    for tool in [tool.id for tool in session.tools]:
+        restore(state)
+        session.activate_tool(tool)
+        settle(session)
+        for place, eraser, way in product((NOTHING, middle), (False, True), ("tap", "drag")):
+            # Twice: the second press finds what the first one left.
+            for time in (1, 2):
+                watch = Watch(window, asked)
+                stylus, end = Stylus(canvas, eraser=eraser), (place[0] + 50.0, place[1] - 20.0)
+                if way == "drag":
+                    stylus.draw([place, (place[0] + 20.0, place[1] - 10.0), end])
+                else:
+                    stylus.press(place)
+                    stylus.lift(place)
+                settle(session)
+                if watch.is_silent:
+                    silent.append((tool, place, eraser, way, time))
+    assert silent == []
+
+
+@pytest.mark.parametrize("state", ["empty", "locked"])
+def test_no_key_and_no_entry_of_the_radial_menu_is_silent(put, settle, asked, state):
+    window, restore = put("bozzetto.silhouette")
+    restore(state)
+    session = window.session
+    silent = []
+    for action in window.actions_.actions():
+        enabled = action.enabled()
+        if enabled or not action.keys:
+            continue  # those that can be done are pressed above
+        window.activateWindow()
+        window.canvas.setFocus()
+        watch = Watch(window, asked)
+        keys = QKeySequence(action.keys[0])[0]
+        QTest.keyClick(window.canvas, keys.key(), keys.keyboardModifiers())
+        settle(session)
+        if watch.is_silent:
+            silent.append(action.id)
+    for index, entry in enumerate(window._radial_entries()):
+        window.canvas.open_menu(QPointF(400.0, 300.0))
+        QApplication.processEvents()
+        watch = Watch(window, asked)
+        watch.before = (*watch.before[:11], False, *watch.before[12:])
+        window.canvas._menu._choose(index)
+        settle(session, window.keeper)
+        opened = window.canvas._menu.isVisible()
+        window.canvas._menu.close_menu()
+        if watch.is_silent:
+            silent.append((entry.title, opened))
+    assert silent == []
+
+
+def test_whatever_cannot_be_done_says_why_and_what_to_do_first(put, settle, asked):
+    window, restore = put("bozzetto.silhouette")
+    for state in STATES:
+        restore(state)
+        window.actions_.refresh()
+        for action in window.actions_.actions():
+            made = window.actions_.qaction(action.id)
+            if not made.isEnabled():
+                assert action.why_not().endswith("."), action.id
+                assert made.toolTip() == made.statusTip() == action.why_not()
+
+
+def buttons(window):
+    """The buttons around the sheet that can be seen."""
+    for button in window.findChildren(QAbstractButton):
+        if button.isVisible() and button.window() is window:
+            yield button
+
+
+@pytest.mark.parametrize("state", ["empty", pytest.param("object", marks=pytest.mark.slow)])
+def test_no_button_around_the_sheet_is_silent(put, settle, asked, state):
+    window, restore = put("bozzetto.silhouette")
+    restore(state)
+    session = window.session
+
+    def name(button):
+        return button.accessibleName() or button.text() or button.objectName()
+
+    silent = []
+    for number in range(len(list(buttons(window)))):
+        restore(state)
+        now = list(buttons(window))
+        if number >= len(now):
+            break
+        button = now[number]
+        if not button.isEnabled():
+            words = button.toolTip()
+            assert words != name(button), "says why it cannot be pressed"
+            continue
+        owners = [button.parentWidget()]
+        while owners[-1] is not None:
+            owners.append(owners[-1].parentWidget())
+        if any(w is not None and w.objectName() == "parameters" for w in owners):
+            continue  # fields: what they do is shown by themselves
+        before = window.grab().toImage()
+        watch = Watch(window, asked)
+        said = name(button)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton, pos=button.rect().center())
+        settle(session, window.keeper)
+        if watch.is_silent and window.grab().toImage() == before:
+            silent.append(said)
+    assert silent == []
+
+
+def test_a_step_a_modeler_or_a_view_that_is_there_already_says_so(put, settle, asked):
+    window, restore = put("bozzetto.silhouette")
+    restore("object")
+    session = window.session
+    history = window.findChild(HistoryPanel)
+    for press in (
+        lambda: history.itemClicked.emit(history.item(session.history.position)),
+        lambda: window.modelers._take(session.active_modeler),
+        lambda: window.canvas.fit(),
+        lambda: window.actions_.run("view.shading.clay"),
+    ):
+        watch = Watch(window, asked)
+        press()
+        settle(session)
+        assert watch.said
+
+
+def test_a_drop_or_paste_of_nothing_says_so(put, settle, asked):
+    window, restore = put("bozzetto.silhouette")
+    restore("empty")
+    data = QMimeData()
+    data.setText("words")
+    copy, left = Qt.DropAction.CopyAction, Qt.MouseButton.LeftButton
+    watch = Watch(window, asked)
+    none = Qt.KeyboardModifier.NoModifier
+    window.canvas.dropEvent(QDropEvent(QPointF(200.0, 200.0), copy, data, left, none))
+    assert watch.said
+
+
+def test_short_presses_say_what_is_wanted(put, settle, asked):
+    window, restore = put("bozzetto.silhouette")
+    restore("empty")
+    canvas, session = window.canvas, window.session
+    watch = Watch(window, asked)
+    QTest.mouseClick(canvas, Qt.MouseButton.MiddleButton, pos=QPoint(300, 300))
+    assert "turn the view" in watch.said[-1]
+    watch = Watch(window, asked)
+    Stylus(canvas).draw([(300.0, 300.0), (301.0, 300.0)])
+    settle(session)
+    assert "too short" in watch.said[-1]
+    session.activate_tool("mirror")
+    settle(session)
+    watch = Watch(window, asked)
+    Stylus(canvas).draw(circle())
+    settle(session)
+    assert "tap" in watch.said[-1]
