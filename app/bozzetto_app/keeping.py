@@ -22,7 +22,6 @@ from bozzetto.document.history import History
 from bozzetto.document.model import Document
 from bozzetto.document.recovery import CrashedSession, Recovered, RecoverySession, RecoveryStore
 from bozzetto.errors import UserError
-from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
 from bozzetto_app.doorbell import ring
 from bozzetto_app.files import Claim
@@ -44,7 +43,6 @@ class _Snapshot(NamedTuple):
     name: str
     path: Path | None
     document: Document
-    pending: tuple[Stroke, ...]
 
 
 @dataclass(eq=False)
@@ -134,7 +132,7 @@ class Keeper(QObject):
         self._thread.join(LAST_WRITES)
 
     def _record(self) -> None:
-        """Write down the document as it is, and the ink that waits."""
+        """Write down the document as it is, with the ink that waits."""
         session = self._session
         if session.history is not self._book.history:
             self._end_book(self._book)
@@ -144,9 +142,7 @@ class Keeper(QObject):
         if not book.begun and not session.is_modified:
             return
         book.begun = True
-        book.newest.append(
-            _Snapshot(session.title, session.path, session.document, session.pending)
-        )
+        book.newest.append(_Snapshot(session.title, session.path, session.document))
         self._tasks.put(lambda: self._write(book))
 
     def _saved(self, path: Path) -> None:
@@ -189,7 +185,7 @@ class Keeper(QObject):
         now = book.newest.pop()
         if book.kept is None:
             book.kept = self._store.begin(now.name, now.path, now.document)
-        book.kept.record(now.document, now.pending)
+        book.kept.record(now.document)
         if book.brought_back is not None:
             crashed, book.brought_back = book.brought_back, None
             self._store.discard(crashed)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bozzetto.document.waiting import strokes_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto.scene.display_list import Scene
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Document
     from bozzetto.view.camera import Camera
     from bozzetto_app.advising import Advising
     from bozzetto_app.inking import Inking
@@ -28,14 +30,17 @@ class PenCalls:
         inking: Inking
         camera: Camera
 
+        @property
+        def document(self) -> Document: ...
+
         def select(self, model_id: str | None) -> None: ...
 
         def say_hint(self, text: str) -> None: ...
 
     @property
     def pending(self) -> tuple[Stroke, ...]:
-        """Strokes that wait to be understood or committed."""
-        return self.inking.pending
+        """Strokes that no modeler has taken yet; see `Document.waiting`."""
+        return strokes_of(self.document.waiting)
 
     @property
     def live_scene(self) -> Scene:
@@ -69,7 +74,8 @@ class PenCalls:
 
     def clear_pending(self) -> None:
         """Take back all pending strokes."""
-        self.inking.restart()
+        if self.pending:
+            self.inking.clear()
 
     def tapped(self, x: float, y: float, *, shift: bool = False, ctrl: bool = False) -> None:
         """A short touch with a tool that takes taps."""
