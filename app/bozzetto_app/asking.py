@@ -175,16 +175,6 @@ class FileQuestions:
             box.deleteLater()
             if box.clickedButton() is drop:
                 then()
-            elif box.clickedButton() is save and self._session.pending:
-                self._session.complain(
-                    UserError(
-                        tr(
-                            "Files",
-                            "Ink is waiting. Finish it with Enter or take it back with "
-                            "Backspace, then save.",
-                        )
-                    )
-                )
             elif box.clickedButton() is save:
                 self.ask_save(then)
             elif refused is not None:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.document.waiting import (
@@ -32,6 +32,7 @@ from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.saying import notice_of
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
@@ -73,9 +74,7 @@ class _NotTaken(Exception):
         Those that it concerns.
     """
 
-    def __init__(
-        self, problem: BaseException, tool: str, strokes: tuple[Stroke, ...]
-    ) -> None:
+    def __init__(self, problem: BaseException, tool: str, strokes: tuple[Stroke, ...]) -> None:
         super().__init__(str(problem))
         self.problem, self.tool, self.strokes = problem, tool, strokes
 
@@ -87,7 +86,14 @@ class Inking(QObject):
     ----------
     live : Scene
         What is shown only until something better is there.
+
+    Signals
+    -------
+    busy_changed : bool
+        A modeler has a gesture in hand, or none any more.
     """
+
+    busy_changed = Signal(bool)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -97,6 +103,7 @@ class Inking(QObject):
         self._awaited = ""
         self._unpreviewable: set[tuple[str, str]] = set()
         self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
+        self._edits.busy_changed.connect(self.busy_changed)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
 
     @property
@@ -146,8 +153,15 @@ class Inking(QObject):
 
     def commit(self) -> None:
         """Say that the strokes that wait are all."""
-        if self._may_edit():
-            self._apply_ink(self._session.document.waiting[-1].stroke, committed=True)
+        if not self._may_edit():
+            return
+        session = self._session
+        active = [tool for tool in session.tools if tool.id == session.active_tool]
+        if active and active[0].gesture != "ink":
+            said = tr("Session", "{tool} does not draw. Take a tool that does, then press Enter.")
+            session.complain(UserError(said.format(tool=active[0].title)))
+            return
+        self._apply_ink(session.document.waiting[-1].stroke, committed=True)
 
     def drop_last(self) -> None:
         """Take back the newest stroke that waits."""
@@ -156,6 +170,11 @@ class Inking(QObject):
     def clear(self) -> None:
         """Take back all strokes that wait."""
         self._drop(tr("Session", "Take back the waiting ink"), self._session.pending)
+
+    def hand_changed(self) -> None:
+        """Another tool is in the hand: what the last one showed for a moment goes."""
+        if not self._pen_is_down and not self._edits.busy:
+            self._show_nothing()
 
     def restart(self) -> None:
         """Drop all work: there is another document, with ink of its own."""
@@ -302,30 +321,36 @@ class Inking(QObject):
             if isinstance(problem, _NotTaken):
                 self._not_taken(problem, modeler)
                 return
-            now = gestures()
-            if now:
-                notice = self._session.complain(problem)
-                self._mark(now[0].strokes, "failed", notice.text, modeler=modeler, tool=tool)
+            notice = notice_of(problem, self._session.registry.guard)
+            for ink in gestures()[:1]:
+                self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
+            self._session.noticed.emit(notice)
 
         self._submit(gestures, tool, failed)
 
     def _not_taken(self, answer: _NotTaken, modeler: str) -> None:
         """Let ink wait that a tool did not take, with what is to be done."""
-        problem, strokes, tool = answer.problem, answer.strokes, answer.tool
+        problem, strokes, session = answer.problem, answer.strokes, self._session
+        waits = set(map(id, session.pending))
+        is_meant = any(id(stroke) in waits for stroke in strokes)
         if isinstance(problem, Unfinished):
-            self._mark(strokes, "unfinished", problem.hint, modeler=modeler, tool=tool)
-            self._session.say_hint(problem.hint)
+            self._mark(strokes, "unfinished", problem.hint, modeler=modeler, tool=answer.tool)
+            if is_meant:
+                session.say_hint(problem.hint)
             return
-        refused = isinstance(problem, UserError)
-        notice = self._session.complain(problem)
+        is_refused = isinstance(problem, UserError)
+        if is_refused and not is_meant:
+            return  # taken back meanwhile: nobody wants to know any more
+        notice = notice_of(problem, session.registry.guard)
         self._mark(
             strokes,
-            "refused" if refused else "failed",
+            "refused" if is_refused else "failed",
             notice.text,
             modeler=modeler,
-            tool=tool,
+            tool=answer.tool,
             places=notice.places,
         )
+        session.noticed.emit(notice)
 
     def _mark(
         self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any
@@ -455,7 +480,7 @@ def ink_to_try(
     Ink waits for the tool that it was drawn for; only Enter hands it to another, where the
     tool in the hand has none of its own. A stroke is tried together with refused ink, which
     it may mend, and without, for refused ink must not stand in the way of other ink. Ink that
-    a plugin failed over is tried again at Enter only.
+    a plugin failed over is tried again at Enter only, by itself.
 
     Parameters
     ----------
@@ -479,6 +504,7 @@ def ink_to_try(
     own = tuple(one for one in drawn if one.is_for(modeler, tool))
     if committed:
         own = own or drawn
+        own = tuple(one for one in own if one.status != "failed") or own
     else:
         own = tuple(one for one in own if one.status != "failed" or one.stroke is until)
     good = tuple(one for one in own if not one.is_marked)

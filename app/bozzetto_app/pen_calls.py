@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bozzetto.document.waiting import strokes_of
+from bozzetto.document.waiting import Waiting, strokes_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto.scene.display_list import Scene
@@ -33,6 +33,8 @@ class PenCalls:
         @property
         def document(self) -> Document: ...
 
+        def cancel_work(self) -> None: ...
+
         def select(self, model_id: str | None) -> None: ...
 
         def say_hint(self, text: str) -> None: ...
@@ -41,6 +43,11 @@ class PenCalls:
     def pending(self) -> tuple[Stroke, ...]:
         """Strokes that no modeler has taken yet; see `Document.waiting`."""
         return strokes_of(self.document.waiting)
+
+    @property
+    def marked_ink(self) -> Waiting:
+        """Those of them with which something is wrong."""
+        return tuple(one for one in self.document.waiting if one.is_marked)
 
     @property
     def live_scene(self) -> Scene:
@@ -76,6 +83,17 @@ class PenCalls:
         """Take back all pending strokes."""
         if self.pending:
             self.inking.clear()
+
+    def escape(self) -> bool:
+        """Stop the modeler, or else take the waiting ink back (Esc); whether there was any."""
+        if self.inking.at_the_modeler:
+            self.cancel_work()
+        elif self.pending:
+            self.inking.clear()
+            self.say_hint(tr("Session", "The waiting ink is taken back. Undo brings it again."))
+        else:
+            return False
+        return True
 
     def tapped(self, x: float, y: float, *, shift: bool = False, ctrl: bool = False) -> None:
         """A short touch with a tool that takes taps."""

@@ -135,6 +135,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
         self.showing.busy_changed.connect(self._look_who_is_busy)
+        self.inking.busy_changed.connect(self._look_who_is_busy)
         for part in (self.files, self.using, self.picturing):
             part.progressed.connect(self.progressed)
             part.busy_changed.connect(self._look_who_is_busy)
@@ -244,10 +245,12 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Draw with another modeler; pending ink stays."""
         if modeler_id != self.active_modeler:
             self.toolbox.take_modeler(modeler_id)
+            self.inking.hand_changed()
 
     def activate_tool(self, tool_id: str) -> None:
         """Take another tool of the active modeler."""
         self.toolbox.take_tool(tool_id)
+        self.inking.hand_changed()
 
     # -- the document --
 
@@ -276,7 +279,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def revise_ink(self, change: Callable[[Waiting], Waiting]) -> None:
         """Note what is known of ink that waits, wherever it waits; no step of the history."""
         self.history.revise(lambda document: document.with_waiting(change(document.waiting)))
-        self._ink_replaced()
+        self._tell_of_ink()
 
     def take_drawn(
         self,
@@ -419,6 +422,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.selection_changed.emit()
         self.report_changed.emit()
         self.opened.emit()
+        if document.waiting:
+            self.tell(
+                tr("Session", "Ink is waiting. Enter tries it, the pen’s eraser end takes it away.")
+            )
 
     def saved_as(self, path: Path, snapshot: Document) -> None:
         """Note that a snapshot is on the disk."""
@@ -443,6 +450,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def _ink_replaced(self) -> None:
         """The snapshot is another one; its shapes may be the same."""
         self.document_changed.emit()
+        self._tell_of_ink()
+
+    def _tell_of_ink(self) -> None:
         if self.document.waiting is not self._waiting_told:
             self._waiting_told = self.document.waiting
             self.pending_changed.emit()
@@ -478,7 +488,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
 
     def _look_who_is_busy(self) -> None:
         parts = (self.showing, self.files, self.using, self.picturing)
-        busy = any(part.busy for part in parts)
+        busy = self.inking.at_the_modeler or any(part.busy for part in parts)
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)
@@ -519,8 +529,6 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Say that something went well."""
         self.noticed.emit(Notice("info", text))
 
-    def complain(self, problem: BaseException) -> Notice:
-        """Tell the person about a problem, each kind in its own way, and say what was told."""
-        notice = notice_of(problem, self.registry.guard)
-        self.noticed.emit(notice)
-        return notice
+    def complain(self, problem: BaseException) -> None:
+        """Tell the person about a problem, each kind in its own way."""
+        self.noticed.emit(notice_of(problem, self.registry.guard))

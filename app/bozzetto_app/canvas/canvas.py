@@ -37,6 +37,7 @@ from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
 from bozzetto_app.canvas.ink_overlay import InkOverlay
 from bozzetto_app.canvas.loupe import Loupe
+from bozzetto_app.canvas.marked_line import MarkedLine
 from bozzetto_app.canvas.pen import ProximityWatch
 from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.samples import PressureCurve
@@ -129,6 +130,7 @@ class Canvas(QWidget):
         session.live_changed.connect(self._show_live)
         session.camera_changed.connect(self._show_camera)
         session.pending_changed.connect(self._show_pending)
+        session.tool_changed.connect(self._show_pending)
         session.view_style_changed.connect(self.viewports.show_style)
         session.noticed.connect(self._notice)
         session.settled.connect(self._settled)
@@ -334,12 +336,28 @@ class Canvas(QWidget):
             self._show_pending()
 
     def _show_pending(self) -> None:
-        self._overlay.set_pending(self._session.pending, self._session.camera)
+        self._overlay.set_pending(self._good_ink(), self._session.camera, self._marked_ink())
+
+    def _good_ink(self) -> tuple[Stroke, ...]:
+        return tuple(
+            stroke
+            for stroke in self._session.pending
+            if all(stroke is not one.stroke for one in self._session.marked_ink)
+        )
+
+    def _marked_ink(self) -> list[MarkedLine]:
+        """Ink with which something is wrong, lit where the tool that said so is in the hand."""
+        session = self._session
+        hand = session.active_modeler, session.active_tool
+        return [
+            MarkedLine.of(one, session.camera, is_lit=one.is_for(*hand))
+            for one in session.marked_ink
+        ]
 
     def follow(self, stroke: Stroke | None) -> None:
         """Show the ink of a stroke that no hand draws here; None when its pen is up."""
-        strokes = self._session.pending if stroke is None else (*self._session.pending, stroke)
-        self._overlay.set_pending(strokes, self._session.camera)
+        strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
+        self._overlay.set_pending(strokes, self._session.camera, self._marked_ink())
 
     def _show_advice(self) -> None:
         advising = self._session.advising
@@ -427,7 +445,7 @@ class Canvas(QWidget):
         self.hand.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and self.hand.cancel():
+        if event.key() == Qt.Key.Key_Escape and (self.hand.cancel() or self._session.escape()):
             return
         if event.key() == Qt.Key.Key_Space:
             self.hand.space_held = True

@@ -259,7 +259,9 @@ def _waiting(strokes: Sequence[Stroke], ink: _WaitingInk) -> Waiting:
     named = _named(strokes, ink.strokes)
     if len(named) != len(ink.entries):
         raise DocumentError("The journal's list of waiting ink does not fit its strokes.")
-    return tuple(entry.with_stroke(stroke) for entry, stroke in zip(ink.entries, named, strict=True))
+    return tuple(
+        entry.with_stroke(stroke) for entry, stroke in zip(ink.entries, named, strict=True)
+    )
 
 
 def record_time(record: bytes) -> float:

@@ -173,9 +173,7 @@ class History:
             self._put(place, change(self._steps[place].document), is_other=False)
         self._open = False
 
-    def complete(
-        self, first: int, label: str, change: Callable[[Document], Document]
-    ) -> None:
+    def complete(self, first: int, label: str, change: Callable[[Document], Document]) -> None:
         """Let a step, and those that follow, lead to other snapshots: its outcome came later.
 
         Parameters
@@ -211,9 +209,7 @@ class History:
     ) -> None:
         """Add a step behind the present one, which is the last, and go there."""
         removed, added = (STEP_BYTES + count for count in difference(self.document, document))
-        self._steps.append(
-            _Step(label, document, revision, merge_key, removed, added, drawn=drawn)
-        )
+        self._steps.append(_Step(label, document, revision, merge_key, removed, added, drawn=drawn))
         self._held += added
         self.redo()
 

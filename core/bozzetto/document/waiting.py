@@ -18,7 +18,15 @@ from bozzetto.ink.resample import resample
 from bozzetto.ink.sheet import is_seen, seen_through
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["Waiting", "WaitingStatus", "WaitingStroke", "marked", "strokes_of", "touched", "without"]
+__all__ = [
+    "Waiting",
+    "WaitingStatus",
+    "WaitingStroke",
+    "marked",
+    "strokes_of",
+    "touched",
+    "without",
+]
 
 WaitingStatus = Literal["new", "unfinished", "refused", "failed"]
 
