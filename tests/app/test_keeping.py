@@ -63,7 +63,7 @@ def kept_strokes(folder, registry=None):
     for crashed in store.crashed_sessions():
         back = store.recover(crashed, registry or Registry())
         applied = sum(strokes_of(model.state) for model in back.document)
-        found.append(applied + len(back.pending))
+        found.append(applied + len(back.document.waiting))
         store.keep(crashed)
     return found
 
