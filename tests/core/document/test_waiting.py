@@ -9,7 +9,7 @@ from bozzetto.document.waiting import WaitingStroke, marked, strokes_of, touched
 from bozzetto.ink.sheet import seen_through
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
-from bozzetto.view.navigation import orbit, zoom
+from bozzetto.view.navigation import zoom
 from tests.document_kit import stroke, waiting_ink
 
 CAMERA = Camera()
@@ -71,5 +71,3 @@ def test_an_eraser_meets_ink_where_it_is_seen_now():
     (x, y), _ = seen
     assert touched((drawn,), line((x, y - 30), (x, y + 30), camera=closer), 18.0)
     assert not touched((drawn,), line((600, 370), (600, 430), camera=closer), 18.0)
-
-
