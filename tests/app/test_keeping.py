@@ -86,7 +86,7 @@ def test_every_stroke_is_kept_applied_or_waiting(keep, folder, settle):
     assert kept_strokes(folder, session.registry) == [2]
 
 
-def test_a_refused_or_dropped_stroke_is_not_kept(keep, folder, settle):
+def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle):
     session, keeper = keep()
     draw(session, settle, keeper)
     draw(session, settle, keeper, share=0.5)
@@ -103,7 +103,8 @@ def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
     def look(book):
         while book.newest:
             now = book.newest.pop()
-            totals.append(sum(strokes_of(m.state) for m in now.document) + len(now.pending))
+            taken = sum(strokes_of(m.state) for m in now.document)
+            totals.append(taken + len(now.document.waiting))
 
     monkeypatch.setattr(keeper, "_write", look)
     session.pending_changed.connect(lambda: look(keeper._book))
