@@ -39,6 +39,8 @@ class PenCalls:
 
         def say_hint(self, text: str) -> None: ...
 
+        def tell(self, text: str) -> None: ...
+
     @property
     def pending(self) -> tuple[Stroke, ...]:
         """Strokes that no modeler has taken yet; see `Document.waiting`."""
@@ -90,7 +92,7 @@ class PenCalls:
             self.cancel_work()
         elif self.pending:
             self.inking.clear()
-            self.say_hint(tr("Session", "The waiting ink is taken back. Undo brings it again."))
+            self.tell(tr("Session", "The waiting ink is taken back. Undo brings it again."))
         else:
             return False
         return True

@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
+from bozzetto.document.model import Document
 from bozzetto.document.waiting import WaitingStroke
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
@@ -277,6 +278,12 @@ def test_esc_with_an_idle_hand_takes_waiting_ink_back_and_undo_brings_it_again(
     assert session.pending == ()
     session.undo()
     assert session.document.waiting == waiting
+    pair[0].mood = "refuse"
+    session.commit_pending()
+    settle(session)
+    assert window.canvas._overlay.lit_places == (PLACE,)
+    QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
+    assert window.canvas._overlay.lit_places == ()
 
 
 def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
@@ -313,6 +320,38 @@ def test_a_tool_that_does_not_draw_says_so_at_enter(session, pair, lift, monkeyp
     session.commit_pending()
     assert "does not draw" in session.heard[-1].text
     assert session.pending == (drawn,)
+
+
+def test_a_tool_that_did_not_mark_it_shows_ink_without_a_halo(make_window, pair, settle):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session = window.session
+    pair[0].mood = "refuse"
+    Stylus(window.canvas).draw(circle())
+    settle(session)
+
+    def lit():
+        return [line.is_lit for line in window.canvas._overlay._marked]
+
+    assert lit() == [True]
+    session.activate_tool("trace")
+    assert lit() == [False]
+    session.activate_tool("draw")
+    assert lit() == [True]
+    session.activate_modeler(SECOND)
+    settle(session)
+    assert lit() == [False]
+    assert session.live_scene.layers == ()
+
+
+def test_ink_of_a_journal_of_before_waits_as_if_just_drawn(session, settle):
+    drawn = stroke_of(circle(), session.camera)
+    session.show_document(Document(), None, saved=False, pending=(drawn,))
+    settle(session)
+    assert session.pending == (drawn,)
+    assert session.is_modified
+    session.commit_pending()
+    settle(session)
+    assert (strokes(session), session.pending) == ([1], ())
 
 
 # -- files -----------------------------------------------------------------------------------------

@@ -107,6 +107,7 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
         self._pictured = ""
+        self._marked = 0
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
@@ -336,7 +337,11 @@ class Canvas(QWidget):
             self._show_pending()
 
     def _show_pending(self) -> None:
-        self._overlay.set_pending(self._good_ink(), self._session.camera, self._marked_ink())
+        marked = self._marked_ink()
+        if len(marked) < self._marked:
+            self._overlay.light_up(())  # what was wrong is gone, or was mended
+        self._marked = len(marked)
+        self._overlay.set_pending(self._good_ink(), self._session.camera, marked)
 
     def _good_ink(self) -> tuple[Stroke, ...]:
         return tuple(
