@@ -181,16 +181,17 @@ class Inking(QObject):
         self._edits.cancel()
         self.cancelled()
 
-    def stop(self) -> None:
-        """Stop what the modeler has in hand; its ink waits, marked."""
+    def stop(self) -> bool:
+        """Stop what the modeler has in hand; its ink waits, marked. Whether there was ink."""
         if not self._edits.busy:
-            return
+            return False
         self._edits.cancel()
         self._show_nothing()
         new = [one for one in self._session.document.waiting if one.status == "new"]
         said = tr("Session", "This stroke was stopped. Press Enter to try it again.")
         for one in new:
             self._mark((one.stroke,), "failed", said, modeler=one.modeler, tool=one.tool)
+        return bool(self._session.document.waiting)
 
     def go_on(self) -> None:
         """The person jumped in the history: only ink that has no answer yet is still meant."""

@@ -471,12 +471,15 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
 
     def cancel_work(self) -> None:
         """Stop what is being drawn, solved, read or exported; what was shown stays."""
-        self.inking.stop()
+        waits = self.inking.stop()
         self.showing.cancel()
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
-        self.tell(tr("Session", "Stopped. Nothing was changed."))
+        if waits:
+            self.tell(tr("Session", "Stopped. The ink waits; Enter tries it again."))
+        else:
+            self.tell(tr("Session", "Stopped. Nothing was changed."))
 
     def cancel_all(self) -> None:
         """Stop everything but a save: the window closes."""

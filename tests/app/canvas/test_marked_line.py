@@ -66,7 +66,7 @@ def test_what_another_tool_has_marked_is_quiet():
 
 def test_line_and_places_follow_the_view():
     line = MarkedLine.of(LINE, pan(CAMERA, 50.0, 20.0), is_lit=True)
-    np.testing.assert_allclose(line.points, LINE.stroke.points + (50, 20), atol=0.5)
+    np.testing.assert_allclose(line.points, LINE.stroke.points + np.array((50.0, 20.0)), atol=0.5)
     np.testing.assert_allclose(line.places, [(200.0, 120.0)], atol=0.5)
 
 
