@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.document.codec import OpaqueState
 from bozzetto.document.model import Document, Model, NamedView, Underlay
+from bozzetto.document.waiting import Waiting, WaitingStroke
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
@@ -150,6 +151,23 @@ def underlay(name: str = "Scan") -> Underlay:
     return Underlay("scan", name, pixels, *corners, opacity=0.25, visible=False)
 
 
+def waiting_ink(seed: int = 50) -> Waiting:
+    """One stroke of every status; the modeler of one is absent."""
+    return (
+        WaitingStroke(full_stroke(seed), "test.ink", "draw"),
+        WaitingStroke(stroke(seed + 1), "test.ink", "draw", "unfinished", "Close it."),
+        WaitingStroke(
+            stroke(seed + 2, 3),
+            "absent.modeler",
+            "cut",
+            "refused",
+            "It crosses itself at “x”.",
+            ((0.1, 1 / 3), (-7.0, 1e6)),
+        ),
+        WaitingStroke(stroke(seed + 3, 1), "", "", "failed", "“Test” made a mistake."),
+    )
+
+
 def rich_document() -> Document:
     """Every kind of part, a model of an absent plugin among them."""
     opaque = OpaqueState(
@@ -167,11 +185,14 @@ def rich_document() -> Document:
         (underlay(),),
         SIDE,
         (("notes/readme.txt", b"not ours"), ("plugins/absent.modeler/m2/extra.bin", b"\x00\xff")),
+        waiting_ink(),
     )
 
 
 def same_state(first: Any, second: Any) -> bool:
     """Equality that looks into arrays, meshes and closed states."""
+    if isinstance(first, Stroke):
+        return bool(first == second)
     if isinstance(first, np.ndarray):
         return (
             isinstance(second, np.ndarray)
@@ -201,4 +222,5 @@ def same_document(first: Document, second: Document) -> bool:
         and same_state(first.underlays, second.underlays)
         and same_state(first.camera, second.camera)
         and sorted(first.foreign) == sorted(second.foreign)
+        and same_state(first.waiting, second.waiting)
     )

@@ -307,17 +307,6 @@ class FileQuestions:
             if box.clickedButton() is drop:
                 self._session.files.given_up.emit()
                 then()
-            elif box.clickedButton() is save and self._session.pending:
-                self._session.complain(
-                    UserError(
-                        tr(
-                            "Files",
-                            "Ink is waiting. Finish it with Enter or take it back with "
-                            "Backspace, then save.",
-                        )
-                    )
-                )
-                stay()
             elif box.clickedButton() is save:
                 # Again: the person may draw on while it is being written.
                 self.ask_save(lambda: self.when_safe(then, refused), stay)

@@ -116,7 +116,7 @@ def _edit(window: Window) -> Iterator[Action]:
         "undo",
         ("Ctrl+Z",),
         menu,
-        enabled=lambda: bool(session.pending) or session.history.undo_label is not None,
+        enabled=lambda: session.history.undo_label is not None,
         why_not=lambda: tr("Edit", "There is nothing to undo."),
     )
     yield Action(

@@ -13,20 +13,18 @@ from typing import NamedTuple
 from bozzetto.document.model import Document
 from bozzetto.document.recovery import CrashedSession, RecoverySession, RecoveryStore
 from bozzetto.errors import UserError
-from bozzetto.ink.stroke import Stroke
 from bozzetto.storage import FileStamp
 
 __all__ = ["BroughtBack", "DrawingRecord", "Snapshot", "State"]
 
 
 class Snapshot(NamedTuple):
-    """A drawing at a moment, with the ink that waits to be applied."""
+    """A drawing at a moment."""
 
     name: str
     path: Path | None
     stamp: FileStamp | None
     document: Document
-    pending: tuple[Stroke, ...]
 
 
 class BroughtBack(NamedTuple):
@@ -81,7 +79,7 @@ class DrawingRecord:
             return
         if self._own is None:
             self._own = self._store.begin(now.name, now.path, now.document, now.stamp)
-        self._own.record(now.document, now.pending)
+        self._own.record(now.document)
         if self._old is not None:
             self._own.sync()
             old, self._old = self._old, None

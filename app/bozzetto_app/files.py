@@ -363,7 +363,7 @@ class Files(QObject):
         """Hand all visible objects over to other programs."""
         session = self._session
         models = [model for model in session.document if model.visible]
-        camera = session.camera
+        camera, waiting = session.camera, session.document.waiting
 
         def work(job: Job) -> None:
             from bozzetto.exchange.export import export
@@ -373,7 +373,10 @@ class Files(QObject):
             export(shapes, path, camera=camera)
 
         def done(answer: None) -> None:
-            session.tell(tr("Files", "Exported “{name}”.", name=path.name))
+            said = tr("Files", "Exported “{name}”.", name=path.name)
+            if waiting:
+                said += " " + tr("Files", "The ink that waits is no part of it.")
+            session.tell(said)
 
         self._reads.submit(Request(work, done, session.complain))
 

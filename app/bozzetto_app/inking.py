@@ -1,28 +1,38 @@
 """Inking: what the hand does becomes a new state of a model, or waits, or is refused.
 
-Strokes wait until a tool understands them. One gesture at a time is worked on, in the
-order in which they were made, each on the document as it is by then; if the document moves
-on meanwhile, the gesture is worked on again. What is taken back before its answer comes
-leaves nothing behind.
+A stroke is waiting ink of the document from the moment the pen is lifted, and stays so until
+a tool takes it. One gesture at a time is worked on, in the order in which they were made, each
+on the document as it is by then; if the document moves on meanwhile, the gesture is worked on
+again. Ink that was refused, or whose plugin failed, waits with a mark.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
+from bozzetto.document.waiting import (
+    Waiting,
+    WaitingStatus,
+    WaitingStroke,
+    marked,
+    strokes_of,
+    touched,
+    without,
+)
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
+from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Layer, Lines, Scene
+from bozzetto.scene.display_list import Scene
 from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.saying import notice_of
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
@@ -35,6 +45,10 @@ APPLY_LIMIT = 15.0
 
 PREVIEW_LIMIT = 10.0
 """Seconds a live preview may take before it counts as hung."""
+
+
+ERASER_REACH = 18.0
+"""Half the width of the eraser, pixels: waiting ink nearer to its path is erased."""
 
 
 @dataclass(frozen=True)
@@ -53,20 +67,34 @@ class _Answer:
     changed: bool
 
 
-class Inking(QObject):
-    """The ink that waits, what is shown while the pen is down, and the work on gestures.
+class _NotTaken(Exception):
+    """Ink that a tool did not take, and what it said.
 
     Attributes
     ----------
-    pending : tuple of Stroke
-        Strokes that no tool has understood yet.
+    problem : UserError, Unfinished or PluginFault
+    tool : str
+    strokes : tuple of Stroke
+        Those that it concerns.
+    """
+
+    def __init__(self, problem: BaseException, tool: str, strokes: tuple[Stroke, ...]) -> None:
+        super().__init__(str(problem))
+        self.problem, self.tool, self.strokes = problem, tool, strokes
+
+
+class Inking(QObject):
+    """What is shown while the pen is down, and the work on gestures.
+
+    Attributes
+    ----------
     live : Scene
         What is shown only until something better is there.
 
     Signals
     -------
     progressed : float, str; busy_changed : bool
-        Work on gestures advances, starts, ends.
+        A modeler's work on a gesture advances; it has one in hand, or none any more.
     """
 
     progressed = Signal(float, str)
@@ -75,7 +103,6 @@ class Inking(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self.pending: tuple[Stroke, ...] = ()
         self.live = Scene()
         self._pen_is_down = False
         self._awaited = ""
@@ -88,11 +115,11 @@ class Inking(QObject):
     @property
     def busy(self) -> bool:
         """Whether a gesture is being worked on."""
-        return self.is_applying or self._previews.busy
+        return self.at_the_modeler or self._previews.busy
 
     @property
-    def is_applying(self) -> bool:
-        """Whether a gesture or a command is on its way into the document."""
+    def at_the_modeler(self) -> bool:
+        """Whether a modeler has a gesture in hand, or one waits for its turn."""
         return self._edits.busy
 
     # -- strokes --
@@ -101,14 +128,29 @@ class Inking(QObject):
         """Show what the stroke so far would make."""
         self._awaited = ""
         self._pen_is_down = True
-        self._preview(Ink((*self.pending, stroke)))
+        if stroke.tool == "eraser":
+            self._preview(Ink((stroke,)))
+            return
+        modeler, tool = self._hand
+        before = [
+            one.stroke
+            for one in self._session.document.waiting
+            if one.is_for(modeler, tool) and not one.is_marked
+        ]
+        self._preview(Ink((*before, stroke)))
 
     def lifted(self, stroke: Stroke) -> None:
-        """Take a complete stroke and let the tool try the ink."""
+        """Keep a complete stroke, and let the tool try the ink."""
         self._pen_is_down = False
+        session = self._session
+        if stroke.tool == "eraser":
+            self._erase(stroke)
+            return
+        modeler, tool = self._hand
+        one = WaitingStroke(stroke, modeler, tool)
+        session.take_ink(tr("Session", "Stroke"), (*session.document.waiting, one), drawn=True)
         if self._may_edit():
-            self._await_ink((*self.pending, stroke))
-            self._apply_ink(until=stroke, committed=False)
+            self._apply_ink(stroke, committed=False)
 
     def cancelled(self) -> None:
         """Forget the stroke that was being drawn."""
@@ -117,30 +159,66 @@ class Inking(QObject):
 
     def commit(self) -> None:
         """Say that the strokes that wait are all."""
-        self._apply_ink(until=self.pending[-1], committed=True)
+        if not self._may_edit():
+            return
+        session = self._session
+        active = [tool for tool in session.tools if tool.id == session.active_tool]
+        if active and active[0].gesture != "ink":
+            said = tr("Session", "{tool} does not draw. Take a tool that does, then press Enter.")
+            session.complain(UserError(said.format(tool=active[0].title)))
+            return
+        self._apply_ink(session.document.waiting[-1].stroke, committed=True)
 
     def drop_last(self) -> None:
         """Take back the newest stroke that waits."""
-        self._await_ink(self.pending[:-1])
-        self._show_nothing()
+        self._drop(tr("Session", "Take back a stroke"), self._session.pending[-1:])
 
-    def restart(self, pending: tuple[Stroke, ...] = ()) -> None:
-        """Drop all work and ink: there is another document, with ink of its own."""
+    def clear(self) -> None:
+        """Take back all strokes that wait."""
+        self._drop(tr("Session", "Take back the waiting ink"), self._session.pending)
+
+    def hand_changed(self) -> None:
+        """Another tool is in the hand: what the last one showed for a moment goes."""
+        if not self._pen_is_down and not self._edits.busy:
+            self._show_nothing()
+
+    def restart(self) -> None:
+        """Drop all work: there is another document, with ink of its own."""
         self._edits.cancel()
-        self._await_ink(pending)
         self.cancelled()
 
-    def stop(self) -> None:
-        """Stop work on gestures and commands; ink that was worked on waits."""
+    def stop(self) -> bool:
+        """Stop what the modeler has in hand; its ink waits, marked. Whether there was ink."""
+        if not self._edits.busy:
+            return False
         self._edits.cancel()
         self._show_nothing()
+        new = [one for one in self._session.document.waiting if one.status == "new"]
+        said = tr("Session", "This stroke was stopped. Press Enter to try it again.")
+        for one in new:
+            self._mark((one.stroke,), "failed", said, modeler=one.modeler, tool=one.tool)
+        return bool(self._session.document.waiting)
 
     def go_on(self) -> None:
-        """The person jumped in the history: only the ink that waits is still meant."""
+        """The person jumped in the history: only ink that has no answer yet is still meant."""
         self._edits.cancel()
         self._awaited = ""
-        if self.pending:
-            self._apply_ink(until=self.pending[-1], committed=False)
+        for one in self._session.document.waiting:
+            if one.status == "new" and one.is_for(*self._hand):
+                self._apply_ink(one.stroke, committed=False)
+
+    def _drop(self, label: str, strokes: Sequence[Stroke]) -> None:
+        session = self._session
+        session.take_ink(label, without(session.document.waiting, strokes))
+        self._show_nothing()
+
+    def _erase(self, eraser: Stroke) -> None:
+        """Rub out waiting ink; where there is none under the eraser, it is the tool's."""
+        found = touched(self._session.document.waiting, eraser, ERASER_REACH)
+        if found:
+            self._drop(tr("Session", "Erase waiting ink"), found)
+        elif self._may_edit():
+            self._submit_at_once(Ink((eraser,)), self._hand[1])
 
     # -- other gestures --
 
@@ -154,14 +232,7 @@ class Inking(QObject):
         """A short touch with a tool that takes taps, or the end of one that was aimed."""
         aimed, self._pen_is_down = self._pen_is_down, False
         if self._may_edit():
-            tool = self._session.toolbox.tool_for("tap")
-
-            def failed(problem: BaseException) -> None:
-                if aimed:
-                    self._show_nothing()
-                self._session.complain(problem)
-
-            self._submit(lambda: tap, tool, failed)
+            self._submit_at_once(tap, self._session.toolbox.tool_for("tap"), clear=aimed)
 
     def handle_moved(self, drag: Drag) -> None:
         """Show what a handle dragged so far would make."""
@@ -173,13 +244,17 @@ class Inking(QObject):
         """A handle was let go."""
         self._pen_is_down = False
         if self._may_edit():
-            tool = self._session.toolbox.tool_for("drag")
+            self._submit_at_once(drag, self._session.toolbox.tool_for("drag"))
 
-            def failed(problem: BaseException) -> None:
+    def _submit_at_once(self, gesture: Gesture, tool: str, *, clear: bool = True) -> None:
+        """Queue a gesture that nothing is kept of where it is refused."""
+
+        def failed(problem: BaseException) -> None:
+            if clear:
                 self._show_nothing()
-                self._session.complain(problem)
+            self._session.complain(problem)
 
-            self._submit(lambda: drag, tool, failed)
+        self._submit(lambda: (gesture,), tool, failed)
 
     # -- what is shown for a moment --
 
@@ -232,36 +307,64 @@ class Inking(QObject):
 
     # -- from gestures to states --
 
-    def _await_ink(self, pending: tuple[Stroke, ...]) -> None:
-        if pending != self.pending:
-            self.pending = pending
-            self._session.pending_changed.emit()
+    @property
+    def _hand(self) -> tuple[str, str]:
+        """The modeler and the tool that ink is for now."""
+        return self._session.active_modeler, self._session.toolbox.tool_for("ink")
 
-    def _apply_ink(self, *, until: Stroke, committed: bool) -> None:
-        """Let the tool try the strokes that wait, up to one of them."""
+    def _apply_ink(self, until: Stroke, *, committed: bool) -> None:
+        """Let the tool in the hand try the strokes that wait, up to one of them."""
+        modeler, tool = self._hand
 
-        def gesture() -> Ink | None:
+        def gestures() -> tuple[Ink, ...]:
             """The ink as it is when its turn comes: earlier strokes may have found a home."""
-            pending = self.pending
-            places = [place for place, stroke in enumerate(pending, 1) if stroke is until]
-            return Ink(pending[: places[0]], committed) if places else None
+            waiting = self._session.document.waiting
+            tries = ink_to_try(waiting, until, modeler, tool, committed=committed)
+            return tuple(Ink(strokes, committed) for strokes in tries)
 
         def failed(problem: BaseException) -> None:
-            if isinstance(problem, Unfinished):
-                self._session.say_hint(problem.hint)
+            self._previews.cancel()
+            self.show_live(Scene())
+            if isinstance(problem, _NotTaken):
+                self._not_taken(problem, modeler)
                 return
-            refused = gesture()
-            if refused is not None:
-                self._await_ink(self._without(refused.strokes))
-                self._previews.cancel()
-                self.show_live(_warning(refused.strokes))
-            self._session.complain(problem)
+            notice = notice_of(problem, self._session.registry.guard)
+            for ink in gestures()[:1]:
+                self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
+            self._session.noticed.emit(notice)
 
-        self._submit(gesture, self._session.toolbox.tool_for("ink"), failed)
+        self._submit(gestures, tool, failed)
 
-    def _without(self, strokes: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
-        taken = set(map(id, strokes))
-        return tuple(stroke for stroke in self.pending if id(stroke) not in taken)
+    def _not_taken(self, answer: _NotTaken, modeler: str) -> None:
+        """Let ink wait that a tool did not take, with what is to be done."""
+        problem, strokes, session = answer.problem, answer.strokes, self._session
+        waits = set(map(id, session.pending))
+        is_meant = any(id(stroke) in waits for stroke in strokes)
+        if isinstance(problem, Unfinished):
+            self._mark(strokes, "unfinished", problem.hint, modeler=modeler, tool=answer.tool)
+            if is_meant:
+                session.say_hint(problem.hint)
+            return
+        is_refused = isinstance(problem, UserError)
+        if is_refused and not is_meant:
+            return  # taken back meanwhile: nobody wants to know any more
+        notice = notice_of(problem, session.registry.guard)
+        self._mark(
+            strokes,
+            "refused" if is_refused else "failed",
+            notice.text,
+            modeler=modeler,
+            tool=answer.tool,
+            places=notice.places,
+        )
+        session.noticed.emit(notice)
+
+    def _mark(
+        self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any
+    ) -> None:
+        self._session.revise_ink(
+            lambda waiting: marked(waiting, strokes, status, reason=reason, **more)
+        )
 
     def queue(self, request: Request) -> None:
         """Have other work on the document done in its turn among the gestures."""
@@ -282,7 +385,7 @@ class Inking(QObject):
 
     def _submit(
         self,
-        gesture_now: Callable[[], Gesture | None],
+        gestures_now: Callable[[], Sequence[Gesture]],
         tool_id: str,
         failed: Callable[[BaseException], None],
     ) -> None:
@@ -290,8 +393,9 @@ class Inking(QObject):
 
         Parameters
         ----------
-        gesture_now : callable
-            Gives the gesture when its turn comes; None where there is nothing left to do.
+        gestures_now : callable
+            Gives the gesture when its turn comes, and others to try where it is not taken;
+            none where there is nothing left to do.
         tool_id : str
             "" is the modeler's first tool: the person was quicker than its import.
         failed : callable
@@ -300,26 +404,28 @@ class Inking(QObject):
         modeler_id, context = session.active_modeler, session.context()
 
         def work(job: Job) -> _Answer | None:
-            gesture = gesture_now()
-            if gesture is None:
+            gestures = gestures_now()
+            if not gestures:
                 return None
-            return self._worked_out(gesture, modeler_id, tool_id, context, job)
+            return self._first_taken(gestures, modeler_id, tool_id, context, job)
 
         def answered(answer: _Answer | None) -> None:
-            if answer is None or (isinstance(answer.gesture, Ink) and gesture_now() is None):
+            if answer is None:
                 return
+            used = answer.gesture.strokes if isinstance(answer.gesture, Ink) else ()
+            waits = set(map(id, session.pending))
+            is_waiting = all(stroke.tool == "eraser" or id(stroke) in waits for stroke in used)
             base = answer.base
-            if base is not None and all(base is not known for known in session.document):
-                self._submit(gesture_now, tool_id, failed)
+            is_known = base is None or any(base is known for known in session.document)
+            if not (is_waiting and is_known):
+                self._submit(gestures_now, tool_id, failed)
                 return
             if not answer.changed:
-                self._await_ink(self._without(_strokes_of(answer.gesture)))
+                hint = session.toolbox.hint_of(answer.tool)
+                self._mark(used, "refused", hint, modeler=modeler_id, tool=answer.tool)
                 self._show_nothing()
-                session.say_nothing_changed(session.toolbox.hint_of(answer.tool))
+                session.say_nothing_changed(hint)
                 return
-            # Ink and model change places at once: the journal must never miss a stroke.
-            used = _strokes_of(answer.gesture)
-            self.pending = self._without(used)
             self._previews.cancel()
             self._awaited = answer.model.id
             session.take_drawn(
@@ -327,14 +433,36 @@ class Inking(QObject):
                 answer.model,
                 is_new=base is None,
                 only_chosen=answer.only_chosen,
+                used=tuple(stroke for stroke in used if id(stroke) in waits),
             )
-            if used:
-                session.pending_changed.emit()
             # The tool in the hand speaks, whichever tool took the drag of a handle.
             if not session.toolbox.tells_next(session.active_tool):
                 session.say_hint(session.toolbox.hint_and_more(session.active_tool))
 
         self._edits.submit(Request(work, answered, failed))
+
+    def _first_taken(
+        self,
+        gestures: Sequence[Gesture],
+        modeler_id: str,
+        tool_id: str,
+        context: Context,
+        job: Job,
+    ) -> _Answer:
+        """In the worker: what becomes of the first gesture that the tool takes."""
+        said: list[_NotTaken] = []
+        for gesture in gestures:
+            try:
+                return self._worked_out(gesture, modeler_id, tool_id, context, job)
+            except (UserError, Unfinished, PluginFault) as problem:
+                if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+                    raise
+                said.append(_NotTaken(problem, tool_id, gesture.strokes))
+                if isinstance(problem, PluginFault):
+                    break
+        faults = [answer for answer in said if isinstance(answer.problem, PluginFault)]
+        unfinished = [answer for answer in said if isinstance(answer.problem, Unfinished)]
+        raise (faults or unfinished or said)[-1]
 
     def _worked_out(
         self, gesture: Gesture, modeler_id: str, tool_id: str, context: Context, job: Job
@@ -378,16 +506,41 @@ class Inking(QObject):
             raise UserError(tr("Session", "This object is hidden. Show it to change it."))
 
 
-def _strokes_of(gesture: Gesture) -> tuple[Stroke, ...]:
-    return gesture.strokes if isinstance(gesture, Ink) else ()
+def ink_to_try(
+    waiting: Waiting, until: Stroke, modeler: str, tool: str, *, committed: bool
+) -> tuple[tuple[Stroke, ...], ...]:
+    """Which of the ink that waits goes to a tool, and what is tried where it is not taken.
 
+    Ink waits for the tool that it was drawn for; only Enter hands it to another, where the
+    tool in the hand has none of its own. A stroke is tried together with refused ink, which
+    it may mend, and without, for refused ink must not stand in the way of other ink. Ink that
+    a plugin failed over is tried again at Enter only, by itself.
 
-def _warning(strokes: tuple[Stroke, ...]) -> Scene:
-    """Ink that was not understood, in the colour of warnings, until the next stroke."""
-    lines = []
-    for stroke in strokes:
-        camera = stroke.camera
-        _, _, forward = camera.axes
-        on_sheet = camera.on_plane(stroke.points, camera.target, forward)
-        lines.append(Lines(on_sheet.astype(np.float32), color="warning", width=1.5, hidden="show"))
-    return Scene((Layer("refused", tuple(lines)),))
+    Parameters
+    ----------
+    waiting : tuple of WaitingStroke
+    until : Stroke
+        The newest one to be tried.
+    modeler, tool : str
+        In whose hands it comes.
+    committed : bool
+        Whether the person said that this is all.
+
+    Returns
+    -------
+    tuple of tuple of Stroke
+        Empty where `until` no longer waits.
+    """
+    places = [place for place, one in enumerate(waiting, 1) if one.stroke is until]
+    if not places:
+        return ()
+    drawn = waiting[: places[0]]
+    own = tuple(one for one in drawn if one.is_for(modeler, tool))
+    if committed:
+        own = own or drawn
+        own = tuple(one for one in own if one.status != "failed") or own
+    else:
+        own = tuple(one for one in own if one.status != "failed" or one.stroke is until)
+    good = tuple(one for one in own if not one.is_marked)
+    tries = [own, good] if good and len(good) < len(own) else [own]
+    return tuple(map(strokes_of, tries)) if own else ()

@@ -69,7 +69,6 @@ class _OnSheet:
             self.last is not None
             and self.given_up is not None
             and self.last.document is self.given_up.document
-            and self.last.pending == self.given_up.pending
         )
 
 
@@ -212,7 +211,7 @@ class Keeper(QObject):
         self._thread.join(LAST_WRITES)
 
     def _record(self) -> None:
-        """Write down the document as it is, and the ink that waits."""
+        """Write down the document as it is, with the ink that waits."""
         session = self._session
         if session.history is not self._sheet.history:
             self._leave(self._sheet)
@@ -227,9 +226,7 @@ class Keeper(QObject):
 
     def _snapshot(self) -> Snapshot:
         session = self._session
-        return Snapshot(
-            session.title, session.path, session.files.stamp, session.document, session.pending
-        )
+        return Snapshot(session.title, session.path, session.files.stamp, session.document)
 
     def _given_up(self) -> None:
         self._sheet.given_up = self._snapshot()

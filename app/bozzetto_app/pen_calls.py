@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bozzetto.document.waiting import Waiting, strokes_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto.scene.display_list import Scene
@@ -11,6 +12,7 @@ from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.words import tr
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Document
     from bozzetto.view.camera import Camera
     from bozzetto_app.advising import Advising
     from bozzetto_app.inking import Inking
@@ -34,16 +36,28 @@ class PenCalls:
         @property
         def active_tool(self) -> str: ...
 
+        @property
+        def document(self) -> Document: ...
+
+        def cancel_work(self) -> None: ...
+
         def select(self, model_id: str | None) -> None: ...
 
         def say_hint(self, text: str) -> None: ...
 
         def say_nothing_changed(self, why: str) -> None: ...
 
+        def tell(self, text: str) -> None: ...
+
     @property
     def pending(self) -> tuple[Stroke, ...]:
-        """Strokes that wait to be understood or committed."""
-        return self.inking.pending
+        """Strokes that no modeler has taken yet; see `Document.waiting`."""
+        return strokes_of(self.document.waiting)
+
+    @property
+    def marked_ink(self) -> Waiting:
+        """Those of them with which something is wrong."""
+        return tuple(one for one in self.document.waiting if one.is_marked)
 
     @property
     def live_scene(self) -> Scene:
@@ -77,7 +91,19 @@ class PenCalls:
 
     def clear_pending(self) -> None:
         """Take back all pending strokes."""
-        self.inking.restart()
+        if self.pending:
+            self.inking.clear()
+
+    def escape(self) -> bool:
+        """Stop the modeler, or else take the waiting ink back (Esc); whether there was any."""
+        if self.inking.at_the_modeler:
+            self.cancel_work()
+        elif self.pending:
+            self.inking.clear()
+            self.tell(tr("Session", "The waiting ink is taken back. Undo brings it again."))
+        else:
+            return False
+        return True
 
     def explain_gesture(self, mode: Mode) -> None:
         """Say what a press that came to nothing should have been."""

@@ -21,6 +21,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
+from bozzetto.document.waiting import Waiting, WaitingStroke, without
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
@@ -81,7 +82,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     scene_changed, live_changed
         The display list, or what is shown only while the pen is down, differs.
     pending_changed
-        Strokes waiting to be committed differ.
+        The ink that waits differs, or what is known of it.
     noticed : Notice
         Something to say.
     progressed : float, str; busy_changed : bool
@@ -126,6 +127,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._was_busy = False
         self._scene: Scene | None = None
         self._ghosts_in_scene = True
+        self._waiting_told: Waiting = ()
         self.toolbox = Toolbox(self)
         self.inking = Inking(self)
         self.files = Files(self)
@@ -164,7 +166,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     @property
     def is_modified(self) -> bool:
         """Whether something would be lost by closing."""
-        return self._recovered or self.history.is_modified or bool(self.pending)
+        return self._recovered or self.history.is_modified
 
     @property
     def modelers(self) -> tuple[ModelerInfo, ...]:
@@ -251,16 +253,25 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Draw with another modeler; pending ink stays."""
         if modeler_id != self.active_modeler:
             self.toolbox.take_modeler(modeler_id)
+            self.inking.hand_changed()
 
     def activate_tool(self, tool_id: str) -> None:
         """Take another tool of the active modeler."""
         self.toolbox.take_tool(tool_id)
+        self.inking.hand_changed()
 
     # -- the document --
 
-    def commit(self, label: str, document: Document, merge_key: str | None = None) -> None:
-        """Make a new snapshot the document, as one undo step."""
-        self.history.apply(label, document, merge_key)
+    def commit(
+        self,
+        label: str,
+        document: Document,
+        merge_key: str | None = None,
+        *,
+        drawn: bool = False,
+    ) -> None:
+        """Make a new snapshot the document, as one undo step; see `History.apply`."""
+        self.history.apply(label, document, merge_key, drawn=drawn)
         self._document_replaced()
 
     def amend(self, document: Document) -> None:
@@ -268,28 +279,85 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.history.amend(document)
         self._document_replaced()
 
+    def take_ink(self, label: str, waiting: Waiting, *, drawn: bool = False) -> None:
+        """Exchange the ink that waits, as one undo step; no shape changes."""
+        self.history.apply(label, self.document.with_waiting(waiting), drawn=drawn)
+        self._ink_replaced()
+
+    def revise_ink(self, change: Callable[[Waiting], Waiting]) -> None:
+        """Note what is known of ink that waits, wherever it waits; no step of the history."""
+        self.history.revise(lambda document: document.with_waiting(change(document.waiting)))
+        self._tell_of_ink()
+
     def take_drawn(
-        self, label: str, model: Model, *, is_new: bool, only_chosen: bool = False
+        self,
+        label: str,
+        model: Model,
+        *,
+        is_new: bool,
+        only_chosen: bool = False,
+        used: tuple[Stroke, ...] = (),
     ) -> None:
         """Take what came of a gesture into the document, and select it.
 
-        A gesture that only chose another part is no step of the history.
+        A gesture that only chose another part is no step of the history. A stroke that is taken
+        at the first try and what came of it are one step.
+
+        Parameters
+        ----------
+        label : str
+        model : Model
+        is_new : bool
+        only_chosen : bool
+        used : tuple of Stroke
+            Ink that waited and is the model's now.
         """
-        if only_chosen:
+        if only_chosen and not used:
             self.amend(self.document.with_model(model))
             return
         if is_new:
             model = replace(model, name=self.document.unused_name(model.name))
         self.showing.await_final(model.id)
-        self.commit(label, self.document.with_model(model))
+        before = self.document
+        left = without(before.waiting, used)
+        document = before.with_model(model).with_waiting(left)
+        lifted = self._place_lifted(used)
+        if lifted is None:
+            self.commit(label, document, drawn=bool(used))
+        else:
+            taken = set(map(id, used))
+
+            def completed(then: Document) -> Document:
+                waiting = without(then.waiting, used)
+                held = len(then.waiting) - len(waiting)
+                if then.models is not before.models or held < len(taken):
+                    return then
+                return replace(then, models=document.models, waiting=waiting)
+
+            self.history.complete(lifted, label, completed)
+            self._document_replaced()
         self.select(model.id)
 
+    def _place_lifted(self, used: tuple[Stroke, ...]) -> int | None:
+        """The step with which the last of some strokes was lifted, if this is its first answer.
+
+        None as well where the shapes have changed since: the outcome is a step of its own then.
+        """
+        if not used:
+            return None
+        now, last = self.document, used[-1]
+
+        def waits(document: Document) -> bool:
+            return any(one.stroke is last for one in document.waiting)
+
+        is_new = any(one.stroke is last and one.status == "new" for one in now.waiting)
+        lifted = self.history.place_where(waits)
+        same = self.history.place_where(lambda one: waits(one) and one.models is now.models)
+        return lifted if is_new and lifted == same else None
+
     def undo(self) -> None:
-        """Take back the newest pending stroke, or else the last step."""
-        if self.pending:
-            self.drop_last_pending()
-        else:
-            self.go_to(self.history.position - 1)
+        """Take back the last step: a stroke, what came of it, or anything else."""
+        self.go_to(self.history.position - 1)
 
     def redo(self) -> None:
         """Do again what was taken back."""
@@ -342,8 +410,11 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         saved : bool
             False for what was recovered: it is not on the disk as it is.
         pending : tuple of Stroke
-            Ink that was waiting to be committed.
+            Ink that waited beside the document's own; see `Replay.pending`.
         """
+        if pending:
+            more = tuple(map(WaitingStroke, pending))
+            document = document.with_waiting((*document.waiting, *more))
         self.showing.forget()
         self.history = History(document)
         self._recovered = not saved
@@ -351,7 +422,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.read_only = read_only
         self._selected = None
         self.report = {}
-        self.inking.restart(pending)
+        self.inking.restart()
         if document.camera is not None:
             self.set_camera(document.camera.with_viewport(*self.camera.viewport))
         self._document_replaced()
@@ -359,6 +430,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.selection_changed.emit()
         self.report_changed.emit()
         self.opened.emit()
+        if document.waiting:
+            self.tell(
+                tr("Session", "Ink is waiting. Enter tries it, the pen’s eraser end takes it away.")
+            )
 
     def saved_as(self, path: Path, snapshot: Document) -> None:
         """Note that a snapshot is on the disk."""
@@ -380,10 +455,20 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             self.selection_changed.emit()
             self.report_changed.emit()
         self._scene = None
-        self.document_changed.emit()
+        self._ink_replaced()
         self.parameters_changed.emit()
         self.showing.show(self.document, self.selected_model)
         self.scene_changed.emit()
+
+    def _ink_replaced(self) -> None:
+        """The snapshot is another one; its shapes may be the same."""
+        self.document_changed.emit()
+        self._tell_of_ink()
+
+    def _tell_of_ink(self) -> None:
+        if self.document.waiting is not self._waiting_told:
+            self._waiting_told = self.document.waiting
+            self.pending_changed.emit()
 
     # -- files --
 
@@ -398,13 +483,16 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     # -- work under way --
 
     def cancel_work(self) -> None:
-        """Stop what is being solved, read or exported; what was shown stays."""
+        """Stop what is being drawn, solved, read or exported; what was shown stays."""
+        waits = self.inking.stop()
         self.showing.cancel()
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
-        self.inking.stop()
-        self.tell(tr("Session", "Stopped. Nothing was changed."))
+        if waits:
+            self.tell(tr("Session", "Stopped. The ink waits; Enter tries it again."))
+        else:
+            self.tell(tr("Session", "Stopped. Nothing was changed."))
 
     def cancel_all(self) -> None:
         """Stop everything but a save: the window closes."""
@@ -412,11 +500,11 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
-        self.inking.restart(self.pending)
+        self.inking.restart()
 
     def _look_who_is_busy(self) -> None:
         parts = (self.showing, self.files, self.using, self.picturing)
-        busy = self.inking.is_applying or any(part.busy for part in parts)
+        busy = self.inking.at_the_modeler or any(part.busy for part in parts)
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)

@@ -75,6 +75,12 @@ def hand_over(bench: Any, document: Any, target: Path, names: Sequence[str] | No
     from bozzetto.exchange.export import encoded
     from bozzetto.storage import write_bytes
 
+    if document.waiting:
+        print(
+            f"note: ink waits in this document (strokes: {len(document.waiting)}). It is no part "
+            "of the shapes; open the document to finish it.",
+            file=sys.stderr,
+        )
     data = encoded(bench.shapes(models, Job()), target, camera=document.camera)
     make_folder(target)
     write_bytes(target, data)

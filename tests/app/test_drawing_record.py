@@ -12,12 +12,12 @@ import pytest
 
 from bozzetto.document.model import Document, Model
 from bozzetto.document.recovery import RecoveryStore
+from bozzetto.document.waiting import WaitingStroke, strokes_of
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Strokes
 from bozzetto_app.drawing_record import BroughtBack, DrawingRecord, Snapshot, State
 from tests.disk_faults import fail_at, full_after, watch
 from tests.document_kit import FakeRegistry, Ink, stroke
-
 
 STROKES = [stroke(number) for number in range(10)]
 
@@ -26,7 +26,12 @@ def drawn(*numbers, pending=()):
     """A drawing of numbered strokes: some applied, some waiting."""
     state = Ink(Strokes([stroke(number) for number in numbers]))
     document = Document((Model("m", "Ink", "test.ink", state),))
-    return Snapshot("Drawing", None, None, document, tuple(stroke(n) for n in pending))
+    return Snapshot("Drawing", None, None, waiting_too(document, *pending))
+
+
+def waiting_too(document, *numbers):
+    more = (WaitingStroke(stroke(number)) for number in numbers)
+    return document.with_waiting((*document.waiting, *more))
 
 
 def crash(record):
@@ -47,7 +52,7 @@ def kept(folder):
     found = []
     for session in store.crashed_sessions():
         back = store.recover(session, FakeRegistry())
-        ink = [*back.document.models[0].state.strokes, *back.pending]
+        ink = [*back.document.models[0].state.strokes, *strokes_of(back.document.waiting)]
         found.append(tuple(n for n, one in enumerate(STROKES) if one in ink))
         store.keep(session)
     return sorted(found)
@@ -57,7 +62,7 @@ def bring_back(store, session):
     """Bring a drawing back; its record, and how it is."""
     back = store.recover(session, FakeRegistry())
     record = DrawingRecord(store, BroughtBack(session, back.is_whole))
-    return record, Snapshot("Drawing", None, None, back.document, back.pending)
+    return record, Snapshot("Drawing", None, None, back.document)
 
 
 @pytest.fixture
@@ -74,7 +79,7 @@ def bring_back_and_draw(folder, states):
         record, now = bring_back(store, session)
         states.append(record)
         record.write(now)
-        record.write(Snapshot(*now[:4], (*now.pending, stroke(9))))
+        record.write(now._replace(document=waiting_too(now.document, 9)))
 
 
 @pytest.mark.parametrize("number", [errno.EIO, errno.EDQUOT, errno.EACCES])

@@ -220,10 +220,13 @@ def test_a_misdeed_is_told_and_nothing_else_changes(
     elif what in ("preview",):
         assert len(first.state.strokes) == 2  # one bad preview does not cost the stroke
     else:
-        assert session.document is before
+        assert session.document.models is before.models
     assert isinstance(was.state, BoxesState)
     assert was.state.table == ()
-    assert session.pending == ()
+    # Ink that it did not take waits, and says why.
+    assert len(session.pending) == (what in ("apply", "create"))
+    assert all(one.status == "failed" and PLUGIN in one.reason for one in session.marked_ink)
+    assert len(session.marked_ink) == len(session.pending)
     assert not (tmp_path / "out.stl").exists()
     # The next stroke works: with this modeler if it has come to its senses, else another.
     del boxes.misdeeds[what]

@@ -139,7 +139,7 @@ def test_drawing_while_a_document_is_being_read_is_not_thrown_away(session, sett
     save(session, settle, tmp_path / "a.bozz")
     session.files.new()
     session.files.open(tmp_path / "a.bozz")
-    session.inking.pending = (stroke_of(circle(share=0.5), session.camera),)
+    session.pen_lifted(stroke_of(circle(share=0.5), session.camera))
     settle(session)
     assert session.path is None
     assert len(session.pending) == 1

@@ -14,6 +14,7 @@ import pytest
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
 
 from bozzetto.document.recovery import RecoveryStore
+from bozzetto.document.waiting import WaitingStroke
 from bozzetto.errors import UserError
 from bozzetto.plugin.registry import Registry
 from bozzetto_app.dialogs.recovery import RecoveryDialog
@@ -66,7 +67,7 @@ def kept_strokes(folder, registry=None):
     for crashed in store.crashed_sessions():
         back = store.recover(crashed, registry or Registry())
         applied = sum(strokes_of(model.state) for model in back.document)
-        found.append(applied + len(back.pending))
+        found.append(applied + len(back.document.waiting))
         store.keep(crashed)
     return found
 
@@ -89,7 +90,7 @@ def test_every_stroke_is_kept_applied_or_waiting(keep, folder, settle):
     assert kept_strokes(folder, session.registry) == [2]
 
 
-def test_a_refused_or_dropped_stroke_is_not_kept(keep, folder, settle):
+def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle):
     session, keeper = keep()
     draw(session, settle, keeper)
     draw(session, settle, keeper, share=0.5)
@@ -107,7 +108,8 @@ def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
         now = sheet.last
         if now is not None and now is not sheet.written:
             sheet.written = now
-            totals.append(sum(strokes_of(m.state) for m in now.document) + len(now.pending))
+            taken = sum(strokes_of(m.state) for m in now.document)
+            totals.append(taken + len(now.document.waiting))
 
     monkeypatch.setattr(keeper, "_write", look)
     session.pending_changed.connect(lambda: look(keeper._sheet))
@@ -254,8 +256,7 @@ def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, s
     window, dialog = offered(1)
     buttons(dialog, "Open")[0].click()
     stroke = stroke_of(circle(share=0.5), window.session.camera)
-    window.session.inking.pending = (stroke,)
-    window.session.pending_changed.emit()
+    window.session.take_ink("Stroke", (WaitingStroke(stroke),))
     question(window, qtbot).reject()
     settle(window.session, window.keeper)
     assert window.session.pending == (stroke,)
@@ -288,8 +289,8 @@ def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
 
     def save_and_draw(*arguments, **more):
         before(*arguments, **more)
-        session.inking.pending = (stroke_of(circle(share=0.5), session.camera),)
-        session.pending_changed.emit()
+        stroke = stroke_of(circle(share=0.5), session.camera)
+        session.take_ink("Stroke", (WaitingStroke(stroke),))
 
     session.files.save = save_and_draw
     press(box, "Save")

@@ -66,19 +66,26 @@ def test_a_closed_outline_is_a_watertight_solid_and_a_second_one_inside_a_hole(
     assert "error" not in kinds(session)
 
 
-def test_an_outline_that_crosses_itself_is_refused_with_its_place(make_session, draw):
-    session = make_session()
+def eight():
+    """An outline that crosses itself at (500, 360)."""
     turn = np.linspace(0, 2 * np.pi, 120)
-    eight = np.column_stack((500 + 150 * np.sin(turn), 360 + 100 * np.sin(2 * turn)))
-    draw(session, eight)
+    return np.column_stack((500 + 150 * np.sin(turn), 360 + 100 * np.sin(2 * turn)))
+
+
+def test_an_outline_that_crosses_itself_is_refused_with_its_place_and_waits(make_session, draw):
+    session = make_session()
+    draw(session, eight())
     refused = [notice for notice in session.heard if notice.kind == "error"]
     assert len(refused) == 1
     assert np.hypot(*(np.array(refused[0].places[0]) - (500, 360))) < 10
     assert len(session.document) == 0
-    assert session.pending == ()
-    assert session.live_scene.layers[0].name == "refused"
+    (ink,) = session.marked_ink
+    assert (ink.status, ink.reason) == ("refused", refused[0].text)
+    assert ink.places == refused[0].places
+    assert session.live_scene.layers == ()
     draw(session, circle())
     assert len(session.document) == 1
+    assert session.marked_ink == (ink,)
 
 
 def test_open_strokes_wait_with_a_hint_until_enter(session, draw, settle):
@@ -135,7 +142,14 @@ def test_a_stroke_taken_back_while_it_is_worked_on_leaves_nothing(session, boxes
     settle(session)
     assert session.pending == ()
     assert len(session.document) == 0
-    assert session.history.entries == ("Start",)
+    assert session.history.entries == ("Start", "Stroke")
+    assert not session.is_modified
+    del boxes.misdeeds["apply"]
+    session.redo()
+    settle(session)
+    assert session.pending == ()
+    assert len(session.document) == 1
+    assert session.history.entries == ("Start", "Draw")
 
 
 def test_a_gesture_overtaken_by_an_edit_is_worked_out_again(session, boxes, draw, settle):
@@ -301,14 +315,18 @@ def test_underlays_fade_as_one_step_and_leave(session):
     assert session.document.underlays == ()
 
 
-def test_jumping_in_the_history_keeps_the_ink_that_waits(session, draw, settle):
+def test_jumping_in_the_history_goes_to_the_ink_that_waited_then(session, draw, settle):
     draw(session, circle(), circle(), circle(share=ARC))
     session.go_to(1)
+    settle(session)
+    assert session.pending == ()
+    assert len(session.document.models[0].state.strokes) == 1
+    session.go_to(3)
     settle(session)
     assert len(session.pending) == 1
     session.commit_pending()
     settle(session)
-    assert len(session.document.models[0].state.strokes) == 2
+    assert len(session.document.models[0].state.strokes) == 3
 
 
 # -- work under way ------------------------------------------------------------------------------
@@ -495,14 +513,16 @@ def test_a_tap_reaches_the_tool_that_is_in_the_hand(session, boxes, settle):
     assert session.document.models[0].state.size == 5.0
 
 
-def test_without_a_modeler_a_stroke_is_kept_out_with_a_word(make_session, settle):
+def test_without_a_modeler_a_stroke_waits_with_a_word(make_session, settle):
     from bozzetto.plugin.registry import Registry
     from bozzetto_app.session import Session
 
     session = Session(Registry(no_plugins=True))
     session.pen_lifted(Stroke(x=[1, 2], y=[1, 2], camera=session.camera))
     assert session.hint == "Choose a modeler first."
-    assert session.pending == ()
+    assert len(session.pending) == 1
+    session.commit_pending()
+    assert len(session.pending) == 1
     assert session.modelers == ()
 
 

@@ -15,6 +15,8 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QPushButton
 
+from bozzetto.document.file import read_document
+from bozzetto.document.waiting import strokes_of
 from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
 from tests.app.tablet import Mouse, Stylus, circle
@@ -273,14 +275,20 @@ def test_a_save_that_fails_at_the_question_keeps_the_window(
     assert window.session.is_modified
 
 
-def test_waiting_ink_is_not_lost_by_saving_at_the_question(window, draw, qtbot, settle):
+def test_waiting_ink_is_unsaved_work_that_is_saved_at_the_question(
+    window, draw, qtbot, settle, tmp_path, monkeypatch
+):
+    target = tmp_path / "last.bozz"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
     draw(window, share=0.6)
+    drawn = window.session.pending
+    assert window.isWindowModified()
     window.close()
     qtbot.waitUntil(lambda: question(window) is not None)
     answer(window, "Save")
-    assert window.isVisible()
-    assert len(window.session.pending) == 1
-    assert "Ink is waiting" in window.session.heard[-1].text
+    qtbot.waitUntil(lambda: not window.isVisible(), timeout=10_000)
+    document, _ = read_document(target, window.session.registry)
+    assert strokes_of(document.waiting) == drawn
 
 
 @pytest.mark.parametrize("road", ["drop", "open", "new", "sample"])

@@ -59,6 +59,7 @@ class Quiet(QObject):
     scene_changed = Signal()
     live_changed = Signal()
     pending_changed = Signal()
+    tool_changed = Signal()
     camera_changed = Signal()
     view_style_changed = Signal()
     noticed = Signal(object)
@@ -68,7 +69,8 @@ class Quiet(QObject):
         super().__init__()
         self.camera = Camera()
         self.scene = self.live_scene = Scene()
-        self.pending = self.tools = ()
+        self.pending = self.marked_ink = self.tools = ()
+        self.active_modeler = ""
         self.active_tool, self.shading, self.selected = "", "clay", None
         self.advising = Silent(self)
         self.picturing = Unpictured(self)

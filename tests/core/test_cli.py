@@ -271,3 +271,25 @@ def test_samples_of_every_modeler_are_built_in_the_formats_that_hold_them(bozzet
     assert {f"car-hatchback.{ending}" for ending in ("stl", "glb", "bozz", "png")} <= made
     assert "symmetry-boat.stl" not in made, "a mesh has no place for curves"
     assert "silhouette-horse.step" not in made, "STEP has none for meshes"
+
+
+def test_waiting_ink_is_told_by_info_and_left_out_of_shapes_with_a_note(bozzetto, square):
+    from bozzetto.document.file import read_document, write_document
+    from bozzetto.document.waiting import WaitingStroke
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.registry import Registry
+    from bozzetto.view.camera import Camera
+
+    assert bozzetto("build", "silhouette", square, "-o", "a.bozz").returncode == 0
+    document, _ = read_document("a.bozz", Registry())
+    ink = WaitingStroke(Stroke([1, 2], [3, 4], Camera()), "absent.modeler", "draw", "refused")
+    write_document(document.with_waiting((ink,)), "b.bozz")
+    assert "waiting_strokes: 1" in bozzetto("info", "b.bozz").stdout
+    dry, wet = (bozzetto("export", f"{name}.bozz", "-o", f"{name}.stl") for name in "ab")
+    assert (dry.returncode, dry.stderr) == (0, "")
+    assert wet.returncode == 0
+    assert "no part of the shapes" in wet.stderr
+    assert Path("a.stl").read_bytes() == Path("b.stl").read_bytes()
+    copied = bozzetto("export", "b.bozz", "-o", "c.bozz")
+    assert (copied.returncode, copied.stderr) == (0, "")
+    assert len(read_document("c.bozz", Registry())[0].waiting) == 1

@@ -40,6 +40,7 @@ from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.canvas.hand import Hand
 from bozzetto_app.canvas.ink_overlay import InkOverlay
 from bozzetto_app.canvas.loupe import Loupe
+from bozzetto_app.canvas.marked_line import MarkedLine
 from bozzetto_app.canvas.pen import ProximityWatch
 from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.samples import PressureCurve
@@ -116,6 +117,7 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
         self._pictured = ""
+        self._marked = 0
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
@@ -140,6 +142,7 @@ class Canvas(QWidget):
         session.live_changed.connect(self._show_live)
         session.camera_changed.connect(self._show_camera)
         session.pending_changed.connect(self._show_pending)
+        session.tool_changed.connect(self._show_pending)
         session.view_style_changed.connect(self.viewports.show_style)
         session.noticed.connect(self._notice)
         session.settled.connect(self._settled)
@@ -348,12 +351,32 @@ class Canvas(QWidget):
             self._show_pending()
 
     def _show_pending(self) -> None:
-        self._overlay.set_pending(self._session.pending, self._session.camera)
+        marked = self._marked_ink()
+        if len(marked) < self._marked:
+            self._overlay.light_up(())  # what was wrong is gone, or was mended
+        self._marked = len(marked)
+        self._overlay.set_pending(self._good_ink(), self._session.camera, marked)
+
+    def _good_ink(self) -> tuple[Stroke, ...]:
+        return tuple(
+            stroke
+            for stroke in self._session.pending
+            if all(stroke is not one.stroke for one in self._session.marked_ink)
+        )
+
+    def _marked_ink(self) -> list[MarkedLine]:
+        """Ink with which something is wrong, lit where the tool that said so is in the hand."""
+        session = self._session
+        hand = session.active_modeler, session.active_tool
+        return [
+            MarkedLine.of(one, session.camera, is_lit=one.is_for(*hand))
+            for one in session.marked_ink
+        ]
 
     def follow(self, stroke: Stroke | None) -> None:
         """Show the ink of a stroke that no hand draws here; None when its pen is up."""
-        strokes = self._session.pending if stroke is None else (*self._session.pending, stroke)
-        self._overlay.set_pending(strokes, self._session.camera)
+        strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
+        self._overlay.set_pending(strokes, self._session.camera, self._marked_ink())
 
     def _show_advice(self) -> None:
         advising = self._session.advising
@@ -441,7 +464,7 @@ class Canvas(QWidget):
         self.hand.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and self.hand.cancel():
+        if event.key() == Qt.Key.Key_Escape and (self.hand.cancel() or self._session.escape()):
             return
         if event.key() == Qt.Key.Key_Space:
             self.hand.space_held = True

@@ -18,15 +18,17 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt, QTimer
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from bozzetto.ink.sheet import is_seen, seen_through
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Paint
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.lit_places import LitPlaces
+from bozzetto_app.canvas.marked_line import MarkedLine
 from bozzetto_app.canvas.ribbon import InkPoint, Smoother, ribbon_path, smoothed
 from bozzetto_app.theme import qcolor
 
-__all__ = ["InkOverlay", "Tip", "on_sheet"]
+__all__ = ["InkOverlay", "Tip"]
 
 LOOSE_POINTS: Final = 12
 """Fine points painted afresh with every sample before they go into the backing picture."""
@@ -69,17 +71,6 @@ PEN_TIP: Final = Tip()
 ERASER_TIP: Final = Tip(36.0, 0.3)
 
 
-def on_sheet(stroke: Stroke, camera: Camera) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """Where the samples of a stroke are seen now, canvas pixels, shape (n, 2).
-
-    A stroke lies on the sheet: the plane through its camera's target that faced the eye.
-    """
-    if stroke.camera == camera:
-        return stroke.points
-    forward = stroke.camera.axes[2]
-    return camera.project(stroke.camera.on_plane(stroke.points, stroke.camera.target, forward))[0]
-
-
 class InkOverlay(QWidget):
     """A transparent sheet over the viewport for wet ink, the hover ring and lit places."""
 
@@ -91,6 +82,7 @@ class InkOverlay(QWidget):
         self._wet = QImage()
         self._pending = QImage()
         self._pending_ink: list[list[InkPoint]] = []
+        self._marked: tuple[MarkedLine, ...] = ()
         self._smoother = Smoother()
         self._loose: list[InkPoint] = []
         self._settled = False
@@ -166,21 +158,24 @@ class InkOverlay(QWidget):
 
     # -- ink that waits -----------------------------------------------------------------------
 
-    def set_pending(self, strokes: Sequence[Stroke], camera: Camera) -> None:
-        """Show strokes that were drawn and not yet understood."""
+    def set_pending(
+        self, strokes: Sequence[Stroke], camera: Camera, marked: Sequence[MarkedLine] = ()
+    ) -> None:
+        """Show ink that no modeler has taken yet: what is good so far, and what is marked."""
         ink = []
         for stroke in strokes:
             if stroke.tool == "eraser":
                 continue
-            places = on_sheet(stroke, camera)
-            seen = np.isfinite(places).all(1)
+            places = seen_through(stroke.points, stroke.camera, camera)
+            seen = is_seen(places)
             widths = PEN_TIP.width(1.0) * (
                 PEN_TIP.least + (1.0 - PEN_TIP.least) * stroke.pressure[seen].astype(float)
             )
             if seen.any():
                 ink.append(smoothed(np.column_stack((places[seen], widths)).tolist()))
-        if ink or self._pending_ink:
-            self._pending_ink = ink
+        marked = tuple(marked)
+        if ink or self._pending_ink or marked != self._marked:
+            self._pending_ink, self._marked = ink, marked
             self._paint_pending()
             self.update()
 
@@ -229,7 +224,7 @@ class InkOverlay(QWidget):
         source = QRectF(
             area.x() * scale, area.y() * scale, area.width() * scale, area.height() * scale
         )
-        if self._pending_ink:
+        if self._pending_ink or self._marked:
             painter.drawImage(QRectF(area), self._pending, source)
         if self._samples:
             self._paint_wet(painter, area, source)
@@ -336,6 +331,12 @@ class InkOverlay(QWidget):
     def _paint_pending(self) -> None:
         self._pending = self._blank()
         self._paint_into(self._pending, map(ribbon_path, self._pending_ink))
+        if self._marked and not self._pending.isNull():
+            painter = QPainter(self._pending)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            for line in self._marked:
+                line.paint(painter, self._palette)
+            painter.end()
 
     def _paint_into(self, image: QImage, paths: Iterable[QPainterPath]) -> None:
         if image.isNull():

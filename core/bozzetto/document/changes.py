@@ -29,9 +29,12 @@ from bozzetto.document.stored import (
     ModelHeader,
     StoredModel,
     UnderlayHeader,
+    WaitingHeader,
     store_model,
     store_underlay,
+    store_waiting,
 )
+from bozzetto.document.waiting import Waiting, strokes_of
 from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
@@ -59,12 +62,20 @@ class _Surroundings(msgspec.Struct):
     underlays: list[tuple[UnderlayHeader, int]]
 
 
+class _WaitingInk(msgspec.Struct):
+    """The document's waiting ink; written whole when any of it changed."""
+
+    entries: list[WaitingHeader]
+    strokes: Runs
+
+
 class _Change(msgspec.Struct):
     time: float
     models: list[_ModelChange]
     order: list[str] | None
     surroundings: _Surroundings | None
     pending: Runs
+    waiting: _WaitingInk | None = None
 
 
 class _Shelf:
@@ -110,6 +121,8 @@ class ChangeWriter:
                 self._strokes.add(stroke)
             for array in encoded.arrays:
                 self._arrays.add(array)
+        for one in base.waiting:
+            self._strokes.add(one.stroke)
         for underlay in base.underlays:
             self._arrays.add(underlay.pixels)
 
@@ -120,7 +133,7 @@ class ChangeWriter:
         ----------
         document : Document
         pending : sequence of Stroke
-            Ink that waits to be applied.
+            Ink that waits beside the document's own; see `Document.waiting`.
         time : float
             Seconds since 1970.
         """
@@ -143,6 +156,7 @@ class ChangeWriter:
             list(models) if list(models) != list(self._models) else None,
             self._surroundings(document),
             runs([self._strokes.number(stroke) for stroke in waiting]),
+            self._waiting_ink(document),
         )
         writer.add_json(CHANGE, change)
         put_strokes(writer, self._strokes.fresh)
@@ -154,6 +168,12 @@ class ChangeWriter:
         file = io.BytesIO()
         writer.write(file)
         return file.getvalue()
+
+    def _waiting_ink(self, document: Document) -> _WaitingInk | None:
+        if document.waiting == self._document.waiting:
+            return None
+        numbers = [self._strokes.number(stroke) for stroke in strokes_of(document.waiting)]
+        return _WaitingInk(store_waiting(document.waiting), runs(numbers))
 
     def _surroundings(self, document: Document) -> _Surroundings | None:
         last = self._document
@@ -181,7 +201,7 @@ class Replay:
     ----------
     stored : StoredDocument
     pending : tuple of Stroke
-        Ink that was not applied yet.
+        Ink that waited beside the document's own, as in journals of earlier versions.
     time : float, optional
         When the last record was made; None while there was none.
     """
@@ -191,6 +211,7 @@ class Replay:
         self.pending: tuple[Stroke, ...] = ()
         self.time: float | None = None
         self._strokes = [s for model in base.models for s in model.encoded.strokes]
+        self._strokes += strokes_of(base.waiting)
         self._arrays = [a for model in base.models for a in model.encoded.arrays]
         self._arrays += [underlay.pixels for underlay in base.underlays]
 
@@ -227,9 +248,20 @@ class Replay:
             stored = replace(
                 stored, camera=around.camera, views=tuple(around.views), underlays=underlays
             )
+        if change.waiting is not None:
+            stored = replace(stored, waiting=_waiting(strokes, change.waiting))
         self.pending = _named(strokes, change.pending)
         self.stored, self.time = stored, change.time
         self._strokes, self._arrays = strokes, arrays
+
+
+def _waiting(strokes: Sequence[Stroke], ink: _WaitingInk) -> Waiting:
+    named = _named(strokes, ink.strokes)
+    if len(named) != len(ink.entries):
+        raise DocumentError("The journal's list of waiting ink does not fit its strokes.")
+    return tuple(
+        entry.with_stroke(stroke) for entry, stroke in zip(ink.entries, named, strict=True)
+    )
 
 
 def record_time(record: bytes) -> float:

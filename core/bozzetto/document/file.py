@@ -9,6 +9,9 @@
     core/underlays/<id>.png
     core/strokes.meta.json            cameras, and one row per stroke
     core/strokes/x.f4 …               samples of all strokes, one column each
+    core/waiting.json                 ink that no modeler has taken, one entry a stroke
+    core/waiting/strokes.meta.json    its strokes, as above; nothing where none waits
+    core/waiting/x.f4 …
     plugins/<modeler>/<model>/state.json, 0.f4, 1.i4 …
     derived/…                         may be dropped by anyone
     thumbnail.png
@@ -39,17 +42,20 @@ from bozzetto.document.container import (
     decode_json,
     encode_json,
 )
-from bozzetto.document.migrations import VERSION, migrate
+from bozzetto.document.migrations import VERSION, WAITING, migrate
 from bozzetto.document.model import Document, NamedView, Underlay
 from bozzetto.document.stored import (
     ModelHeader,
     StoredModel,
     UnderlayHeader,
+    WaitingHeader,
     open_model,
     store_model,
     store_underlay,
+    store_waiting,
 )
 from bozzetto.document.underlays import decode_png, encode_png
+from bozzetto.document.waiting import Waiting, strokes_of
 from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import COLUMNS, Stroke
 from bozzetto.storage import (
@@ -85,7 +91,8 @@ MIN_READER: Final = 1
 
 MANIFEST, MODELS, VIEWS = "manifest.json", "core/models.json", "core/views.json"
 STROKES, STROKE_COLUMNS = "core/strokes.meta.json", "core/strokes/"
-OWN: Final = {"mimetype", MANIFEST, MODELS, VIEWS, STROKES, "thumbnail.png"}
+WAITING_STROKES, WAITING_COLUMNS = "core/waiting/strokes.meta.json", "core/waiting/"
+OWN: Final = {"mimetype", MANIFEST, MODELS, VIEWS, STROKES, WAITING, "thumbnail.png"}
 
 
 class _Manifest(msgspec.Struct):
@@ -149,6 +156,7 @@ class StoredDocument:
     camera: Camera | None
     foreign: tuple[tuple[str, bytes], ...]
     read_only: bool
+    waiting: Waiting = ()
 
 
 # -- writing --------------------------------------------------------------------------------------
@@ -218,6 +226,10 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
     headers = [store_underlay(underlay) for underlay in document.underlays]
     writer.add_json(VIEWS, _Views(document.camera, list(document.views), headers))
     put_strokes(writer, strokes)
+    writer.add_json(WAITING, store_waiting(document.waiting))
+    if document.waiting:
+        ink = strokes_of(document.waiting)
+        put_strokes(writer, ink, WAITING_STROKES, WAITING_COLUMNS)
     for name, content in document.foreign:
         if name not in writer:
             writer.add(name, content)
@@ -237,12 +249,17 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
     return writer
 
 
-def put_strokes(writer: ContainerWriter, strokes: Sequence[Stroke]) -> None:
-    """Add strokes to a container."""
+def put_strokes(
+    writer: ContainerWriter,
+    strokes: Sequence[Stroke],
+    meta_name: str = STROKES,
+    folder: str = STROKE_COLUMNS,
+) -> None:
+    """Add strokes to a container, their facts under one name and their columns in a folder."""
     meta, columns = pack_strokes(strokes)
-    writer.add_json(STROKES, meta)
+    writer.add_json(meta_name, meta)
     for name, column in columns.items():
-        writer.add_array(STROKE_COLUMNS + name, column)
+        writer.add_array(folder + name, column)
 
 
 # -- reading --------------------------------------------------------------------------------------
@@ -284,6 +301,7 @@ def open_document(stored: StoredDocument, states: StateTypes) -> tuple[Document,
         stored.underlays,
         stored.camera,
         stored.foreign,
+        stored.waiting,
     )
     warnings = [warning for _, warning in opened if warning is not None]
     if stored.read_only:
@@ -304,6 +322,7 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
     reader.declare(decode_json(texts[MANIFEST], _Manifest).parts)
     strokes = take_strokes(reader, texts[STROKES])
     models = _models(decode_json(texts[MODELS], list[_ModelEntry]), strokes, reader)
+    waiting = _waiting(decode_json(texts[WAITING], list[WaitingHeader]), reader)
     views = decode_json(texts[VIEWS], _Views)
     underlays = tuple(
         header.with_pixels(decode_png(reader.read(_png_name(header.id))))
@@ -315,14 +334,16 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
         if name not in OWN and not name.startswith("derived/")
     )
     return StoredDocument(
-        models, tuple(views.views), underlays, views.camera, foreign, version > VERSION
+        models, tuple(views.views), underlays, views.camera, foreign, version > VERSION, waiting
     )
 
 
-def take_strokes(reader: ContainerReader, meta: bytes) -> list[Stroke]:
+def take_strokes(
+    reader: ContainerReader, meta: bytes, folder: str = STROKE_COLUMNS
+) -> list[Stroke]:
     """The strokes that `put_strokes` added to a container."""
-    names = {"offsets": f"{STROKE_COLUMNS}offsets.u4"}
-    names |= {name: f"{STROKE_COLUMNS}{name}.f4" for name in COLUMNS}
+    names = {"offsets": f"{folder}offsets.u4"}
+    names |= {name: f"{folder}{name}.f4" for name in COLUMNS}
     columns = {name: reader.array(entry) for name, entry in names.items() if entry in reader}
     return unpack_strokes(meta, columns)
 
@@ -361,6 +382,7 @@ def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
         ],
         "views": [view.name for view in views.views],
         "underlays": [underlay.name for underlay in views.underlays],
+        "waiting_strokes": len(decode_json(texts[WAITING], list[WaitingHeader])),
     }
 
 
@@ -374,13 +396,13 @@ def _core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
             f"This document was made with a newer Bozzetto ({promise.generator}). Update "
             "Bozzetto to open it."
         )
-    names = [name for name in (MANIFEST, MODELS, VIEWS, STROKES) if name in reader]
+    names = [name for name in (MANIFEST, MODELS, VIEWS, STROKES, WAITING) if name in reader]
     texts = {name: reader.json(name) for name in names}
     if promise.version < VERSION:
         trees = {name: decode_json(text, object) for name, text in texts.items()}
         trees = migrate(trees, promise.version)
         texts = {name: encode_json(tree) for name, tree in trees.items()}
-    for name in (MODELS, VIEWS, STROKES):
+    for name in (MODELS, VIEWS, STROKES, WAITING):
         if name not in texts:
             raise DocumentError(f"This document lacks its part {name}.")
     return texts, promise.version
@@ -415,6 +437,16 @@ def _models(
     if end != len(strokes):
         raise DocumentError("This document has strokes that belong to no object.")
     return tuple(models)
+
+
+def _waiting(entries: Sequence[WaitingHeader], reader: ContainerReader) -> Waiting:
+    """The ink that waits."""
+    if not entries:
+        return ()
+    strokes = take_strokes(reader, reader.json(WAITING_STROKES), WAITING_COLUMNS)
+    if len(strokes) != len(entries):
+        raise DocumentError("This document's list of waiting ink does not fit its strokes.")
+    return tuple(entry.with_stroke(stroke) for entry, stroke in zip(entries, strokes, strict=True))
 
 
 def _png_name(underlay_id: str) -> str:

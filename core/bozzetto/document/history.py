@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -19,12 +20,17 @@ STEP_BYTES: Final = 4096
 """What a step costs beside its data: its share of the object list, a bit of everything."""
 
 
+BACK: Final = "Undo"
+"""Name of the step that leads back from what was undone and is kept."""
+
+
 @dataclass(frozen=True)
 class _Step:
     """A change: its name, what it led to, and what lies only on either side of it.
 
     `revision` is a number no other snapshot has, by which a save is recognised; `before`
     are the snapshots that `document` took the place of and that somebody still holds.
+    `drawn` is true of what came from a hand on the sheet.
     """
 
     label: str
@@ -34,6 +40,7 @@ class _Step:
     removed: int = 0
     added: int = 0
     before: tuple[weakref.ref[Document], ...] = ()
+    drawn: bool = False
 
 
 class History:
@@ -99,8 +106,18 @@ class History:
         """About how many bytes other snapshots hold that the present one does not."""
         return self._held
 
-    def apply(self, label: str, document: Document, merge_key: str | None = None) -> None:
+    def apply(
+        self,
+        label: str,
+        document: Document,
+        merge_key: str | None = None,
+        *,
+        drawn: bool = False,
+    ) -> None:
         """Make a new snapshot the present one.
+
+        Steps that were undone are forgotten, unless one of them was drawn: then they stay in
+        the row, with a step behind them that leads back to where the person is.
 
         Parameters
         ----------
@@ -110,6 +127,8 @@ class History:
         merge_key : str, optional
             A step with the key of the step just before becomes one with it, until
             `end_merge`, an undo or a save: the drag of a slider is one step.
+        drawn : bool
+            It came from a hand on the sheet, and undo has to bring it back for ever.
         """
         if document is self.document:
             return
@@ -117,13 +136,16 @@ class History:
         merging = self._open and merge_key is not None and merge_key == key and self._position > 0
         if merging:
             self.undo()
-        self._held -= sum(step.added for step in self._steps[self._position + 1 :])
-        del self._steps[self._position + 1 :]
-        removed, added = (STEP_BYTES + count for count in difference(self.document, document))
+        undone = self._steps[self._position + 1 :]
+        if any(step.drawn for step in undone):
+            present = self._steps[self._position]
+            self.go_to(len(self._steps) - 1)
+            self._append(BACK, present.document, present.revision)
+        else:
+            self._held -= sum(step.added for step in undone)
+            del self._steps[self._position + 1 :]
         self._revision += 1
-        self._steps.append(_Step(label, document, self._revision, merge_key, removed, added))
-        self._held += added
-        self.redo()
+        self._append(label, document, self._revision, merge_key, drawn)
         self._open = merge_key is not None
         while self._position > 0 and self._held > self._byte_limit:
             self._held -= self._steps[1].removed
@@ -140,6 +162,82 @@ class History:
         before = (*(old for old in step.before if old() is not None), weakref.ref(step.document))
         self._steps[self._position] = replace(step, document=document, before=before)
         self._open = False
+
+    def revise(self, change: Callable[[Document], Document]) -> None:
+        """Change snapshots where they stand, without steps; what was saved still counts as saved.
+
+        For what is known of a stroke only later. `change` gives the same object for a
+        snapshot that it does not concern.
+        """
+        for place in range(len(self._steps)):
+            self._put(place, change(self._steps[place].document), is_other=False)
+        self._open = False
+
+    def complete(self, first: int, label: str, change: Callable[[Document], Document]) -> None:
+        """Let a step, and those that follow, lead to other snapshots: its outcome came later.
+
+        Parameters
+        ----------
+        first : int
+            Its place among the `entries`.
+        label : str
+            Its new name.
+        change : callable
+            Gives the same object for a snapshot that it does not concern.
+        """
+        self._steps[first] = replace(self._steps[first], label=label)
+        for place in range(first, len(self._steps)):
+            self._put(place, change(self._steps[place].document), is_other=True)
+        self._open = False
+
+    def place_where(self, holds: Callable[[Document], bool]) -> int | None:
+        """The place of the first step behind which, up to the present, something always holds."""
+        found = None
+        for place in range(self._position, 0, -1):
+            if not holds(self._steps[place].document):
+                break
+            found = place
+        return found
+
+    def _append(
+        self,
+        label: str,
+        document: Document,
+        revision: int,
+        merge_key: str | None = None,
+        drawn: bool = False,
+    ) -> None:
+        """Add a step behind the present one, which is the last, and go there."""
+        removed, added = (STEP_BYTES + count for count in difference(self.document, document))
+        self._steps.append(_Step(label, document, revision, merge_key, removed, added, drawn=drawn))
+        self._held += added
+        self.redo()
+
+    def _put(self, place: int, document: Document, *, is_other: bool) -> None:
+        """Exchange the snapshot of a step, and reckon anew what it and the next one hold."""
+        step = self._steps[place]
+        if document is step.document:
+            return
+        before: tuple[weakref.ref[Document], ...] = ()
+        revision = step.revision
+        if is_other:
+            self._revision += 1
+            revision = self._revision
+        else:
+            held = (old for old in step.before if old() is not None)
+            before = (*held, weakref.ref(step.document))
+        self._steps[place] = replace(step, document=document, revision=revision, before=before)
+        for later in (place, place + 1):
+            if 0 < later < len(self._steps):
+                self._reckon(later)
+
+    def _reckon(self, place: int) -> None:
+        step = self._steps[place]
+        pair = difference(self._steps[place - 1].document, step.document)
+        removed, added = (STEP_BYTES + count for count in pair)
+        is_past = place <= self._position
+        self._held += removed - step.removed if is_past else added - step.added
+        self._steps[place] = replace(step, removed=removed, added=added)
 
     def end_merge(self) -> None:
         """Let the next step stand by itself, whatever its key."""

@@ -11,12 +11,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-__all__ = ["STEPS", "VERSION", "migrate"]
+__all__ = ["STEPS", "VERSION", "WAITING", "migrate"]
 
 Trees = dict[str, Any]
 Step = Callable[[Trees], Trees]
 
-STEPS: Final[tuple[Step, ...]] = ()
+WAITING: Final = "core/waiting.json"
+"""Where version 2 keeps the list of waiting ink."""
+
+
+def _no_ink_waited(trees: Trees) -> Trees:
+    """From version 1 to 2: ink that waits is part of the document; before, it was never kept."""
+    return {**trees, WAITING: []}
+
+
+STEPS: Final[tuple[Step, ...]] = (_no_ink_waited,)
 """The n-th step leads from version n to n + 1."""
 
 VERSION: Final = len(STEPS) + 1

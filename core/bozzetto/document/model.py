@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.chunked import Chunked
+from bozzetto.document.waiting import Waiting
 from bozzetto.errors import UserError
 from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.placement import Placement
@@ -147,6 +148,8 @@ class Document:
         Where the person last looked from.
     foreign : tuple of (str, bytes)
         Parts of the file that belong to nobody we know; written back byte for byte.
+    waiting : tuple of WaitingStroke
+        Ink that no modeler has taken yet, in the order drawn; no part of any shape.
     """
 
     models: Sequence[Model] = ()
@@ -154,6 +157,7 @@ class Document:
     underlays: tuple[Underlay, ...] = ()
     camera: Camera | None = None
     foreign: tuple[tuple[str, bytes], ...] = ()
+    waiting: Waiting = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.models, Chunked):
@@ -206,6 +210,10 @@ class Document:
     def without_model(self, model_id: str) -> Document:
         """Leave a model out."""
         return replace(self, models=self._models.without(self.place_of(model_id)))
+
+    def with_waiting(self, waiting: Waiting) -> Document:
+        """Exchange the ink that waits; the same document where it is the same ink."""
+        return self if waiting is self.waiting else replace(self, waiting=waiting)
 
     def unused_name(self, wish: str) -> str:
         """`wish`, with a number behind it where the name is taken."""

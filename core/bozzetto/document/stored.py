@@ -18,16 +18,20 @@ from bozzetto.document.codec import (
     encode_state,
 )
 from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, Underlay
+from bozzetto.document.waiting import Waiting, WaitingStatus, WaitingStroke
 from bozzetto.errors import DocumentError
 from bozzetto.geometry.placement import Placement
+from bozzetto.ink.stroke import Stroke
 
 __all__ = [
     "ModelHeader",
     "StoredModel",
     "UnderlayHeader",
+    "WaitingHeader",
     "open_model",
     "store_model",
     "store_underlay",
+    "store_waiting",
 ]
 
 Id = Annotated[str, Meta(pattern=ID_PATTERN)]
@@ -82,6 +86,22 @@ class UnderlayHeader(msgspec.Struct, frozen=True):
         )
 
 
+class WaitingHeader(msgspec.Struct, frozen=True):
+    """All of a waiting stroke but the stroke."""
+
+    modeler: str
+    tool: str
+    status: WaitingStatus
+    reason: str
+    places: list[tuple[float, float]]
+
+    def with_stroke(self, stroke: Stroke) -> WaitingStroke:
+        """The waiting stroke."""
+        return WaitingStroke(
+            stroke, self.modeler, self.tool, self.status, self.reason, tuple(self.places)
+        )
+
+
 @dataclass(frozen=True)
 class StoredModel:
     """A model as files hold it."""
@@ -117,6 +137,25 @@ def store_underlay(underlay: Underlay) -> UnderlayHeader:
         underlay.opacity,
         underlay.visible,
     )
+
+
+def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
+    """What is written of ink that waits beside its strokes."""
+    return [
+        WaitingHeader(
+            _writable(one.modeler),
+            _writable(one.tool),
+            one.status,
+            _writable(one.reason),
+            list(one.places),
+        )
+        for one in waiting
+    ]
+
+
+def _writable(text: str) -> str:
+    """A text without halves of characters: plugins may say anything, and JSON cannot hold it."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | None]:

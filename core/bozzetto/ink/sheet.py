@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.view.camera import Camera
 
-__all__ = ["FARTHEST", "is_on_sheet", "places_on_sheet"]
+__all__ = ["FARTHEST", "is_on_sheet", "is_seen", "places_on_sheet", "seen_through"]
 
 FARTHEST: Final = 1e9
 """Largest coordinate, px: a million screens away. Squares of it and of its differences are
@@ -41,3 +42,21 @@ def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
     if not is_on_sheet(place):
         raise UserError(f"The {what} holds a place that is not on the sheet; draw it again.")
     return place
+
+
+def seen_through(points: ArrayLike, drawn: Camera, camera: Camera) -> NDArray[np.float64]:
+    """Where places on the sheet of one view are seen in another, canvas pixels, shape (n, 2).
+
+    Ink lies on the sheet: the plane through the target of its camera that faced the eye.
+    What lies behind the other eye is not finite.
+    """
+    place = np.asarray(points, float).reshape(-1, 2)
+    if drawn == camera:
+        return place
+    return np.asarray(camera.project(drawn.on_plane(place, drawn.target, drawn.axes[2]))[0])
+
+
+def is_seen(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which places, shape (n, 2), are finite and not beyond all bounds."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray((np.abs(points) <= FARTHEST).all(axis=1))

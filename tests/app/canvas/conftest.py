@@ -66,6 +66,7 @@ class FakeSession(QObject):
     scene_changed = Signal()
     live_changed = Signal()
     pending_changed = Signal()
+    tool_changed = Signal()
     camera_changed = Signal()
     view_style_changed = Signal()
     noticed = Signal(object)
@@ -77,7 +78,8 @@ class FakeSession(QObject):
         self.advising = FakeAdvising()
         self.scene = Scene()
         self.live_scene = Scene()
-        self.pending = ()
+        self.pending = self.marked_ink = ()
+        self.active_modeler = ""
         self.tools = (FakeTool("draw", "ink"), FakeTool("mark", "tap"), FakeTool("edit", "drag"))
         self.active_tool = "draw"
         self.shading = "clay"
@@ -107,6 +109,10 @@ class FakeSession(QObject):
 
     def pen_lifted(self, stroke):
         self.calls.append(("pen_lifted", stroke))
+
+    def escape(self):
+        self.calls.append(("escape",))
+        return bool(self.pending)
 
     def pen_cancelled(self):
         self.calls.append(("pen_cancelled",))

@@ -7,11 +7,12 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QImage, QRegion
 
+from bozzetto.ink.sheet import seen_through
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene import DARK, LIGHT
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import pan, zoom
-from bozzetto_app.canvas.ink_overlay import InkOverlay, on_sheet
+from bozzetto_app.canvas.ink_overlay import InkOverlay
 
 
 @pytest.fixture
@@ -135,8 +136,8 @@ def test_pending_ink_stays_dark_and_follows_the_view(overlay):
 def test_ink_lies_on_the_sheet_of_its_own_camera():
     camera = Camera(viewport=(600, 400))
     drawn = stroke(camera)
-    np.testing.assert_array_equal(on_sheet(drawn, camera), drawn.points)
-    closer = on_sheet(drawn, zoom(camera, 2.0))
+    np.testing.assert_array_equal(seen_through(drawn.points, drawn.camera, camera), drawn.points)
+    closer = seen_through(drawn.points, drawn.camera, zoom(camera, 2.0))
     np.testing.assert_allclose(closer - (300, 200), 2.0 * (drawn.points - (300, 200)), atol=1e-3)
 
 

@@ -25,6 +25,7 @@ from bozzetto.document.file import (
     write_document,
 )
 from bozzetto.document.model import Document, Model
+from bozzetto.document.waiting import WaitingStroke, marked, strokes_of
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke, Strokes
@@ -215,7 +216,7 @@ def test_states_of_older_versions_are_upgraded_and_newer_ones_stay_closed():
 
 def test_a_newer_file_says_so_or_opens_for_looking_only():
     content = encode_document(rich_document())
-    late = edited(content, "manifest.json", lambda m: m.update(version=9, min_reader=2))
+    late = edited(content, "manifest.json", lambda m: m.update(version=9, min_reader=8))
     with pytest.raises(DocumentError, match="Update"):
         decode_document(late, FakeRegistry())
     mild = edited(content, "manifest.json", lambda m: m.update(version=9, novelty=[1]))
@@ -225,14 +226,15 @@ def test_a_newer_file_says_so_or_opens_for_looking_only():
 
 
 def test_an_older_file_is_migrated_step_by_step(monkeypatch):
-    def second(trees):
-        manifest = {**trees["manifest.json"], "version": 2}
+    def newest(trees):
+        manifest = {**trees["manifest.json"], "version": migrations.VERSION + 1}
         views = {**trees["core/views.json"], "views": []}
         return {**trees, "manifest.json": manifest, "core/views.json": views}
 
     content = encode_document(rich_document())
-    monkeypatch.setattr(file_module, "VERSION", 2)
-    monkeypatch.setattr(file_module, "migrate", lambda t, v: migrations.migrate(t, v, (second,)))
+    steps = (*migrations.STEPS, newest)
+    monkeypatch.setattr(file_module, "VERSION", len(steps) + 1)
+    monkeypatch.setattr(file_module, "migrate", lambda t, v: migrations.migrate(t, v, steps))
     document, report = decode_document(content, FakeRegistry())
     assert document.views == ()
     assert same_state(tuple(document), tuple(rich_document()))
@@ -254,6 +256,7 @@ def test_info_tells_without_asking_a_plugin(tmp_path):
     assert [entry["strokes"] for entry in info["objects"]] == [3, 1, 1]
     assert info["views"] == ["Side", "Front"]
     assert info["underlays"] == ["Scan"]
+    assert info["waiting_strokes"] == 4
 
 
 def bad_models(change):
@@ -399,10 +402,66 @@ def told(value):
 
 def test_the_golden_file_of_version_1_opens_for_ever():
     document, report = decode_document((GOLDEN / "v1.bozz").read_bytes(), FakeRegistry())
-    assert told(plain(document)) == told(json.loads((GOLDEN / "v1.json").read_text()))
+    now = plain(document)
+    assert now.pop("waiting") == []  # came with version 2
+    assert told(now) == told(json.loads((GOLDEN / "v1.json").read_text()))
     assert not report.read_only
     assert isinstance(document.model("m2").state, OpaqueState)
     assert isinstance(document.model("m1").state, Everything)
+
+
+def test_the_golden_file_of_version_2_opens_for_ever():
+    document, report = decode_document((GOLDEN / "v2.bozz").read_bytes(), FakeRegistry())
+    assert told(plain(document)) == told(json.loads((GOLDEN / "v2.json").read_text()))
+    assert not report.read_only
+    assert [one.status for one in document.waiting] == "new unfinished refused failed".split()
+
+
+def test_waiting_ink_comes_back_and_a_document_without_any_has_no_columns_for_it():
+    document = rich_document()
+    content = encode_document(document)
+    again, _ = decode_document(content, FakeRegistry())
+    assert same_document(again, document)
+    assert [one.stroke for one in again.waiting] == [one.stroke for one in document.waiting]
+    assert not same_document(again, document.with_waiting(document.waiting[:3]))
+    dry = encode_document(document.with_waiting(()))
+    assert not [name for name in entries(dry) if "core/waiting/" in name]
+    assert decode_document(dry, FakeRegistry())[0].waiting == ()
+
+
+def test_what_a_plugin_says_of_ink_can_always_be_written():
+    said = "half \ud800 a character"
+    new = (WaitingStroke(stroke(1)),)
+    assert marked(new, (), "refused", modeler="m", tool="t") is new
+    ink = marked(
+        new,
+        strokes_of(new),
+        "refused",
+        modeler="m",
+        tool="\udfff",
+        reason=said + "x" * 5000,
+        places=[(np.nan, 1.0), (2.0, 3.0)],
+    )
+    again, _ = decode_document(encode_document(Document(waiting=ink)), FakeRegistry())
+    assert again.waiting[0].reason.startswith("half ? a character")
+    assert again.waiting[0].places == ((2.0, 3.0),)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda entries: entries[:-1],
+        lambda entries: [*entries, entries[0]],
+        lambda entries: entries[0].update(status="lost"),
+        lambda entries: entries[0].update(places=[[1.0]]),
+        lambda entries: entries[0].update(places=[[None, 1.0]]),
+        lambda entries: [7],
+    ],
+)
+def test_a_wrong_list_of_waiting_ink_is_refused(change):
+    content = edited(encode_document(rich_document()), "core/waiting.json", change)
+    with pytest.raises(DocumentError):
+        decode_document(content, FakeRegistry())
 
 
 def test_there_is_a_golden_file_for_every_version():

@@ -13,9 +13,17 @@ from bozzetto.document.difference import difference
 from bozzetto.document.edit import change_state
 from bozzetto.document.history import STEP_BYTES, History
 from bozzetto.document.model import Document, Model
+from bozzetto.document.waiting import WaitingStroke
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
-from tests.document_kit import Ink, full_stroke, rich_document, stroke, underlay
+from tests.document_kit import (
+    Ink,
+    full_stroke,
+    rich_document,
+    stroke,
+    underlay,
+    waiting_ink,
+)
 
 
 def documents(count: int) -> list[Document]:
@@ -245,3 +253,104 @@ def test_an_amended_step_is_not_merged_with_the_next():
     history.amend(Document())
     history.apply("slide", Document(), "slider")
     assert history.entries == ("Start", "slide", "slide")
+
+
+# -- what was drawn, and what came of it ---------------------------------------------------------
+
+
+def test_what_was_drawn_and_undone_stays_in_the_row_when_a_new_step_comes():
+    start, drawn, tuned, other = documents(4)
+    history = History(start)
+    history.apply("Stroke", drawn, drawn=True)
+    history.apply("Softness", tuned)
+    history.go_to(0)
+    history.mark_saved()
+    history.apply("Other", other)
+    assert history.entries == ("Start", "Stroke", "Softness", "Undo", "Other")
+    assert history.document is other
+    assert [history.undo() for _ in range(4)] == [start, tuned, drawn, start]
+    assert not history.is_modified
+    history.go_to(3)
+    assert not history.is_modified  # the way back leads to what was saved
+
+
+def test_a_merged_drag_after_undone_ink_is_one_step():
+    start, drawn, first, second = documents(4)
+    history = History(start)
+    history.apply("Stroke", drawn, drawn=True)
+    history.undo()
+    history.apply("Softness", first, "key")
+    history.apply("Softness", second, "key")
+    assert history.entries == ("Start", "Stroke", "Undo", "Softness")
+    assert history.document is second
+
+
+def waiting(*numbers: int) -> tuple[WaitingStroke, ...]:
+    return tuple(WAITING[number] for number in numbers)
+
+
+WAITING = waiting_ink()
+
+
+def test_an_outcome_takes_the_place_of_the_stroke_and_of_those_that_follow():
+    start = Document()
+    one, two = start.with_waiting(waiting(0)), start.with_waiting(waiting(0, 1))
+    history = History(start)
+    history.apply("Stroke", one, drawn=True)
+    history.mark_saved()
+    history.apply("Stroke", two, drawn=True)
+    model = Model("m", "M", "test.ink", Ink())
+    models = start.with_model(model).models
+
+    def completed(document: Document) -> Document:
+        return replace(document, models=models, waiting=document.waiting[1:])
+
+    first = history.place_where(lambda d: any(w is WAITING[0] for w in d.waiting))
+    assert first == 1
+    history.complete(first, "Draw", completed)
+    assert history.entries == ("Start", "Draw", "Stroke")
+    assert (len(history.document), history.document.waiting) == (1, waiting(1))
+    history.undo()
+    assert (len(history.document), history.document.waiting) == (1, ())
+    assert history.is_modified  # what was saved was the ink, not what came of it
+    history.mark_saved(one)
+    assert history.is_modified
+    assert history.undo() is start
+
+
+def test_a_revised_snapshot_still_counts_as_the_one_that_was_saved():
+    start = Document()
+    history = History(start)
+    lifted = start.with_waiting(waiting(0))
+    history.apply("Stroke", lifted, drawn=True)
+    other = waiting(3)
+    history.revise(lambda d: d.with_waiting(other) if d.waiting else d)
+    assert history.document.waiting == other
+    assert history.entries == ("Start", "Stroke")
+    history.mark_saved(lifted)
+    assert not history.is_modified
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_held_is_reckoned_the_same_however_snapshots_came_about(seed):
+    rng = np.random.default_rng(seed)
+    history = History(Document())
+    for number in range(40):
+        act = rng.integers(5)
+        ink = tuple(WaitingStroke(stroke(number * 9 + k, 50)) for k in range(rng.integers(1, 4)))
+        if act < 2:
+            history.apply("Stroke", history.document.with_waiting(ink), drawn=bool(act))
+        elif act == 2:
+            history.go_to(int(rng.integers(len(history.entries))))
+        elif act == 3:
+            history.revise(lambda d, ink=ink: d.with_waiting(ink) if len(d.waiting) == 2 else d)
+        elif history.position:
+            history.complete(
+                history.position, "Done", lambda d, ink=ink: d.with_waiting((*d.waiting, *ink))
+            )
+        steps = history._steps
+        held = 0
+        for place in range(1, len(steps)):
+            pair = difference(steps[place - 1].document, steps[place].document)
+            held += STEP_BYTES + pair[0 if place <= history.position else 1]
+        assert history.held_bytes == held

@@ -32,6 +32,7 @@ from tests.document_kit import (
     same_document,
     stroke,
     underlay,
+    waiting_ink,
 )
 
 
@@ -44,7 +45,10 @@ def crash(session) -> None:
 
 def random_edit(document: Document, rng: random.Random) -> Document:
     """Any change that a document can undergo."""
-    choice = rng.randrange(9)
+    choice = rng.randrange(10)
+    if choice == 9:
+        left = tuple(one for one in document.waiting if rng.random() < 0.7)
+        return document.with_waiting((*left, *waiting_ink(rng.randrange(99))[: rng.randrange(4)]))
     if choice == 0 or not len(document):
         model = Model(
             f"n{rng.random()}"[:12],

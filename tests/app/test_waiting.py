@@ -1,0 +1,374 @@
+"""Ink that waits: who tries it, when, with what; and how a person is rid of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from bozzetto.document.model import Document
+from bozzetto.document.waiting import WaitingStroke
+from bozzetto.errors import UserError
+from bozzetto.view.camera import Camera
+from bozzetto_app.inking import ink_to_try
+from tests.app.tablet import Stylus, circle, stroke_of
+from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
+
+ARC = 0.6
+
+
+@pytest.fixture
+def pair(tmp_path):
+    with two_boxes(tmp_path) as (first, second, packages):
+        first.packages = packages
+        yield first, second
+
+
+@pytest.fixture
+def session(make_session, pair):
+    return make_session(FIRST, extra=pair[0].packages)
+
+
+@pytest.fixture
+def lift(session, settle):
+    def lift(points, tool="pen"):
+        stroke = stroke_of(points, session.camera, tool)
+        session.pen_lifted(stroke)
+        settle(session)
+        return stroke
+
+    return lift
+
+
+def statuses(session):
+    return [one.status for one in session.document.waiting]
+
+
+def strokes(session):
+    return [len(model.state.strokes) for model in session.document]
+
+
+# -- who tries what --------------------------------------------------------------------------------
+
+
+def one(status, modeler="m", tool="t"):
+    return WaitingStroke(stroke_of(circle(), Camera()), modeler, tool, status)
+
+
+@pytest.mark.parametrize(
+    ("waiting", "committed", "tries"),
+    [
+        (["new"], False, ["0"]),
+        (["unfinished", "new"], False, ["01"]),
+        (["refused", "new"], False, ["01", "1"]),
+        (["refused", "unfinished", "new"], False, ["012", "12"]),
+        (["failed", "new"], False, ["1"]),
+        (["failed", "refused", "new"], False, ["12", "2"]),
+        (["refused"], True, ["0"]),
+        (["failed"], True, ["0"]),
+        (["failed", "unfinished"], True, ["1"]),
+        (["refused", "unfinished"], True, ["01", "1"]),
+        (["unfinished of another", "new"], False, ["1"]),
+        (["unfinished of another", "unfinished"], True, ["1"]),
+        (["unfinished of another", "refused of another"], True, ["01", "0"]),
+        (["new of a tool not known yet", "new"], False, ["01"]),
+    ],
+)
+def test_which_ink_is_tried(waiting, committed, tries):
+    ink = []
+    for told in waiting:
+        status, _, whose = told.partition(" of ")
+        if whose == "another":
+            ink.append(one(status, tool="other"))
+        else:
+            ink.append(one(status, tool="" if whose else "t"))
+    ink = tuple(ink)
+    found = ink_to_try(ink, ink[-1].stroke, "m", "t", committed=committed)
+    places = {id(entry.stroke): str(place) for place, entry in enumerate(ink)}
+    assert ["".join(places[id(stroke)] for stroke in strokes) for strokes in found] == tries
+    assert ink_to_try(ink[:-1], ink[-1].stroke, "m", "t", committed=committed) == ()
+
+
+def test_refused_ink_waits_with_its_reason_and_undo_and_redo_carry_it(session, pair, lift):
+    pair[0].mood = "refuse"
+    drawn = lift(circle())
+    (ink,) = session.marked_ink
+    assert ink.stroke is drawn
+    assert (ink.status, ink.reason, ink.places) == ("refused", REFUSAL, (PLACE,))
+    assert session.heard[-1].text == REFUSAL
+    session.undo()
+    assert session.pending == ()
+    session.redo()
+    assert session.marked_ink == (ink,)
+
+
+def test_the_missing_piece_is_tried_together_with_refused_ink(session, pair, lift, settle):
+    lift(circle(share=ARC))
+    pair[0].mood = "refuse"
+    session.commit_pending()
+    settle(session)
+    assert statuses(session) == ["refused"]
+    pair[0].mood = "well"
+    turn = np.linspace(2 * np.pi * ARC, 2 * np.pi, 40)
+    lift(np.column_stack((640 + 120 * np.cos(turn), 360 + 120 * np.sin(turn))))
+    assert session.pending == ()
+    assert strokes(session) == [2]
+
+
+def test_refused_ink_does_not_stand_in_the_way_of_other_ink(session, pair, lift, monkeypatch):
+    pair[0].mood = "refuse"
+    bad = lift(circle())
+    pair[0].mood = "well"
+    well = pair[0].do
+
+    def only_alone(what, way, *arguments):
+        if what == "apply" and len(arguments[1].strokes) > 1:
+            raise UserError("Too much at once.")
+        return well(what, way, *arguments)
+
+    monkeypatch.setattr(pair[0], "do", only_alone)
+    lift(circle(radius=60))
+    assert strokes(session) == [1]
+    assert session.pending == (bad,)
+    assert session.marked_ink[0].reason == REFUSAL
+    lift(circle(radius=60, share=ARC))
+    assert statuses(session) == ["refused", "unfinished"]
+    assert session.hint == "Close the box, or press Enter."
+
+
+def test_a_stroke_and_what_comes_of_it_are_one_step_however_fast_they_come(session, pair, settle):
+    for number in range(4):
+        session.pen_lifted(stroke_of(circle(radius=40 + number), session.camera))
+    settle(session)
+    assert session.history.entries == ("Start", "Draw", "Draw", "Draw", "Draw")
+    for left in (3, 2, 1):
+        session.undo()
+        settle(session)
+        assert (strokes(session), session.pending) == ([left], ())
+    session.go_to(4)
+    settle(session)
+    assert (strokes(session), session.pending) == ([4], ())
+
+
+def test_quick_strokes_of_which_one_is_refused_keep_their_order(session, pair, settle, monkeypatch):
+    well = pair[0].do
+
+    def not_the_second(what, way, *arguments):
+        widths = [np.ptp(s.x) for s in arguments[1].strokes] if what == "apply" else []
+        if any(100 < width < 103 for width in widths):
+            raise UserError("Not this one.")
+        return well(what, way, *arguments)
+
+    monkeypatch.setattr(pair[0], "do", not_the_second)
+    for radius in (50, 51, 52):
+        session.pen_lifted(stroke_of(circle(radius=radius), session.camera))
+    settle(session)
+    taken = [np.ptp(s.x) for s in session.document.models[0].state.strokes]
+    assert taken == sorted(taken)
+    assert len(taken) == 2
+    assert [np.ptp(s.x) for s in session.pending] == [pytest.approx(102, abs=0.5)]
+    session.go_to(0)
+    settle(session)
+    session.go_to(len(session.history.entries) - 1)
+    settle(session)
+    assert [np.ptp(s.x) for s in session.document.models[0].state.strokes] == taken
+
+
+def test_what_enter_makes_of_waiting_ink_is_a_step_that_gives_it_back(session, lift, settle):
+    drawn = lift(circle(share=ARC))
+    session.commit_pending()
+    settle(session)
+    assert (strokes(session), session.pending) == ([1], ())
+    session.undo()
+    settle(session)
+    assert (strokes(session), session.pending) == ([], (drawn,))
+
+
+def test_another_modeler_reads_refused_ink_at_enter(session, pair, lift, settle):
+    pair[0].mood = "refuse"
+    drawn = lift(circle())
+    session.activate_modeler(SECOND)
+    settle(session)
+    assert session.pending == (drawn,)
+    lift(circle(radius=44))  # its own ink comes by itself
+    assert session.pending == (drawn,)
+    session.commit_pending()
+    settle(session)
+    assert session.pending == ()
+    assert [(model.modeler, len(model.state.strokes)) for model in session.document] == [
+        (SECOND, 2)
+    ]
+    session.undo()
+    settle(session)
+    assert session.pending == (drawn,)
+
+
+# -- plugins that fail -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mood", ["raise", "garbage"])
+def test_ink_that_a_plugin_failed_over_waits_and_is_not_tried_again_unasked(
+    mood, session, pair, lift, settle
+):
+    pair[0].mood = mood
+    drawn = lift(circle())
+    assert statuses(session) == ["failed"]
+    assert session.marked_ink[0].reason == session.heard[-1].text
+    assert session.heard[-1].kind == "fault"
+    pair[0].mood = "well"
+    lift(circle(radius=50))
+    assert (strokes(session), session.pending) == ([1], (drawn,))
+    session.commit_pending()
+    settle(session)
+    assert (strokes(session), session.pending) == ([2], ())
+
+
+def test_ink_whose_plugin_hangs_waits_and_later_strokes_come_through(
+    make_session, pair, settle, monkeypatch
+):
+    monkeypatch.setattr("bozzetto_app.inking.APPLY_LIMIT", 0.3)
+    session = make_session(FIRST, extra=pair[0].packages)
+    pair[0].mood = "hang"
+    first, second = (stroke_of(circle(radius=r), session.camera) for r in (50, 60))
+    session.pen_lifted(first)
+    settle(session)
+    assert statuses(session) == ["failed"]
+    assert session.heard[-1].kind == "fault"
+    pair[0].mood = "well"
+    pair[0].gate.set()
+    session.pen_lifted(second)
+    settle(session)
+    assert session.pending == (first,)
+    assert strokes(session) == [1]
+
+
+def test_esc_stops_a_modeler_and_its_ink_waits(make_window, pair, settle, qtbot):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session = window.session
+    pair[0].mood = "hang"
+    Stylus(window.canvas).draw(circle())
+    qtbot.waitUntil(lambda: pair[0].calls["apply"] == 1)
+    QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
+    assert statuses(session) == ["failed"]
+    assert "Enter" in session.marked_ink[0].reason
+    pair[0].mood = "well"
+    pair[0].gate.set()
+    settle(session)
+    assert len(session.document) == 0
+    QTest.keyClick(window.canvas, Qt.Key.Key_Return)
+    settle(session)
+    assert (strokes(session), session.pending) == ([1], ())
+
+
+# -- how one is rid of it --------------------------------------------------------------------------
+
+
+def test_esc_with_an_idle_hand_takes_waiting_ink_back_and_undo_brings_it_again(
+    make_window, pair, settle
+):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session = window.session
+    stylus = Stylus(window.canvas)
+    for radius in (60, 90):
+        stylus.draw(circle(share=ARC, radius=radius))
+        settle(session)
+    waiting = session.document.waiting
+    QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
+    assert session.pending == ()
+    session.undo()
+    assert session.document.waiting == waiting
+    pair[0].mood = "refuse"
+    session.commit_pending()
+    settle(session)
+    assert window.canvas._overlay.lit_places == (PLACE,)
+    QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
+    assert window.canvas._overlay.lit_places == ()
+
+
+def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
+    session, pair, lift, settle
+):
+    pair[0].mood = "refuse"
+    left, right = lift(circle(x=300)), lift(circle(x=800))
+    pair[0].mood = "well"
+    calls = pair[0].calls["apply"]
+    lift([(800.0, 200.0), (800.0, 300.0)], "eraser")
+    assert session.pending == (left,)
+    assert pair[0].calls["apply"] == calls
+    session.undo()
+    settle(session)
+    assert session.pending == (left, right)
+    lift([(300.0, 360.0), (310.0, 365.0)], "eraser")  # inside the circle, far from its line
+    assert session.pending == (left, right)
+    assert pair[0].calls["apply"] == calls + 1
+
+
+def test_an_eraser_that_meets_nothing_leaves_nothing_behind(session, pair, lift):
+    pair[0].mood = "refuse"
+    lift([(10.0, 10.0), (60.0, 10.0)], "eraser")
+    assert session.pending == ()
+    assert session.history.entries == ("Start",)
+    assert session.heard[-1].text == REFUSAL
+
+
+def test_a_tool_that_does_not_draw_says_so_at_enter(session, pair, lift, monkeypatch):
+    drawn = lift(circle(share=ARC))
+    from dataclasses import replace
+
+    session.toolbox.tools = tuple(replace(t, gesture="tap") for t in session.tools)
+    session.commit_pending()
+    assert "does not draw" in session.heard[-1].text
+    assert session.pending == (drawn,)
+
+
+def test_a_tool_that_did_not_mark_it_shows_ink_without_a_halo(make_window, pair, settle):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session = window.session
+    pair[0].mood = "refuse"
+    Stylus(window.canvas).draw(circle())
+    settle(session)
+
+    def lit():
+        return [line.is_lit for line in window.canvas._overlay._marked]
+
+    assert lit() == [True]
+    session.activate_tool("trace")
+    assert lit() == [False]
+    session.activate_tool("draw")
+    assert lit() == [True]
+    session.activate_modeler(SECOND)
+    settle(session)
+    assert lit() == [False]
+    assert session.live_scene.layers == ()
+
+
+def test_ink_of_a_journal_of_before_waits_as_if_just_drawn(session, settle):
+    drawn = stroke_of(circle(), session.camera)
+    session.show_document(Document(), None, saved=False, pending=(drawn,))
+    settle(session)
+    assert session.pending == (drawn,)
+    assert session.is_modified
+    session.commit_pending()
+    settle(session)
+    assert (strokes(session), session.pending) == ([1], ())
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+def test_a_document_that_is_opened_says_that_ink_waits_and_an_export_that_it_is_no_shape(
+    session, pair, lift, settle, tmp_path
+):
+    lift(circle())
+    lift(circle(share=ARC))
+    session.files.save(tmp_path / "a.bozz")
+    settle(session)
+    assert not session.is_modified
+    session.files.open(tmp_path / "a.bozz")
+    settle(session)
+    assert statuses(session) == ["unfinished"]
+    assert "Ink is waiting" in session.heard[-1].text
+    session.files.export(tmp_path / "a.stl")
+    settle(session)
+    assert "waits" in session.heard[-1].text
