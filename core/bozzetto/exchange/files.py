@@ -34,11 +34,12 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     """
     name = os.fspath(path)
     with _opened(name) as file:
+        size = _checked_size(os.fstat(file.fileno()).st_size, name, limit)
         try:
-            data = file.read(limit + 1)  # not by its size: it may grow meanwhile
+            data = file.read(size)  # what it was when it was opened: it may grow meanwhile
         except OSError as error:
             raise UserError(f"“{name}” cannot be read: {error.strerror}.") from error
-    _checked_size(len(data), name, limit)
+    _checked_size(len(data), name, limit)  # it may have been cut, too
     return data
 
 
