@@ -78,7 +78,7 @@ def channels(count: int) -> bytes:
 
 @family("inkml blanks after a value")
 def _(size):
-    return trace(b"1 2" + b" " * size + b"\x0b")
+    return trace(b"1 2" + b" " * size + b"$")
 
 
 @family("inkml signs without values")
