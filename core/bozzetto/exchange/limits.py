@@ -27,6 +27,7 @@ __all__ = [
     "Budget",
     "at_most",
     "budget_for",
+    "exceeds",
     "unlimited",
 ]
 
@@ -118,6 +119,11 @@ def unlimited() -> Iterator[None]:
         _trusting.reset(before)
 
 
+def exceeds(count: int, limit: int) -> bool:
+    """Whether a file that is not trusted holds more of something than we take."""
+    return count > limit and not _trusting.get()
+
+
 def at_most(count: int, limit: int, what: str) -> None:
     """Refuse a file that holds more of something than we take, unless it is trusted.
 
@@ -125,7 +131,7 @@ def at_most(count: int, limit: int, what: str) -> None:
     ------
     FormatError
     """
-    if count > limit and not _trusting.get():
+    if exceeds(count, limit):
         raise FormatError(
             f"This file holds {count:,} {what}, more than the {limit:,} that can be read. "
             "Split it or simplify it first."

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most
+from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most, exceeds
 from bozzetto.geometry.mesh import Mesh
 
 __all__ = [
@@ -25,8 +25,13 @@ Faces = NDArray[np.int32]
 CORNERS_AT_ONCE: Final = 1 << 18
 """Corners of polygons that are looked at in one go: some dozen megabytes."""
 
-MAX_EFFORT: Final = 60_000_000
-"""Squared corners of all faces that are cut one by one: three seconds of work."""
+MAX_EFFORT: Final = 150_000_000
+"""Squared corners of all faces that are cut one by one: six seconds of work."""
+
+TOO_MANY_CORNERS: Final = (
+    "Its faces have too many corners to be cut into triangles. Triangulate it in the program "
+    "that made it, and save it again."
+)
 
 PER_POLYGON: Final = 1_000
 """What a small one costs, in the same measure."""
@@ -107,7 +112,8 @@ def triangulated(
             if size > 4:
                 hollow = np.flatnonzero(~_convex(vertices[rings]))
                 effort += len(hollow) * (size * size + PER_POLYGON)
-                at_most(effort, MAX_EFFORT, "steps of cutting faces with many corners")
+                if exceeds(effort, MAX_EFFORT):
+                    raise FormatError(TOO_MANY_CORNERS)
                 for row in hollow:
                     fans[row] = _cut(vertices[rings[row]], rings[row], fans[row])
             faces.append(fans.reshape(-1, 3).astype(np.int32))
