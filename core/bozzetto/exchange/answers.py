@@ -93,7 +93,8 @@ def _taken_apart(answer: Answer) -> tuple[_Record, Arrays]:
 def _shapes_record(shapes: Shapes) -> tuple[_Record, Arrays]:
     parts: list[_Part] = []
     arrays: Arrays = []
-    for part in (*shapes.solids, *shapes.surfaces):
+    row: list[Solid | Surface] = [*shapes.solids, *shapes.surfaces]
+    for part in row:
         mesh = part.mesh
         given = [array for array in (mesh.normals, mesh.colors) if array is not None]
         arrays += [mesh.vertices, mesh.faces, *given]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_PIXELS, at_most
+from bozzetto.scene.png import rgba_pixels
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -25,8 +26,8 @@ BYTES_PER_PIXEL: Final = {"PNG": 8, "JPEG": 8, "BMP": 8, "TIFF": 8, "WEBP": 20}
 MAX_BYTES: Final = 600_000_000
 """Of all that together; it lies within the `Budget`."""
 
-PIXELS_AT_ONCE: Final = 1 << 20
-"""Pixels that are converted in one go."""
+ROWS_AT_ONCE: Final = 64
+"""Rows of grey of more than eight bits that are looked at in one go."""
 
 
 def read_pixels(data: bytes) -> NDArray[np.uint8]:
@@ -53,7 +54,8 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
             at_most(cost * pixels, MAX_BYTES, "bytes once it is unpacked")
             picture.load()
             ImageOps.exif_transpose(picture, in_place=True)
-            return _rgba(picture)
+            top = _top(picture)
+            return rgba_pixels(picture, lambda strip: _eight_bits(strip, top))
     except FormatError:
         raise
     except Image.DecompressionBombError:
@@ -70,24 +72,11 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
         raise FormatError(f"This picture cannot be read: {error}.") from error
 
 
-def _rgba(picture: Image.Image) -> NDArray[np.uint8]:
-    """The pixels of a decoded picture, converted strip by strip: it is held only twice."""
-    width, height = picture.size
-    made = np.empty((height, width, 4), np.uint8)
-    top = _top(picture)
-    rows = max(1, PIXELS_AT_ONCE // max(1, width))
-    for first in range(0, height, rows):
-        strip = picture.crop((0, first, width, min(first + rows, height)))
-        made[first : first + rows] = np.asarray(_eight_bits(strip, top).convert("RGBA"))
-    return made
-
-
 def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:
     """The values of a picture of one channel, some rows at a time."""
     width, height = picture.size
-    rows = max(1, PIXELS_AT_ONCE // max(1, width))
-    for first in range(0, height, rows):
-        strip = picture.crop((0, first, width, min(first + rows, height)))
+    for first in range(0, height, ROWS_AT_ONCE):
+        strip = picture.crop((0, first, width, min(first + ROWS_AT_ONCE, height)))
         yield np.nan_to_num(np.asarray(strip, np.float64))
 
 

@@ -83,7 +83,7 @@ def ellipse(center: Point, radii: Point) -> Subpath:
 def chord_counts(subpath: Subpath, tolerance: float) -> NDArray[np.int64]:
     """How many chords `flattened` gives to each cubic of a subpath."""
     bend = np.linalg.norm(np.diff(subpath.cubics, n=2, axis=1), axis=2).max(axis=1)
-    return np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1).astype(np.int64)
+    return np.asarray(np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1), np.int64)
 
 
 def flattened(subpath: Subpath, tolerance: float) -> Array:

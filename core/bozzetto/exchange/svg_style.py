@@ -19,7 +19,7 @@ Color = tuple[int, int, int]
 
 SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
 
-PROPERTIES: Final = ("display", "fill", "stroke", "fill-rule", "visibility")
+PROPERTIES: Final[tuple[str, ...]] = ("display", "fill", "stroke", "fill-rule", "visibility")
 """What is asked of an element's look; nothing else is kept of a style sheet."""
 
 Said = dict[str, str]
@@ -87,7 +87,7 @@ class Sheets:
     def said(self, element: Element) -> Said:
         """What is said of one element: its attributes, its rules, and above all its style."""
         attributes = element.attributes
-        said = {name: attributes[name] for name in PROPERTIES if name in attributes}
+        said: Said = {name: attributes[name] for name in PROPERTIES if name in attributes}
         if self._rules:
             classes = [f".{word}" for word in attributes.get("class", "").split()]
             identity = f"#{attributes.get('id', '')}"
