@@ -395,10 +395,14 @@ class Files(QObject):
             from bozzetto.exchange.formats import find, readers
             from bozzetto.exchange.importing import read_drawing, read_mesh
 
+            def reading() -> None:
+                job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
+
             bench = session.workbench
             if "mesh" in find(path, readers()).holds:
-                return bench.from_shapes(MESH_MODELER, read_mesh(path), path.stem), False
-            drawing = read_drawing(path)
+                shapes = read_mesh(path, checkpoint=reading)
+                return bench.from_shapes(MESH_MODELER, shapes, path.stem), False
+            drawing = read_drawing(path, checkpoint=reading)
             facts_only = not len(drawing.strokes)
             modeler = (facts_only and session.registry.told_by(drawing.extra)) or active
             if not modeler:

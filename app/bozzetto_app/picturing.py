@@ -78,9 +78,12 @@ class Picturing(QObject):
         def work(job: Job) -> Picture | Underlay:
             from bozzetto.exchange.importing import read_image, read_picture
 
+            def reading() -> None:
+                job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
+
             if self._takes(modeler):
-                return read_picture(path)
-            return laid_on_sheet(read_image(path), path.stem)
+                return read_picture(path, checkpoint=reading)
+            return laid_on_sheet(read_image(path, checkpoint=reading), path.stem)
 
         self._read(work, modeler, base)
 

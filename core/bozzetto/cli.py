@@ -105,6 +105,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="set a parameter; of one part with its name before it: “Part 2.blend=0”",
     )
+    _add_trust(build)
     build.add_argument("--report", type=Path, metavar="R.json", help="write how good it is")
     build.set_defaults(run=run_build)
 
@@ -125,11 +126,13 @@ def _parser() -> argparse.ArgumentParser:
         choices=("clay", "zebra", "curvature", "normals", "xray"),
         default="clay",
     )
+    _add_trust(render)
     render.set_defaults(run=_render)
 
     info = commands.add_parser("info", help="say what a file holds")
     info.add_argument("input", type=Path)
     info.add_argument("--json", action="store_true", help="for other programs")
+    _add_trust(info)
     info.set_defaults(run=_info)
 
     samples = commands.add_parser("samples", help="build the sample drawings of every modeler")
@@ -145,6 +148,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     plugins.set_defaults(run=_plugins)
     return parser
+
+
+def _add_trust(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--trust-file",
+        action="store_true",
+        help="read the input however much time and memory it takes; only if you know who made it",
+    )
 
 
 # -- documents --
@@ -174,7 +185,7 @@ def _render(options: argparse.Namespace) -> int:
         raise UserError("A picture is written as PNG. Let its name end in .png.")
     width, height = _size(options.size)
     bench = workbench()
-    document = _document_of(bench, options.input)
+    document = _document_of(bench, options.input, options.trust_file)
     palette = DARK if options.theme == "dark" else LIGHT
     image = _picture_of(
         bench, document, options.view, (width, height), palette=palette, shading=options.shading
@@ -201,14 +212,16 @@ def _picture_of(
     return picture(shown, camera=camera, size=size, **style)
 
 
-def _document_of(bench: Any, path: Path) -> Any:
+def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
     """A document, or one made from a mesh file."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.importing import read_mesh
 
     if path.suffix.lower() == ".bozz":
         return _open_document(bench, path)
-    return Document((bench.from_shapes("bozzetto.mesh", read_mesh(path), path.stem),))
+    return Document(
+        (bench.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
+    )
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -224,7 +237,7 @@ def _size(text: str) -> tuple[int, int]:
 def _info(options: argparse.Namespace) -> int:
     from bozzetto.exchange.facts import facts_of
 
-    facts = facts_of(options.input)
+    facts = facts_of(options.input, trusted=options.trust_file)
     if options.json:
         print(json.dumps(facts, indent=2, ensure_ascii=False))
     else:
@@ -263,7 +276,7 @@ def _samples(options: argparse.Namespace) -> int:
     bench = workbench()
     for info in bench.registry.modelers():
         for sample in info.samples:
-            drawing = read_drawing(sample)
+            drawing = read_drawing(sample, trusted=True)  # it came with its plugin
             document = Document((bench.from_drawing(info.id, drawing, {}),))
             shapes = bench.shapes(document, Job())
             stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"

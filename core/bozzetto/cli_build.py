@@ -48,7 +48,9 @@ def build(options: argparse.Namespace) -> int:
         if len(inputs) > 1:
             print(f"[{number}/{len(inputs)}] {source.name} → {target}", file=sys.stderr)
         try:
-            report = _build_one(bench, modeler_id, source, target, values, bool(options.report))
+            report = _build_one(
+                bench, modeler_id, source, target, values, bool(options.report), options.trust_file
+            )
         except (UserError, PluginFault) as problem:
             if len(inputs) == 1:
                 raise
@@ -71,13 +73,14 @@ def _build_one(
     target: Path,
     values: dict[str, object],
     wants_report: bool,
+    trusted: bool,
 ) -> dict[str, Any]:
     from bozzetto.document.model import Document
     from bozzetto.exchange.importing import is_picture, read_drawing, read_picture
     from bozzetto.plugin.job import Job
 
-    picture = read_picture(source) if is_picture(source) else None
-    drawing = read_drawing(source) if picture is None else None
+    picture = read_picture(source, trusted=trusted) if is_picture(source) else None
+    drawing = read_drawing(source, trusted=trusted) if picture is None else None
     try:
         if picture is not None:
             model = bench.from_picture(modeler_id, picture, values)

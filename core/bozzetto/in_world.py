@@ -5,22 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from bozzetto.document.model import Model
+from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.scene.display_list import Scene, Shaded
 
 __all__ = ["plain", "scene_in_world", "shapes_in_world"]
+
+Answer = TypeVar("Answer", Scene, Shapes)
 
 
 def scene_in_world(scene: Scene, model: Model) -> Scene:
     """A modeler's scene in the world: in the model's colour, placed, marked as its own."""
     if model.color is not None:
         scene = _tinted(scene, model.color)
-    return scene.placed(model.placement).owned(model.id)
+    return _placed(scene, model).owned(model.id)
 
 
 def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
@@ -40,7 +43,19 @@ def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
 
 def shapes_in_world(shapes: Shapes, model: Model) -> Shapes:
     """A modeler's shapes in the world: named, in the model's colour, placed."""
-    return _named(shapes, model).placed(model.placement)
+    return _placed(_named(shapes, model), model)
+
+
+def _placed(answer: Answer, model: Model) -> Answer:
+    """An answer in its place; raises `UserError` where numbers have no room for it there."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return answer.placed(model.placement)
+    except ValueError as problem:
+        raise UserError(
+            f"“{model.name}” is moved or stretched further than can be shown. Undo the move, or "
+            "make the object smaller."
+        ) from problem
 
 
 def _named(shapes: Shapes, model: Model) -> Shapes:

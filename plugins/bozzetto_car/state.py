@@ -43,6 +43,9 @@ Side = Literal["L", "R"]
 BLANK: Final = (1600.0, 1000.0)
 """Size of a sketch without a picture, px."""
 
+BESIDE: Final = 1e-6
+"""How far beside its patch rounding may put a place of a styling curve, in u and v."""
+
 FOUND: Final = "as drawn"
 """What is said of a dimension that is not given."""
 
@@ -240,6 +243,12 @@ class StylingCurve(Node):
     def __post_init__(self) -> None:
         object.__setattr__(self, "on", frozen(self.on, np.int32))
         object.__setattr__(self, "places", frozen(self.places, np.float64, 2))
+        if self.on.shape != (len(self.places),):
+            raise ValueError("a styling curve needs the patch of each of its places")
+        if len(self.on) and not 0 <= self.on.min() <= self.on.max() < len(self.patches):
+            raise ValueError("a styling curve lies on a patch that it does not name")
+        if not (np.abs(self.places - 0.5) <= 0.5 + BESIDE).all():
+            raise ValueError("a styling curve has a place beside its patch")
 
 
 # -- the car ---------------------------------------------------------------------------------------

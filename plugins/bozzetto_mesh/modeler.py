@@ -27,6 +27,10 @@ class MeshState:
     meshes: tuple[Mesh, ...] = ()
     closed: tuple[bool, ...] = ()
 
+    def __post_init__(self) -> None:
+        if len(self.closed) != len(self.meshes):
+            raise ValueError("every mesh is closed or is not")
+
 
 class ImportedMesh:
     """A mesh from a file. There is nothing to draw and nothing to solve."""

@@ -72,6 +72,10 @@ class SkinState:
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", frozen(self.points, np.float64, 3))
         object.__setattr__(self, "starts", frozen(self.starts, np.int32))
+        ends = np.append(self.starts, len(self.points))
+        begun = self.starts[0] == 0 if len(self.starts) else not len(self.points)
+        if not begun or (np.diff(ends) < 1).any():
+            raise ValueError("the curves of a skin are rows of points, one after the other")
 
     @property
     def curves(self) -> tuple[Array, ...]:

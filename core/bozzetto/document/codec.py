@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bozzetto.document.aside import Aside
 from bozzetto.document.forms import form_of
 from bozzetto.errors import DocumentError, UserError
+from bozzetto.exchange.json_size import MAX_VALUES, json_values
 from bozzetto.ink.stroke import Stroke
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ def encode_state(state: Any) -> EncodedState:
         text = msgspec.json.encode(form_of(type(state)).write(state, aside))
     except RecursionError:
         raise ValueError("state: nested too deeply") from None
-    if len(text) > MAX_STATE_JSON:
+    if len(text) > MAX_STATE_JSON or json_values(text) > MAX_VALUES:
         raise ValueError(f"state: {len(text)} bytes of JSON; keep long rows of numbers as arrays")
     _check_parameters(state)
     return EncodedState(text, tuple(aside.strokes), tuple(aside.arrays))
@@ -143,6 +144,8 @@ def decode_state(
     try:
         if len(encoded.json) > MAX_STATE_JSON:
             raise ValueError(f"{len(encoded.json)} bytes of JSON")
+        if json_values(encoded.json) > MAX_VALUES:
+            raise ValueError(f"more than {MAX_VALUES} values of JSON")
         raw = msgspec.json.decode(encoded.json)
         if upgrade is not None:
             raw = upgrade(raw)

@@ -56,6 +56,8 @@ MAX_RATIO: Final = 200
 """Largest unpacked size over packed size of an entry …"""
 RATIO_FLOOR: Final = 4096
 """… where a packed size below this (bytes) counts as this."""
+MAX_GROWTH: Final = 192 << 20
+"""Most bytes by which all entries together may grow where they are unpacked; ours do not."""
 MAX_ENTRIES: Final = 60_000
 """Most entries; the zip format's first limit is 65,535."""
 MAX_NAME_BYTES: Final = 512
@@ -354,13 +356,16 @@ def _directory(data: Content) -> dict[str, _Entry]:
         raise DocumentError("This document's directory is damaged. Open a backup of it.")
     entries: dict[str, _Entry] = {}
     spans = [(start, end)]
-    content = 0
+    content = growth = 0
     place = start
     for _ in range(count):
         name, entry, local, place = _central(data, place, end)
         begins = _local(data, local, name, entry, start)
         spans.append((local, begins + entry.packed))
         content += entry.size
+        growth += max(0, entry.size - entry.packed)
+        if growth > MAX_GROWTH:
+            raise DocumentError("This document unpacks to more than it can honestly hold.")
         if entry.size > MAX_RATIO * max(entry.packed, RATIO_FLOOR) or content > MAX_CONTENT_BYTES:
             raise DocumentError("This document unpacks to more than it can honestly hold.")
         if name.endswith("/") and not entry.size:

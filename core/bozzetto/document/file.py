@@ -57,7 +57,10 @@ from bozzetto.document.stored import (
 from bozzetto.document.underlays import decode_png, encode_png
 from bozzetto.document.waiting import Waiting, strokes_of
 from bozzetto.errors import DocumentError
+from bozzetto.exchange.damage import told_as_format_error
+from bozzetto.exchange.json_size import json_values
 from bozzetto.ink.stroke import COLUMNS, Stroke
+from bozzetto.scene.png import pixel_count
 from bozzetto.storage import (
     DISK,
     Disk,
@@ -87,6 +90,13 @@ __all__ = [
 MIMETYPE: Final = b"application/vnd.bozzetto.document"
 FORMAT: Final = "bozzetto.document"
 MIN_READER: Final = 1
+
+MAX_UNDERLAY_PIXELS: Final = 80_000_000
+"""Of all pictures under the sheet: a third of a gigabyte unpacked."""
+
+MAX_STATE_VALUES: Final = 4_000_000
+"""Values in the JSON of all states: each is an object, and looked at one by one."""
+
 """The oldest version of this program that may show what is written here."""
 
 MANIFEST, MODELS, VIEWS = "manifest.json", "core/models.json", "core/views.json"
@@ -283,13 +293,14 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
         If it cannot be read at all.
     """
     content, stamp = read_stamped(path, MAX_FILE_BYTES)
-    document, report = open_document(parse_document(content), states)
+    document, report = decode_document(content, states)
     return document, replace(report, stamp=stamp)
 
 
 def decode_document(content: bytes | memoryview, states: StateTypes) -> tuple[Document, LoadReport]:
     """As `read_document`, from the content of a file."""
-    return open_document(parse_document(content), states)
+    with told_as_format_error(DocumentError):
+        return open_document(parse_document(content), states)
 
 
 def open_document(stored: StoredDocument, states: StateTypes) -> tuple[Document, LoadReport]:
@@ -324,10 +335,7 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
     models = _models(decode_json(texts[MODELS], list[_ModelEntry]), strokes, reader)
     waiting = _waiting(decode_json(texts[WAITING], list[WaitingHeader]), reader)
     views = decode_json(texts[VIEWS], _Views)
-    underlays = tuple(
-        header.with_pixels(decode_png(reader.read(_png_name(header.id))))
-        for header in views.underlays
-    )
+    underlays = _underlays(views.underlays, reader)
     foreign = tuple(
         (name, reader.read(name))
         for name in reader.unread()
@@ -335,6 +343,17 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
     )
     return StoredDocument(
         models, tuple(views.views), underlays, views.camera, foreign, version > VERSION, waiting
+    )
+
+
+def _underlays(headers: Sequence[UnderlayHeader], reader: ContainerReader) -> tuple[Underlay, ...]:
+    """The underlays; their sizes are added up before the first one is unpacked."""
+    files = [reader.read(_png_name(header.id)) for header in headers]
+    if sum(map(pixel_count, files)) > MAX_UNDERLAY_PIXELS:
+        raise DocumentError("The pictures under this document's sheet are too large together.")
+    return tuple(
+        header.with_pixels(decode_png(content))
+        for header, content in zip(headers, files, strict=True)
     )
 
 
@@ -417,7 +436,7 @@ def _models(
     if len({entry.header.id for entry in entries}) < len(entries):
         raise DocumentError("This document has two objects with one id.")
     models = []
-    end = 0
+    end = values = 0
     for entry in entries:
         first, count = entry.strokes
         folder = entry.header.folder
@@ -428,8 +447,12 @@ def _models(
         ):
             raise DocumentError(f"The arrays of “{entry.header.name}” are not its own.")
         end = first + count
+        text = reader.read(f"{folder}/state.json")
+        values += json_values(text)
+        if values > MAX_STATE_VALUES:
+            raise DocumentError("The states of this document's objects are too long together.")
         encoded = EncodedState(
-            reader.read(f"{folder}/state.json"),
+            text,
             tuple(strokes[first:end]),
             tuple(reader.array(name) for name in entry.arrays),
         )

@@ -14,8 +14,14 @@ from bozzetto.exchange.importing import read_drawing, read_image, read_mesh
 __all__ = ["facts_of"]
 
 
-def facts_of(path: Path) -> dict[str, Any]:
+def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
     """What a document, drawing, mesh or picture holds, in plain JSON values.
+
+    Parameters
+    ----------
+    path : Path
+    trusted : bool
+        As in `importing.read_mesh`.
 
     Raises
     ------
@@ -30,10 +36,10 @@ def facts_of(path: Path) -> dict[str, Any]:
         raise UserError(f"“{path}” is a folder. Choose a file inside it.")
     holds = find(path, readers()).holds
     if "image" in holds:
-        height, width, _ = read_image(path).shape
+        height, width, _ = read_image(path, trusted=trusted).shape
         return {"kind": "picture", "size_px": [width, height]}
     if "ink" in holds:
-        drawing = read_drawing(path)
+        drawing = read_drawing(path, trusted=trusted)
         return {
             "kind": "drawing",
             "camera": drawing.camera.kind,
@@ -47,7 +53,7 @@ def facts_of(path: Path) -> dict[str, Any]:
                 for name, picture in drawing.pictures.items()
             ],
         }
-    parts = list(read_mesh(path).meshes())
+    parts = list(read_mesh(path, trusted=trusted).meshes())
     bounds = np.array([part.mesh.bounds for part in parts])
     return {
         "kind": "mesh",

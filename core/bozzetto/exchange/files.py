@@ -3,10 +3,23 @@
 from __future__ import annotations
 
 import os
+import stat
+from typing import BinaryIO, Final
 
 from bozzetto.errors import FormatError, UserError
 
-__all__ = ["read_bytes"]
+__all__ = ["file_size", "read_bytes"]
+
+NOT_WAITING: Final = (
+    getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
+)
+"""Opening a pipe that nobody writes to would wait for ever."""
+
+
+def file_size(path: str | os.PathLike[str], limit: int) -> int:
+    """The size of a file that can be read, bytes; raises as `read_bytes`, and reads nothing."""
+    with _opened(os.fspath(path)) as file:
+        return _checked_size(os.fstat(file.fileno()).st_size, os.fspath(path), limit)
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
@@ -15,14 +28,33 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     Raises
     ------
     UserError
-        If there is no such file, or it may not be read.
+        If there is no such file, it may not be read, or it is no file but a device or a pipe.
     FormatError
         If it is empty or too large.
     """
     name = os.fspath(path)
+    with _opened(name) as file:
+        size = _checked_size(os.fstat(file.fileno()).st_size, name, limit)
+        try:
+            data = file.read(size)  # what it was when it was opened: it may grow meanwhile
+        except OSError as error:
+            raise UserError(f"“{name}” cannot be read: {error.strerror}.") from error
+    _checked_size(len(data), name, limit)  # it may have been cut, too
+    return data
+
+
+def _checked_size(size: int, name: str, limit: int) -> int:
+    if size > limit:
+        raise FormatError(f"“{name}” is larger than the {limit >> 20} MB that can be read.")
+    if not size:
+        raise FormatError(f"“{name}” is empty.")
+    return size
+
+
+def _opened(name: str) -> BinaryIO:
+    """A file open for reading; a pipe or a device is not waited for."""
     try:
-        with open(name, "rb") as file:
-            data = file.read(limit + 1)
+        handle = os.open(name, os.O_RDONLY | NOT_WAITING)
     except FileNotFoundError:
         raise UserError(f"There is no file “{name}”. Check its name and folder.") from None
     except IsADirectoryError:
@@ -33,8 +65,10 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
         raise UserError(f"“{name}” may not be read. Check its permissions.") from None
     except (OSError, ValueError) as error:
         raise UserError(f"“{name}” cannot be read: {error}") from error
-    if len(data) > limit:
-        raise FormatError(f"“{name}” is larger than the {limit >> 20} MB that can be read.")
-    if not data:
-        raise FormatError(f"“{name}” is empty.")
-    return data
+    mode = os.fstat(handle).st_mode
+    if not stat.S_ISREG(mode):
+        os.close(handle)
+        if stat.S_ISDIR(mode):
+            raise UserError(f"“{name}” is a folder. Choose a file inside it.")
+        raise UserError(f"“{name}” is not a file that can be read. Choose another.")
+    return os.fdopen(handle, "rb")

@@ -27,6 +27,7 @@ from bozzetto.exchange.gltf_scene import (
 )
 from bozzetto.exchange.gltf_skin import follows, inverse_binds, rig_nodes
 from bozzetto.exchange.gltf_texture import SAMPLER, corners_of, picture_file
+from bozzetto.exchange.json_size import MAX_VALUES, json_values
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.geometry.mesh import Mesh
@@ -58,6 +59,9 @@ FAN: Final = 6
 
 COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+
+MAX_PARTS: Final = 20_000
+"""Primitives that are shown; an assembly of as many screws has not more."""
 
 HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 """Beginnings of extensions that change the looks only, never the geometry."""
@@ -198,19 +202,43 @@ def read_shapes(data: bytes) -> Shapes:
     """Read the triangles of the scene shown, every node at its place."""
     gltf, blob = _opened(data)
     surfaces: list[Surface] = []
-    vertices = faces = 0
+    _check_sum(gltf)
     for name, mesh, matrix in placed_meshes(gltf):
         for primitive in mesh.primitives:
             part = _surface(gltf, blob, primitive, matrix, name)
             if part is not None:
                 surfaces.append(part)
-                vertices += len(part.mesh.vertices)
-                faces += len(part.mesh.faces)
-                at_most(vertices, MAX_VERTICES, "vertices")
-                at_most(faces, MAX_FACES, "triangles")
     if not surfaces:
         raise FormatError("There are no faces in this file.")
     return Shapes(surfaces=tuple(surfaces))
+
+
+def _check_sum(gltf: Gltf) -> None:
+    """Refuse a scene whose parts are too much together, before any of them is made.
+
+    A few lines can show one mesh a million times, or one row of corners in as many parts.
+    """
+    counts: dict[int, tuple[int, int, int]] = {}
+    parts = vertices = corners = 0
+    for _, mesh, _ in placed_meshes(gltf):
+        if id(mesh) not in counts:
+            sizes = [_sizes(gltf, primitive) for primitive in mesh.primitives]
+            counts[id(mesh)] = (len(sizes), sum(v for v, _ in sizes), sum(c for _, c in sizes))
+        own = counts[id(mesh)]
+        parts, vertices, corners = parts + own[0], vertices + own[1], corners + own[2]
+        at_most(parts, MAX_PARTS, "parts")
+        at_most(vertices, MAX_VERTICES, "vertices")
+        at_most(corners, 3 * MAX_FACES, "corners")
+
+
+def _sizes(gltf: Gltf, primitive: Primitive) -> tuple[int, int]:
+    """How many vertices and corners a primitive names."""
+    if "POSITION" not in primitive.attributes:
+        return 0, 0
+    vertices: int = item(gltf.accessors, primitive.attributes["POSITION"], "accessor").count
+    if primitive.indices is None:
+        return vertices, vertices
+    return vertices, item(gltf.accessors, primitive.indices, "accessor").count
 
 
 def _opened(data: bytes) -> tuple[Gltf, bytes]:
@@ -222,6 +250,7 @@ def _opened(data: bytes) -> tuple[Gltf, bytes]:
         raise FormatError(f"This is glTF {version}; only glTF 2 can be read.")
     if kind != JSON_CHUNK or 20 + size > min(length, len(data)):
         raise FormatError("This GLB file is damaged or cut short.")
+    at_most(json_values(data[20 : 20 + size]), MAX_VALUES, "values in its description")
     try:
         gltf = msgspec.json.decode(data[20 : 20 + size].rstrip(b" \0"), type=Gltf)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:

@@ -16,6 +16,9 @@ __all__ = ["Accessor", "Buffer", "Gltf", "Material", "Primitive", "View", "item"
 
 TRIANGLES: Final = 4
 
+MAX_NODES: Final = 100_000
+"""Places in the tree: three seconds of work."""
+
 
 class Record(msgspec.Struct, rename="camel"):
     """A JSON object of the file; unknown fields are passed over."""
@@ -128,6 +131,7 @@ def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.floa
             yield mesh.name, mesh, np.eye(4)
         return
     seen: set[int] = set()
+    at_most(len(gltf.nodes), MAX_NODES, "nodes")
     stack = [(index, np.eye(4), 0) for index in reversed(roots)]
     while stack:
         index, above, depth = stack.pop()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_PIXELS, at_most
+from bozzetto.scene.png import rgba_pixels
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -17,6 +19,15 @@ if TYPE_CHECKING:
 __all__ = ["read_pixels"]
 
 DECODERS: Final = ("PNG", "JPEG", "TIFF", "WEBP", "BMP")
+
+BYTES_PER_PIXEL: Final = {"PNG": 8, "JPEG": 8, "BMP": 8, "TIFF": 8, "WEBP": 20}
+"""Memory that decoding takes, with what is handed over: measured, the decoders' own included."""
+
+MAX_BYTES: Final = 600_000_000
+"""Of all that together; it lies within the `Budget`."""
+
+ROWS_AT_ONCE: Final = 64
+"""Rows of grey of more than eight bits that are looked at in one go."""
 
 
 def read_pixels(data: bytes) -> NDArray[np.uint8]:
@@ -32,14 +43,19 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
     FormatError
         If it is damaged, of another format, or has more than `MAX_PIXELS` pixels.
     """
-    from PIL import Image, ImageOps
+    from PIL import Image, ImageOps, UnidentifiedImageError
 
     try:
         with Image.open(io.BytesIO(data), formats=DECODERS) as picture:
             # The size stands in the header: a bomb is refused before it is unpacked.
-            at_most(picture.width * picture.height, MAX_PIXELS, "pixels")
-            upright = ImageOps.exif_transpose(_eight_bits(picture))
-            return np.array(upright.convert("RGBA"), np.uint8)
+            pixels = picture.width * picture.height
+            at_most(pixels, MAX_PIXELS, "pixels")
+            cost = BYTES_PER_PIXEL.get(picture.format or "", BYTES_PER_PIXEL["PNG"])
+            at_most(cost * pixels, MAX_BYTES, "bytes once it is unpacked")
+            picture.load()
+            ImageOps.exif_transpose(picture, in_place=True)
+            top = _top(picture)
+            return rgba_pixels(picture, lambda strip: _eight_bits(strip, top))
     except FormatError:
         raise
     except Image.DecompressionBombError:
@@ -47,20 +63,37 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
             f"This picture has more than the {MAX_PIXELS:,} pixels that can be read. "
             "Make it smaller first."
         ) from None
+    except UnidentifiedImageError:
+        raise FormatError("This is no picture of a kind that can be read.") from None
+    except MemoryError:
+        raise
     except Exception as error:
         # Decoders leak all kinds of exceptions on damaged files; there is no list of them.
         raise FormatError(f"This picture cannot be read: {error}.") from error
 
 
-def _eight_bits(picture: Image.Image) -> Image.Image:
+def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:
+    """The values of a picture of one channel, some rows at a time."""
+    width, height = picture.size
+    for first in range(0, height, ROWS_AT_ONCE):
+        strip = picture.crop((0, first, width, min(first + ROWS_AT_ONCE, height)))
+        yield np.nan_to_num(np.asarray(strip, np.float64))
+
+
+def _top(picture: Image.Image) -> float:
+    """The value of white, where there are more than eight bits; of floats the largest."""
+    if picture.mode.startswith("I"):
+        return 65535.0
+    if not picture.mode.startswith("F"):
+        return 255.0
+    return max(*(float(strip.max(initial=0)) for strip in _strips(picture)), 1e-300)
+
+
+def _eight_bits(picture: Image.Image, top: float) -> Image.Image:
     """Grey of more than eight bits, which Pillow would clip instead of scaling."""
     from PIL import Image
 
     if not picture.mode.startswith(("I", "F")):
         return picture
     values = np.nan_to_num(np.asarray(picture, np.float64))
-    top = 65535.0 if picture.mode.startswith("I") else max(float(values.max(initial=0)), 1e-300)
-    grey = Image.fromarray(np.clip(255.0 / top * values, 0, 255).astype(np.uint8))
-    grey.info = dict(picture.info)
-    grey.getexif().update(picture.getexif())
-    return grey
+    return Image.fromarray(np.clip(255.0 / top * values, 0, 255).astype(np.uint8))

@@ -1,4 +1,9 @@
-"""Files to shapes, drawings and pictures."""
+"""Files to shapes, drawings and pictures.
+
+A file is read in a process of its own (`reading_process`), with a `Budget`, unless whoever
+asks trusts it. The formats' readers refuse what they can see to be too much; the budget ends
+what they cannot see.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +16,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError, UserError
-from bozzetto.exchange.files import read_bytes
+from bozzetto.exchange.damage import told_as_format_error
+from bozzetto.exchange.files import file_size, read_bytes
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
-from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES
+from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
 from bozzetto.exchange.named_pictures import pictures_named_in
 from bozzetto.exchange.polygons import welded
+from bozzetto.exchange.reading_process import Checkpoint, read_in_child
 from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Shapes, Solid
 from bozzetto.ink.drawing import Drawing
 from bozzetto.scene.stored_picture import Picture
 
-__all__ = ["is_picture", "read_drawing", "read_image", "read_mesh", "read_picture"]
+__all__ = [
+    "is_picture",
+    "read_drawing",
+    "read_here",
+    "read_image",
+    "read_mesh",
+    "read_picture",
+]
 
 
 def is_picture(path: str | os.PathLike[str]) -> bool:
@@ -31,12 +45,21 @@ def is_picture(path: str | os.PathLike[str]) -> bool:
     return any(ending in one.endings for one in readers("image"))
 
 
-def read_mesh(path: str | os.PathLike[str]) -> Shapes:
+def read_mesh(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Shapes:
     """Read a mesh file: OBJ, STL, PLY or GLB.
 
     Parameters
     ----------
     path : path
+    trusted : bool
+        Read it in this process and without a `Budget`.
+    checkpoint : callable, optional
+        Called now and then while reading; what it raises ends the reading and passes.
 
     Returns
     -------
@@ -50,15 +73,149 @@ def read_mesh(path: str | os.PathLike[str]) -> Shapes:
     UserError
         If the ending is unknown, or the file is missing or may not be read.
     FormatError
-        If the file is damaged, too large, or uses something we do not read.
+        If the file is damaged, too large, takes more than its budget to be read, or uses
+        something we do not read.
     """
-    chosen = _format_of(path, "mesh")
-    data = read_bytes(path, MAX_MESH_BYTES)
-    shapes: Shapes = _parsed(path, chosen, "read_shapes", data)
+    shapes: Shapes = _read("mesh", path, trusted, checkpoint)
+    return shapes
+
+
+def read_drawing(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Drawing:
+    """Read ink JSON, InkML or SVG, with the pictures that the file names.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`, and if a picture is missing.
+    """
+    drawing: Drawing = _read("drawing", path, trusted, checkpoint)
+
+    def picture(place: Path) -> Picture:
+        return read_picture(place, trusted=trusted, checkpoint=checkpoint)
+
+    try:
+        pictures = pictures_named_in(drawing.extra, Path(path).parent, picture)
+    except UserError as error:
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+    return replace(drawing, pictures=pictures) if pictures else drawing
+
+
+def read_image(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> NDArray[np.uint8]:
+    """Read a picture, turned the way it was taken.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, sRGB, straight alpha; first row on top.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    pixels: NDArray[np.uint8] = _read("image", path, trusted, checkpoint)
+    return pixels
+
+
+def read_picture(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Picture:
+    """Read a picture as modelers keep it: packed, called like the file without its ending.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    picture: Picture = _read("picture", path, trusted, checkpoint)
+    return picture
+
+
+def _read(
+    kind: str, path: str | os.PathLike[str], trusted: bool, checkpoint: Checkpoint | None
+) -> Any:
+    size = file_size(path, _chosen(kind, path)[1])
+    if trusted:
+        with unlimited():
+            return read_here(kind, path)
+    try:
+        return read_in_child(kind, path, budget_for(size), checkpoint)
+    except FormatError as error:
+        if error.message.startswith(PurePath(path).name):
+            raise
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+
+
+# -- in this process -------------------------------------------------------------------------------
+
+
+def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
+    """Read a file in this process, without a budget.
+
+    Parameters
+    ----------
+    kind : {"mesh", "drawing", "image", "picture"}
+        A drawing is read without the pictures that it names.
+    path : path
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    chosen, limit = _chosen(kind, path)
+    data = read_bytes(path, limit)
+    stem = PurePath(path).stem
+    try:
+        with told_as_format_error():
+            match kind:
+                case "mesh":
+                    return _with_solids(function(chosen, "read_shapes")(data), stem)
+                case "drawing":
+                    return function(chosen, "read_drawing")(data, stem)
+                case "image":
+                    return function(chosen, "read_pixels")(data)
+                case _:
+                    pixels = function(chosen, "read_pixels")(data)
+                    return Picture.of_file(data, pixels, stem)
+    except UserError as error:
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+
+
+def _with_solids(shapes: Shapes, stem: str) -> Shapes:
+    """What is closed as solids; what has no name called like the file."""
     solids, surfaces = list(shapes.solids), []
     for part in shapes.surfaces:
         closed = _as_closed(part.mesh)
-        name = part.name or PurePath(path).stem
+        name = part.name or stem
         if closed is None:
             surfaces.append(replace(part, name=name))
         else:
@@ -77,69 +234,9 @@ def _as_closed(mesh: Mesh) -> Mesh | None:
     return joined if bounds_volume(joined) else None
 
 
-def read_drawing(path: str | os.PathLike[str]) -> Drawing:
-    """Read ink JSON, InkML or SVG, with the pictures that the file names.
-
-    Raises
-    ------
-    UserError, FormatError
-        As in `read_mesh`, and if a picture is missing.
-    """
-    chosen = _format_of(path, "ink")
-    drawing: Drawing = _parsed(
-        path, chosen, "read_drawing", read_bytes(path, MAX_INK_BYTES), PurePath(path).stem
-    )
-    try:
-        pictures = pictures_named_in(drawing.extra, Path(path).parent)
-    except UserError as error:
-        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
-    return replace(drawing, pictures=pictures) if pictures else drawing
-
-
-def read_image(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
-    """Read a picture, turned the way it was taken.
-
-    Returns
-    -------
-    (h, w, 4) uint8
-        RGBA, sRGB, straight alpha; first row on top.
-
-    Raises
-    ------
-    UserError, FormatError
-        As in `read_mesh`.
-    """
-    return _content_and_pixels(path)[1]
-
-
-def read_picture(path: str | os.PathLike[str]) -> Picture:
-    """Read a picture as modelers keep it: packed, called like the file without its ending.
-
-    Raises
-    ------
-    UserError, FormatError
-        As in `read_mesh`.
-    """
-    content, pixels = _content_and_pixels(path)
-    return Picture.of_file(content, pixels, PurePath(path).stem)
-
-
-def _content_and_pixels(path: str | os.PathLike[str]) -> tuple[bytes, NDArray[np.uint8]]:
-    chosen = _format_of(path, "image")
-    content = read_bytes(path, MAX_MESH_BYTES)
-    return content, _parsed(path, chosen, "read_pixels", content)
-
-
-def _format_of(path: str | os.PathLike[str], kind: Kind) -> Format:
-    """The format of a file to be read; a folder has none."""
+def _chosen(kind: str, path: str | os.PathLike[str]) -> tuple[Format, int]:
+    """The format of a file to be read, and how large it may be; a folder has none."""
     if os.path.isdir(path):
         raise UserError(f"“{os.fspath(path)}” is a folder. Choose a file inside it.")
-    return find(path, readers(kind))
-
-
-def _parsed(path: str | os.PathLike[str], chosen: Format, name: str, *given: Any) -> Any:
-    """Read, and say which file it was if that fails."""
-    try:
-        return function(chosen, name)(*given)
-    except UserError as error:
-        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+    held: Kind = {"mesh": "mesh", "drawing": "ink"}.get(kind, "image")  # type: ignore[assignment]
+    return find(path, readers(held)), MAX_INK_BYTES if held == "ink" else MAX_MESH_BYTES

@@ -30,9 +30,11 @@ from bozzetto.exchange.camera_record import (
     canvas_record,
 )
 from bozzetto.exchange.ink_steps import read_steps, step_record
+from bozzetto.exchange.json_size import MAX_VALUES, json_values
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
+from bozzetto.ink.stroke import MAX_SAMPLES as MAX_SAMPLES_OF_STROKE
 from bozzetto.view.camera import Camera
 
 __all__ = ["read_drawing", "write_drawing"]
@@ -41,6 +43,12 @@ FORMAT: Final = "bozzetto-ink/1"
 
 NEEDED: Final = ("format", "canvas", "camera", "strokes")
 KNOWN: Final = (*NEEDED, "steps")
+
+MAX_NUMBERS: Final = 32_000_000
+"""Values of a file: half of what a file of 64 MB has room for."""
+
+MAX_KEYS: Final = 10_000
+"""Keys at the top that are facts for a modeler."""
 
 Number = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
 Numbers = list[Number]
@@ -82,6 +90,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     FormatError
         Names the place.
     """
+    at_most(json_values(data), MAX_NUMBERS, "values")
     top = _decoded(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
     if top and not any(key in top for key in KNOWN):
         return Drawing(Strokes(), Camera(), name, _extra(top))
@@ -105,7 +114,10 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 
 
 def _extra(top: dict[str, msgspec.Raw]) -> dict[str, Any]:
-    return {key: _decoded(top[key], Any, key[:40]) for key in top if key not in KNOWN}
+    rest = [key for key in top if key not in KNOWN]
+    at_most(len(rest), MAX_KEYS, "keys")
+    at_most(sum(json_values(bytes(top[key])) for key in rest), MAX_VALUES, "values")
+    return {key: _decoded(top[key], Any, key[:40]) for key in rest}
 
 
 def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
@@ -119,6 +131,7 @@ def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
 
 def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord) -> Stroke:
     place = f"stroke {number}"
+    at_most(json_values(bytes(text)), len(COLUMNS) * MAX_SAMPLES_OF_STROKE, "numbers in a stroke")
     record: _StrokeRecord = _decoded(text, _StrokeRecord, place)
     columns = {name: getattr(record, name) for name in COLUMNS}
     for name, values in columns.items():

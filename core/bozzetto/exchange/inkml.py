@@ -56,9 +56,14 @@ MILLIMETRES: Final = {
 SECONDS: Final = {"s": 1.0, "ms": 1e-3}
 DEGREES: Final = {"deg": 1.0, "rad": 180.0 / np.pi}
 
+# Blanks are taken as they come, and no quantifier gives anything back: one pass, whatever it is.
 VALUE: Final = re.compile(
-    r"([!'\"]?)\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?#[0-9A-Fa-f]{1,15}|[*?TF])|(\S)"
+    r"\s++|([!'\"]?+)\s*+([+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+"
+    r"|[+-]?#[0-9A-Fa-f]{1,15}+|[*?TF])|(\S)"
 )
+
+MOST_CHANNELS: Final = 32
+"""Columns of one trace; a pen has a dozen."""
 
 Annotation = dict[str, str]
 
@@ -206,15 +211,17 @@ def _walk(element: Element, context: str, ink: _Ink) -> None:
 
 def _columns(text: str, channels: list[_Channel], number: int) -> dict[str, NDArray[np.float64]]:
     """The samples of one trace as columns, in our units but for pressure without a top."""
+    at_most(text.count(",") + 1, 2 * MAX_STROKE, "samples in one trace")
     rows = [row for row in text.split(",") if row.strip()]
     if not rows:
         raise FormatError(f"trace {number}: it holds no sample.")
     at_most(len(rows), MAX_STROKE, "samples in one trace")
     width = len(channels)
+    at_most(width, MOST_CHANNELS, "channels")
     table = np.zeros((len(rows), width))
     state = [_Running() for _ in channels]
     for place, row in enumerate(rows):
-        values = VALUE.findall(row)
+        values = [value for value in VALUE.findall(row) if any(value)]
         if any(stray for *_, stray in values) or len(values) > width:
             raise FormatError(
                 f"trace {number}: sample {place + 1} cannot be understood: “{row.strip()[:40]}”."

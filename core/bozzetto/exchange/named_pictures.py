@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -16,7 +16,9 @@ MOST_PICTURES: Final = 64
 """Pictures of one drawing: nobody sketches one thing from more sides."""
 
 
-def pictures_named_in(facts: Mapping[str, Any], folder: Path) -> dict[str, Picture]:
+def pictures_named_in(
+    facts: Mapping[str, Any], folder: Path, read: Callable[[Path], Picture]
+) -> dict[str, Picture]:
     """Read the pictures that a drawing's facts name.
 
     Parameters
@@ -26,6 +28,8 @@ def pictures_named_in(facts: Mapping[str, Any], folder: Path) -> dict[str, Pictu
         of another form is for the modeler to judge.
     folder : Path
         Where the drawing's file lies.
+    read : callable
+        Reads one of them.
 
     Returns
     -------
@@ -41,7 +45,7 @@ def pictures_named_in(facts: Mapping[str, Any], folder: Path) -> dict[str, Pictu
     """
     names = dict.fromkeys(_names(facts))
     at_most(len(names), MOST_PICTURES, "pictures")
-    return {name: _read(name, folder) for name in names}
+    return {name: read(_place(name, folder)) for name in names}
 
 
 def _names(facts: Mapping[str, Any]) -> Iterator[str]:
@@ -54,9 +58,7 @@ def _names(facts: Mapping[str, Any]) -> Iterator[str]:
             yield image["file"]
 
 
-def _read(name: str, folder: Path) -> Picture:
-    from bozzetto.exchange.importing import read_picture
-
+def _place(name: str, folder: Path) -> Path:
     inner = PurePosixPath(name)
     leads_out = inner.is_absolute() or ".." in inner.parts or "\\" in name or ":" in name
     if leads_out or not inner.name or not name.isprintable():
@@ -72,4 +74,4 @@ def _read(name: str, folder: Path) -> Picture:
             raise UserError(f"The picture “{name}” is not there. Put it beside the file.")
     except OSError as problem:
         raise UserError(f"The picture “{name}” cannot be read: {problem.strerror}.") from problem
-    return read_picture(path)
+    return path

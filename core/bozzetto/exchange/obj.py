@@ -12,9 +12,13 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.color import vertex_colors
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.polygons import check_places, checked_mesh, triangulated, without_degenerate
+from bozzetto.exchange.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
 __all__ = ["read_shapes", "write_shapes"]
+
+MAX_LINES: Final = 6_000_000
+"""As objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
 
 HEADER: Final = "# Bozzetto: millimetres, Z up\n"
 
@@ -45,6 +49,8 @@ def read_shapes(data: bytes) -> Shapes:
     Groups, materials, texture coordinates, normals, lines and free-form curves are passed
     over; negative indices count back from the last vertex before them.
     """
+    check_words(data)
+    at_most(data.count(b"\n"), MAX_LINES, "lines")
     vertices: list[list[bytes]] = []
     corners: list[int] = []
     sizes: list[int] = []

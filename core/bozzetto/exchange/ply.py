@@ -12,6 +12,7 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.color import vertex_colors
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.polygons import check_places, checked_mesh, triangulated, without_degenerate
+from bozzetto.exchange.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
 __all__ = ["read_shapes", "write_shapes"]
@@ -102,6 +103,8 @@ class _Element:
 def read_shapes(data: bytes) -> Shapes:
     """Read text or binary PLY of either byte order, with vertex colours."""
     order, elements, body = _header(data)
+    if not order:
+        check_words(body)
     words = [] if order else body.split()
     found: dict[str, Columns] = {}
     at = 0

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most
+from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most, exceeds
 from bozzetto.geometry.mesh import Mesh
 
 __all__ = [
@@ -19,6 +21,20 @@ __all__ = [
 ]
 
 Faces = NDArray[np.int32]
+
+CORNERS_AT_ONCE: Final = 1 << 18
+"""Corners of polygons that are looked at in one go: some dozen megabytes."""
+
+MAX_EFFORT: Final = 150_000_000
+"""Squared corners of all faces that are cut one by one: six seconds of work."""
+
+TOO_MANY_CORNERS: Final = (
+    "Its faces have too many corners to be cut into triangles. Triangulate it in the program "
+    "that made it, and save it again."
+)
+
+PER_POLYGON: Final = 1_000
+"""What a small one costs, in the same measure."""
 
 
 def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
@@ -80,23 +96,44 @@ def triangulated(
     """
     at_most(int(np.maximum(sizes - 2, 0).sum()), MAX_FACES, "triangles")
     starts = np.cumsum(sizes) - sizes
-    faces: list[NDArray[np.int64]] = []
+    faces: list[Faces] = []
     owners: list[NDArray[np.int64]] = []
-    for size in np.unique(sizes[sizes >= 3]):
-        which = np.flatnonzero(sizes == size)
-        rings = corners[starts[which, None] + np.arange(size)]
-        tips = np.arange(1, size - 1)
-        fans = np.stack((np.repeat(rings[:, :1], size - 2, axis=1), rings[:, tips],
-                         rings[:, tips + 1]), axis=2)  # fmt: skip
-        if size > 3:
-            for row in np.flatnonzero(~_convex(vertices[rings])):
-                fans[row] = _cut(vertices[rings[row]], rings[row], fans[row])
-        faces.append(fans.reshape(-1, 3))
-        owners.append(np.repeat(which, size - 2))
+    effort = 0
+    for size in np.unique(sizes[sizes >= 3]).tolist():
+        whole = np.flatnonzero(sizes == size)
+        step = max(1, CORNERS_AT_ONCE // size)
+        for which in (whole[k : k + step] for k in range(0, len(whole), step)):
+            rings = corners[starts[which, None] + np.arange(size)]
+            if size == 4:
+                rings = _turned_quads(vertices, rings)
+            tips = np.arange(1, size - 1)
+            fans = np.stack((np.repeat(rings[:, :1], size - 2, axis=1), rings[:, tips],
+                             rings[:, tips + 1]), axis=2)  # fmt: skip
+            if size > 4:
+                hollow = np.flatnonzero(~_convex(vertices[rings]))
+                effort += len(hollow) * (size * size + PER_POLYGON)
+                if exceeds(effort, MAX_EFFORT):
+                    raise FormatError(TOO_MANY_CORNERS)
+                for row in hollow:
+                    fans[row] = _cut(vertices[rings[row]], rings[row], fans[row])
+            faces.append(fans.reshape(-1, 3).astype(np.int32))
+            owners.append(np.repeat(which, size - 2))
     if not faces:
         return np.zeros((0, 3), np.int32)
     order = np.argsort(np.concatenate(owners), kind="stable")
     return np.concatenate(faces)[order].astype(np.int32)
+
+
+def _turned_quads(vertices: NDArray[np.float64], rings: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Quadrangles begun at the corner whose diagonal lies inside."""
+    a, b, c, d = np.moveaxis(vertices[rings], 1, 0)
+    area = np.cross(c - a, d - b)
+    inside = [
+        np.einsum("pi,pi->p", np.cross(one - tip, two - tip), area)
+        for one, tip, two in ((b, a, c), (c, a, d))
+    ]
+    outside = np.minimum(*inside) < 0
+    return np.where(outside[:, None], np.roll(rings, -1, axis=1), rings)
 
 
 def _convex(rings: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_FACES, at_most
 from bozzetto.exchange.polygons import checked_mesh, welded, without_degenerate
+from bozzetto.exchange.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
 __all__ = ["read_shapes", "write_shapes"]
@@ -59,6 +60,7 @@ def _binary(data: bytes) -> NDArray[np.floating] | None:
 def _text(data: bytes) -> NDArray[np.floating]:
     if data.lstrip()[:5].lower() != b"solid":
         raise FormatError("This is not an STL file, or it is cut short.")
+    check_words(data)
     words = data.lower().split()
     at_most(len(words) // 21, MAX_FACES, "triangles")
     places = [i for i, word in enumerate(words) if word == b"vertex"]

@@ -7,7 +7,7 @@ to and fro along a slit to reach its hole is an outer one and a hole.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -34,8 +34,24 @@ part of it is inside twice, or inside out."""
 MAX_MEETINGS: Final = 200_000
 """Pairs of outlines whose boxes overlap."""
 
+MAX_NEAR: Final = 12_000_000
+"""Pairs of sides whose boxes overlap that are enumerated: two seconds of work."""
+
+MAX_TESTED: Final = 1_500_000
+"""Of these, pairs that are looked at exactly: two seconds of work, too."""
+
+MAX_CROSSINGS: Final = 20_000
+"""Places where sides of areas cross that are to be joined; the work grows faster than them."""
+
+PAIRS_AT_ONCE: Final = 1_000_000
+"""Pairs of sides that are held in memory at a time."""
+
 ARC_CORNERS: Final = 32
 """Corners that a whole turn gets where a tip is rounded by a hair."""
+
+
+class _TooMany(Exception):
+    """More pairs than the work for them is worth."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +88,24 @@ def without_overlaps(
     -------
     list of (int, (n, 2) array)
         Lines, each with the number of the given one that it stands for.
+
+    Raises
+    ------
+    FormatError
+        If so much overlaps that joining it would take too long.
     """
+    try:
+        return _without_overlaps(lines, areas)
+    except _TooMany:
+        raise FormatError(
+            "Too many of its areas overlap. Unite them in the program that made it, and save "
+            "it again."
+        ) from None
+
+
+def _without_overlaps(
+    lines: Sequence[Array], areas: Sequence[Area | None]
+) -> list[tuple[int, Array]]:
     rings: list[int] = []
     known: set[bytes] = set()
     kept: list[int] = []
@@ -103,29 +136,95 @@ def without_overlaps(
 
 
 def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
-    """Pairs of different rings that share a point."""
+    """Pairs of different rings that share a point. Raises `_TooMany`."""
     import shapely
 
     if len(rings) < 2:
         return []
-    boxes = np.array([(*ring.min(axis=0), *ring.max(axis=0)) for ring in rings])
-    near, _ = shapely.STRtree(shapely.box(*boxes.T)).query(shapely.box(*boxes.T))
-    if len(near) > 2 * MAX_MEETINGS:
-        raise FormatError(
-            "Too many of its areas overlap. Unite them in the program that made it, and save "
-            "it again."
-        )
+    boxes = shapely.box(*np.array([(*ring.min(axis=0), *ring.max(axis=0)) for ring in rings]).T)
+    near = [pair for pair in _near(boxes, 2 * MAX_MEETINGS) if len(pair)]
+    if not near:
+        return []
+    involved = np.unique(np.concatenate(near))
+    sides = [_sides(rings[k]) for k in involved]
+    owner = np.repeat(involved, [len(part) for part in sides])
+    row = np.concatenate(sides)
+    tested = 0
+    found: set[tuple[int, int]] = set()
+    for pairs in _near(row, MAX_NEAR):
+        pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+        tested += len(pairs)
+        if tested > MAX_TESTED:
+            raise _TooMany
+        hit = pairs[shapely.intersects(row[pairs[:, 0]], row[pairs[:, 1]])]
+        rows = np.unique(np.sort(owner[hit], axis=1), axis=0)
+        found.update((int(i), int(j)) for i, j in rows)
+    return sorted(found)
+
+
+def _sides(ring: Array) -> NDArray[np.object_]:
+    """The sides of a ring, as lines of two points."""
+    import shapely
+
+    sides: NDArray[np.object_] = shapely.linestrings(np.stack((ring[:-1], ring[1:]), axis=1))
+    return sides
+
+
+def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[NDArray[np.intp]]:
+    """Pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
+
+    Raises `_TooMany` where there are more than `limit`.
+    """
+    import shapely
+
+    tree = shapely.STRtree(shapes)
+    step = max(1, PAIRS_AT_ONCE // max(1, len(shapes)))
+    count = 0
+    for first in range(0, len(shapes), step):
+        a, b = tree.query(shapes[first : first + step])
+        a = a + first
+        once = a < b
+        count += int(once.sum())
+        if count > limit:
+            raise _TooMany
+        yield np.stack((a[once], b[once]), axis=1)
+
+
+def _crossings(rings: Sequence[Array]) -> int:
+    """How often the sides of some rings cross.
+
+    Raises `_TooMany` where there are more than `MAX_CROSSINGS`, or it takes too long to tell.
+    """
     starts = np.concatenate([ring[:-1] for ring in rings])
-    ends = np.concatenate([ring[1:] for ring in rings])
-    owner = np.repeat(np.arange(len(rings)), [len(ring) - 1 for ring in rings])
-    sides = shapely.linestrings(np.stack((starts, ends), axis=1))
-    a, b = shapely.STRtree(sides).query(sides, predicate="intersects")
-    pairs = np.stack((owner[a], owner[b]), axis=1)
-    return [(int(i), int(j)) for i, j in np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)]
+    steps = np.concatenate([np.diff(ring, axis=0) for ring in rings])
+    row = np.concatenate([_sides(ring) for ring in rings])
+    crossings = 0
+    for pairs in _near(row, MAX_NEAR):
+        a, b = pairs.T
+        # Rounding may miss or add some that nearly touch: this is a measure of work.
+        apart = starts[b] - starts[a]
+        over = _turn(steps[a], apart) * _turn(steps[a], apart + steps[b]) < 0
+        under = _turn(steps[b], apart) * _turn(steps[b], apart - steps[a]) < 0
+        crossings += int((over & under).sum())
+        if crossings > MAX_CROSSINGS:
+            raise _TooMany
+    return crossings
+
+
+def _turn(one: Array, other: Array) -> Array:
+    """Twice the area between two rows of vectors (n, 2), positive to the left."""
+    return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
 def _only_touches_itself(ring: Array) -> bool:
-    """Whether a ring meets itself, but nowhere crosses over to its other side."""
+    """Whether a ring meets itself, but nowhere crosses over to its other side.
+
+    One that crosses itself so often that it takes too long to tell does not only touch.
+    """
+    try:
+        _crossings([ring])
+    except _TooMany:
+        return False
     if _is_simple(ring):
         return False
     from manifold3d import CrossSection, FillRule
@@ -154,9 +253,10 @@ def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
 
 
 def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]:
-    """The outline of everything that the rings of some elements paint."""
+    """The outline of everything that the rings of some elements paint. Raises `_TooMany`."""
     from manifold3d import CrossSection, FillRule, JoinType, OpType
 
+    _crossings(rings)
     points = np.concatenate(rings)
     low = points.min(axis=0)
     size = float(np.ptp(points, axis=0).max()) or 1.0

@@ -15,7 +15,15 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.ink.stroke import MAX_SAMPLES
 
-__all__ = ["Subpath", "ellipse", "flattened", "parse_path", "polyline"]
+__all__ = [
+    "MAX_PIECES",
+    "Subpath",
+    "chord_counts",
+    "ellipse",
+    "flattened",
+    "parse_path",
+    "polyline",
+]
 
 Array = NDArray[np.float64]
 Point = complex
@@ -26,9 +34,13 @@ ARC_PIECE: Final = math.pi / 4
 FLAT: Final = 1e-9
 """Share of its own size below which an ellipse counts as the line it nearly is."""
 
-TOKEN: Final = re.compile(r"[\s,]*([A-Za-z]|[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
-FLAG: Final = re.compile(r"[\s,]*([01])")
-BLANK: Final = re.compile(r"[\s,]*")
+# All quantifiers give nothing back: a text that does not fit is given up in one pass.
+TOKEN: Final = re.compile(r"[\s,]*+([A-Za-z]|[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+)")
+FLAG: Final = re.compile(r"[\s,]*+([01])")
+BLANK: Final = re.compile(r"[\s,]*+")
+
+MAX_PIECES: Final = 1_000_000
+"""Cubics of a drawing, and commands of a path: 64 MB as numbers, and more than any drawing has."""
 
 ARGUMENTS: Final = {
     "M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0,
@@ -68,6 +80,12 @@ def ellipse(center: Point, radii: Point) -> Subpath:
     return Subpath(cubics, True)
 
 
+def chord_counts(subpath: Subpath, tolerance: float) -> NDArray[np.int64]:
+    """How many chords `flattened` gives to each cubic of a subpath."""
+    bend = np.linalg.norm(np.diff(subpath.cubics, n=2, axis=1), axis=2).max(axis=1)
+    return np.asarray(np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1), np.int64)
+
+
 def flattened(subpath: Subpath, tolerance: float) -> Array:
     """Points on a subpath such that no chord strays further than the tolerance.
 
@@ -86,8 +104,7 @@ def flattened(subpath: Subpath, tolerance: float) -> Array:
         A closed subpath ends on its first point.
     """
     p = subpath.cubics
-    bend = np.linalg.norm(np.diff(p, n=2, axis=1), axis=2).max(axis=1)
-    pieces = np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1).astype(np.int64)
+    pieces = chord_counts(subpath, tolerance)
     at_most(int(pieces.sum()), MAX_SAMPLES, "points in one line")
     owner = np.repeat(np.arange(len(p)), pieces)
     first = np.repeat(np.cumsum(pieces) - pieces, pieces)
@@ -115,7 +132,8 @@ def parse_path(data: str) -> list[Subpath]:
         Where the data breaks the grammar; the message quotes the place.
     """
     pen = _Pen()
-    for command, numbers in _commands(data):
+    for count, (command, numbers) in enumerate(_commands(data), 1):
+        at_most(count, MAX_PIECES, "commands in one path")
         pen.take(command, numbers)
     return pen.finished()
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import MAX_COORDINATE
+from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.exchange.svg_path import Subpath, ellipse, parse_path, polyline
 from bozzetto.exchange.xml_tree import Element
 
-__all__ = ["NUMBER", "SPACE", "length", "outline", "shift", "transform"]
+__all__ = ["LONGEST_LENGTH", "NUMBER", "SPACE", "length", "outline", "shift", "transform"]
 
 Array = NDArray[np.float64]
 
@@ -26,9 +26,15 @@ PIXELS: Final = {
 }  # fmt: skip
 """User units in a unit of length (CSS: 96 to the inch)."""
 
-NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-LENGTH: Final = re.compile(rf"\s*({NUMBER.pattern})\s*(px|mm|cm|in|pt|pc)?\s*")
-TRANSFORM: Final = re.compile(r"[\s,]*([A-Za-z]+)\s*\(([^()]*)\)[\s,]*")
+# All quantifiers give nothing back: a text that does not fit is given up in one pass.
+NUMBER: Final = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+")
+LENGTH: Final = re.compile(rf"\s*+({NUMBER.pattern})\s*+(px|mm|cm|in|pt|pc)?+\s*+")
+LONGEST_LENGTH: Final = 200
+"""Characters of a length or a view box; nobody writes as many digits."""
+
+TRANSFORM: Final = re.compile(r"[\s,]*+([A-Za-z]++)\s*+\(([^()]*+)\)[\s,]*+")
+MOST_TRANSFORMS: Final = 10_000
+"""Of one element."""
 
 
 def length(element: Element, name: str, default: float) -> float:
@@ -39,7 +45,8 @@ def length(element: Element, name: str, default: float) -> float:
     FormatError
         If it is larger than a drawing can be.
     """
-    match = LENGTH.fullmatch(element.attributes.get(name, ""))
+    text = element.attributes.get(name, "")
+    match = LENGTH.fullmatch(text) if len(text) <= LONGEST_LENGTH else None
     if match is None:
         return default
     value = float(match[1]) * PIXELS[match[2] or ""]
@@ -113,8 +120,10 @@ def transform(text: str) -> Array:
     FormatError
     """
     matrix: Array = np.eye(3)
-    at = 0
+    at = count = 0
     while at < len(text):
+        count += 1
+        at_most(count, MOST_TRANSFORMS, "transforms of one element")
         match = TRANSFORM.match(text, at)
         if match is None:
             if text[at:].strip():

@@ -7,18 +7,26 @@ programs write; others are passed over.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal
 
 from bozzetto.exchange.xml_tree import Element
 
-__all__ = ["Color", "Look", "Sheets"]
+__all__ = ["Color", "Look", "Said", "Sheets"]
 
 Color = tuple[int, int, int]
 
-COMMENT: Final = re.compile(r"/\*.*?\*/", re.DOTALL)
-RULE: Final = re.compile(r"([^{}]*)\{([^{}]*)\}")
 SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
+
+PROPERTIES: Final[tuple[str, ...]] = ("display", "fill", "stroke", "fill-rule", "visibility")
+"""What is asked of an element's look; nothing else is kept of a style sheet."""
+
+Said = dict[str, str]
+"""What is said of an element: some of `PROPERTIES` and their values."""
+
+LONGEST_COLOR: Final = 100
+"""Longest name of a colour, characters."""
 
 UNPAINTED: Final = ("none", "transparent")
 
@@ -68,41 +76,38 @@ class Sheets:
             waiting.extend(reversed(element.children))
             if element.tag != "style":
                 continue
-            for selectors, body in RULE.findall(COMMENT.sub("", element.text)):
+            for selectors, body in _rules(element.text):
                 order += 1
                 said = _declarations(body)
                 for selector in map(str.strip, selectors.split(",")):
-                    if SELECTOR.fullmatch(selector):
+                    if said and SELECTOR.fullmatch(selector):
                         known = self._rules.setdefault(selector, {})
                         known.update((name, (order, value)) for name, value in said.items())
 
-    def said(self, element: Element, name: str) -> str | None:
-        """What is said of one element's property: its style, its rules, then its attribute."""
-        own = element.attributes.get("style")
-        if own and (value := _declarations(own).get(name)) is not None:
-            return value
+    def said(self, element: Element) -> Said:
+        """What is said of one element: its attributes, its rules, and above all its style."""
+        attributes = element.attributes
+        said: Said = {name: attributes[name] for name in PROPERTIES if name in attributes}
         if self._rules:
-            classes = [f".{word}" for word in element.attributes.get("class", "").split()]
-            identity = f"#{element.attributes.get('id', '')}"
-            for group in ([identity], classes, [element.tag], ["*"]):
-                found = [r[name] for key in group if name in (r := self._rules.get(key, {}))]
-                if found:
-                    return max(found)[1]
-        return element.attributes.get(name)
+            classes = [f".{word}" for word in attributes.get("class", "").split()]
+            identity = f"#{attributes.get('id', '')}"
+            for group in (["*"], [element.tag], classes, [identity]):
+                found: dict[str, tuple[int, str]] = {}
+                for key in group:
+                    for name, told in self._rules.get(key, {}).items():
+                        found[name] = max(told, found.get(name, told))
+                said |= {name: value for name, (_, value) in found.items()}
+        if own := attributes.get("style"):
+            said |= _declarations(own)
+        return said
 
-    def displayed(self, element: Element) -> bool:
-        """Whether an element and those inside it are drawn at all."""
-        return self.said(element, "display") != "none"
-
-    def look(self, element: Element, inherited: Look) -> Look:
-        """How an element is painted."""
-
-        def said(name: str) -> str | None:
-            value = self.said(element, name)
-            return None if value == "inherit" else value
-
-        fill, stroke, rule = said("fill"), said("stroke"), said("fill-rule")
-        visibility = said("visibility")
+    def look(self, said: Said, inherited: Look) -> Look:
+        """How an element is painted of which this is said."""
+        if not said:
+            return inherited
+        told = {name: value for name, value in said.items() if value != "inherit"}
+        fill, stroke, rule = told.get("fill"), told.get("stroke"), told.get("fill-rule")
+        visibility = told.get("visibility")
         return Look(
             inherited.filled if fill is None else fill not in UNPAINTED,
             inherited.stroked if stroke is None else stroke not in UNPAINTED,
@@ -112,18 +117,41 @@ class Sheets:
         )
 
 
-def _declarations(text: str) -> dict[str, str]:
-    """Properties and their values, as in ``fill: none; stroke: red``."""
+def _rules(text: str) -> Iterator[tuple[str, str]]:
+    """Selectors and bodies of a style sheet's innermost blocks, in one pass."""
+    for piece in _without_comments(text).split("}")[:-1]:
+        head, brace, body = piece.rpartition("{")
+        if brace:
+            yield head.rpartition("{")[2], body
+
+
+def _without_comments(text: str) -> str:
+    """The text without its comments; one that does not end goes on to the end."""
+    kept: list[str] = []
+    at = 0
+    while (begin := text.find("/*", at)) >= 0:
+        kept.append(text[at:begin])
+        end = text.find("*/", begin + 2)
+        if end < 0:
+            return "".join(kept)
+        at = end + 2
+    return "".join((*kept, text[at:]))
+
+
+def _declarations(text: str) -> Said:
+    """Properties that matter and their values, as in ``fill: none; stroke: red``."""
     result = {}
     for entry in text.split(";"):
         name, colon, value = entry.partition(":")
-        if colon:
+        if colon and name.strip() in PROPERTIES:
             result[name.strip()] = value.replace("!important", "").strip()
     return result
 
 
 def _color(said: str) -> Color | None:
     if said in (*UNPAINTED, "currentColor") or said.startswith("url"):
+        return None
+    if len(said) > LONGEST_COLOR:
         return None
     from PIL import ImageColor
 

@@ -24,9 +24,9 @@ def writable(text: str) -> str:
     return NOT_XML.sub("", text)
 
 
-@dataclass
+@dataclass(eq=False, slots=True)
 class Element:
-    """One element.
+    """One element; equal only to itself.
 
     Attributes
     ----------

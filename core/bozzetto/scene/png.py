@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import os
-from typing import Final
+import struct
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +14,20 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError
 from bozzetto.storage import write_bytes
 
-__all__ = ["MAX_PIXELS", "decoded", "png_bytes", "write_png"]
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+__all__ = ["MAX_PIXELS", "decoded", "pixel_count", "png_bytes", "rgba_pixels", "write_png"]
 
 MAX_PIXELS: Final = 1 << 26
 """Largest picture that a document holds, pixels: 8192 × 8192, a quarter of a gigabyte."""
+
+PIXELS_AT_ONCE: Final = 1 << 20
+"""Pixels that are converted in one go."""
+
+PNG_SIGN: Final = b"\x89PNG\r\n\x1a\n"
+PNG_SIZE: Final = struct.Struct(">16s2I")
+"""The beginning of a PNG file, with its width and height."""
 
 BEST_EFFORT: Final = 6
 """zlib level of Pillow's own choice."""
@@ -72,12 +84,46 @@ def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.u
             # The size stands in the header: a bomb is refused before it is unpacked.
             if image.width * image.height > MAX_PIXELS:
                 raise FormatError("A picture of this document is too large. Leave it out.")
-            return np.asarray(image.convert("RGBA"), np.uint8)
+            image.load()
+            return rgba_pixels(image)
     except FormatError:
         raise
     except Exception as problem:  # the readers have no end of ways to fail on hostile data
         said = " ".join(str(problem).split())[:200]
         raise FormatError(f"A picture of this document is damaged: {said}.") from problem
+
+
+def rgba_pixels(
+    image: Image, prepared: Callable[[Image], Image] = lambda strip: strip
+) -> NDArray[np.uint8]:
+    """The pixels of a decoded picture, converted strip by strip: it is in memory only twice.
+
+    Parameters
+    ----------
+    image : PIL.Image.Image
+    prepared : callable
+        What becomes of each strip before it is converted.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, straight alpha.
+    """
+    width, height = image.size
+    pixels = np.empty((height, width, 4), np.uint8)
+    rows = max(1, PIXELS_AT_ONCE // max(1, width))
+    for first in range(0, height, rows):
+        strip = image.crop((0, first, width, min(first + rows, height)))
+        pixels[first : first + rows] = np.asarray(prepared(strip).convert("RGBA"))
+    return pixels
+
+
+def pixel_count(content: bytes) -> int:
+    """How many pixels a PNG file says that it has; 0 for what is none."""
+    if len(content) < PNG_SIZE.size or not content.startswith(PNG_SIGN):
+        return 0
+    _, width, height = PNG_SIZE.unpack_from(content)
+    return int(width) * int(height)
 
 
 def write_png(path: str | os.PathLike[str], pixels: NDArray[np.uint8]) -> None:

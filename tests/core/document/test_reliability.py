@@ -34,7 +34,9 @@ def command(module: str, *arguments: str) -> str:
 
 @needs_fork
 def test_twenty_thousand_mutated_files_are_one_error_or_open():
-    assert "20000 mutated" in command("tests.fuzz_documents", "--count", "20000", "--seed", "7")
+    assert "20000 mutated" in command(
+        "tests.reliability.mutated_documents", "--count", "20000", "--seed", "7"
+    )
 
 
 @needs_fork

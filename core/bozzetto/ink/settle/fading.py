@@ -34,5 +34,6 @@ def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
     (n,) float
     """
     age = np.arange(len(strokes) - 1, -1, -1)
-    pressure = np.array([float(np.mean(stroke.pressure)) for stroke in strokes])
+    # Ink of a damaged file can have any pressure.
+    pressure = np.clip([float(np.mean(stroke.pressure)) for stroke in strokes], 0.0, 1.0)
     return np.asarray(FADE**age * (LEAST_SHARE + pressure))

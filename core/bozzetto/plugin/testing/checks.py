@@ -94,7 +94,7 @@ def check_samples(subject: Subject) -> None:
         bench = shell.workbench
         for path in shell.registry.info(subject.modeler).samples:
             try:
-                model = bench.from_drawing(subject.modeler, read_drawing(path), {})
+                model = bench.from_drawing(subject.modeler, read_drawing(path, trusted=True), {})
                 bench.model_scene(model, bench.solve(model, _job("preview")))
             except UserError as problem:
                 raise Broken(f"{path.name}: {problem.message}") from problem

@@ -1,8 +1,8 @@
 """Mutated files against the loader: one exception type, bounded memory.
 
-``python -m tests.fuzz_documents --count 1000000`` runs the long version; the default test
-suite runs a short one. Half of the cases change bytes of the file; the other half change
-bytes (or JSON values) of entries and pack them again with sound checksums, so that they
+``python -m tests.reliability.mutated_documents --count 1000000`` runs the long version; the
+default test suite runs a short one. Half of the cases change bytes of the file; the other half
+change bytes (or JSON values) of entries and pack them again with sound checksums, so that they
 get past the container.
 """
 

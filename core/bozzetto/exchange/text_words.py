@@ -1,0 +1,41 @@
+"""The words of a text file, counted before they are made."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.exchange.limits import MAX_WORDS, at_most
+
+__all__ = ["check_words", "word_count"]
+
+PIECE: Final = 1 << 20
+"""Bytes that are looked at in one go."""
+
+BLANK: Final = 0x20
+"""What lies at or below is taken for a blank."""
+
+
+def word_count(text: bytes) -> int:
+    """How many words ``text.split()`` finds; a few more where control characters stand."""
+    count = 0
+    after_blank = True
+    for first in range(0, len(text), PIECE):
+        blank = np.frombuffer(text, np.uint8, min(PIECE, len(text) - first), first) <= BLANK
+        begins = ~blank
+        begins[1:] &= blank[:-1]
+        begins[0] &= after_blank
+        count += int(begins.sum())
+        after_blank = bool(blank[-1])
+    return count
+
+
+def check_words(text: bytes) -> None:
+    """Refuse a text of more words than can be held.
+
+    Raises
+    ------
+    FormatError
+    """
+    at_most(word_count(text), MAX_WORDS, "words")

@@ -1,0 +1,37 @@
+"""A share of the suite of strangers' files, for every long test run."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="memory and waiting are measured on Linux"),
+]
+
+MUTATED = 6_000
+MODELS = 120
+HOSTILE_BYTES = 400_000
+
+
+def test_mutated_files_are_read_or_refused():
+    from tests.reliability.suite_files import _mutated_row
+
+    row = _mutated_row(MUTATED, 2)
+    assert row.kept, row
+
+
+def test_mutated_documents_that_load_can_be_used():
+    from tests.reliability.suite_files import _models_row
+
+    row = _models_row(MODELS, 2)
+    assert row.kept, row
+
+
+def test_hostile_files_keep_to_the_budget():
+    from tests.reliability.suite_files import _hostile_rows
+
+    lost = [row for row in _hostile_rows(HOSTILE_BYTES) if not row.kept]
+    assert not lost
