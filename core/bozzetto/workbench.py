@@ -23,6 +23,7 @@ from bozzetto.known_curves import KnownCurves
 from bozzetto.model_commands import ModelCommands
 from bozzetto.model_sources import ModelSources
 from bozzetto.part_edits import PartEdits
+from bozzetto.plugin.cautions import Caution, Warns
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
@@ -314,6 +315,17 @@ class Workbench(ModelSources):
         )
         said = self.registry.guard.check_report(model.modeler, said)
         return {str(key): plain(value) for key, value in said.items()}
+
+    def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
+        """What a person must know of a model's result; empty where all is well."""
+        modeler = self._modeler_of(model)
+        if not isinstance(modeler, Warns):
+            return ()
+        result = self.solve(model, job)
+        said = self.registry.guard.call(
+            model.modeler, "cautions", modeler.cautions, model.state, result
+        )
+        return self.registry.guard.check_cautions(model.modeler, said)
 
     def _modeler_of(self, model: Model) -> Modeler[Any, Any]:
         self._refuse_closed(model)

@@ -7,6 +7,7 @@ A plugin imports from here, from `bozzetto.ink`, `bozzetto.view`, `bozzetto.geom
 from __future__ import annotations
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.plugin.cautions import Caution, Warns
 from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context, PenSettings
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
@@ -41,6 +42,7 @@ __all__ = [
     "AdvisesView",
     "Aims",
     "Cancelled",
+    "Caution",
     "Command",
     "Context",
     "Drag",
@@ -66,6 +68,7 @@ __all__ = [
     "Unfinished",
     "UserError",
     "ViewAdvice",
+    "Warns",
     "hookimpl",
     "switched_on",
     "unused_id",
@@ -73,5 +76,5 @@ __all__ = [
     "with_part",
 ]
 
-API_VERSION = (1, 3)
+API_VERSION = (1, 4)
 """Version of this contract: a plugin's manifest names the range it was written for."""

@@ -16,10 +16,12 @@ from typing import Any, TypeVar
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.geometry.shapes import Shapes
+from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.soundness import (
     sound_advice,
+    sound_cautions,
     sound_commands,
     sound_hint,
     sound_parts,
@@ -219,6 +221,16 @@ class Guard:
             If it is no `ViewAdvice`, or holds something that cannot be shown.
         """
         return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
+
+    def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
+        """Return what a modeler warns of.
+
+        Raises
+        ------
+        PluginFault
+            If one is no `Caution`, or has no words.
+        """
+        return self._check(modeler_id, "cautions", lambda: sound_cautions(cautions))
 
     def check_hint(self, modeler_id: str, hint: Any) -> str:
         """Return what a tool says is to be done next.

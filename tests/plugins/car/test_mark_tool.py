@@ -283,7 +283,7 @@ def test_the_direct_transform_is_shown_for_teaching(marked_car):
 
 def test_the_report_takes_the_direct_transform_apart(marked_car):
     """Without an error of the hand it is the camera itself, with the car before the eye."""
-    (view,) = report_of(marked_car, body_of(marked_car))["views"]
+    (view,) = report_of(body_of(marked_car))["views"]
     parts = view["direct_linear_transform_parts"]
     lens = 0.5 * 800.0 / np.tan(np.radians(0.5 * FRONT_RIGHT.fov_y))
     assert parts["focal_px"] == pytest.approx([lens, lens], rel=1e-5)
