@@ -15,7 +15,7 @@ from bozzetto.view import Camera
 from bozzetto_car.body import Body, body_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.handing_over import curves_of, shapes_of
-from bozzetto_car.looking import advice_on
+from bozzetto_car.looking import advice_on, view_after
 from bozzetto_car.marks_file import car_from_facts, is_car_file
 from bozzetto_car.report import cautions_of, report_of
 from bozzetto_car.showing import scene_of
@@ -107,6 +107,10 @@ class Car:
     def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:
         """Whether one looks through the sketch, and the way back to it."""
         return advice_on(state, body_of(state), camera)
+
+    def view_after(self, seen: CarState, state: CarState, camera: Camera) -> Camera | None:
+        """The view through the sketch's new camera, where one looked through an earlier one."""
+        return view_after(seen, state, camera)
 
     # -- parts --
 

@@ -35,7 +35,7 @@ from bozzetto.plugin.parts import (
     unused_name,
     with_part,
 )
-from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.plugin.view_advice import AdvisesView, MovesView, ViewAdvice
 
 __all__ = [
     "API_VERSION",
@@ -53,6 +53,7 @@ __all__ = [
     "Job",
     "Memory",
     "Modeler",
+    "MovesView",
     "OffersCurves",
     "PanelHost",
     "Parameter",

@@ -29,10 +29,12 @@ from bozzetto.plugin.soundness import (
     sound_scene,
     sound_shapes,
     sound_tools,
+    sound_view,
 )
 from bozzetto.plugin.unchanged import Remembered
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Scene
+from bozzetto.view.camera import Camera
 
 __all__ = ["Guard", "Overrun", "PluginFault"]
 
@@ -221,6 +223,16 @@ class Guard:
             If it is no `ViewAdvice`, or holds something that cannot be shown.
         """
         return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
+
+    def check_view(self, modeler_id: str, view: Any) -> Camera:
+        """Return a view that a modeler made.
+
+        Raises
+        ------
+        PluginFault
+            If it is no `Camera`.
+        """
+        return self._check(modeler_id, "a view", lambda: sound_view(view))
 
     def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
         """Return what a modeler warns of.

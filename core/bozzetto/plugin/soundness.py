@@ -40,6 +40,7 @@ __all__ = [
     "sound_scene",
     "sound_shapes",
     "sound_tools",
+    "sound_view",
 ]
 
 MOST_ITEMS: Final = 20_000
@@ -201,6 +202,18 @@ def sound_advice(advice: Any) -> ViewAdvice:
     _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
     sound_scene(advice.scene)
     return advice
+
+
+def sound_view(view: Any) -> Camera:
+    """Return a view if it is one; a `Camera` checks its own numbers.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(view) is not Camera:
+        raise Unsound(f"{type(view).__name__} where a Camera belongs")
+    return view
 
 
 def sound_cautions(cautions: Any) -> tuple[Caution, ...]:

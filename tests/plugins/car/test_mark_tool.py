@@ -77,8 +77,11 @@ def test_a_view_that_has_not_gone_along_yet_shows_what_it_shows(marked_car):
     now = body_of(state).stands["one"]
     assert not now.is_seen_through(before)
     x, y = before.project(old.lifted([(444.0, 222.0)]))[0][0].tolist()
-    mark = TOOL.apply(state, Tap(x, y, before), CONTEXT).sketch.marks[-1]
+    seen = replace(CONTEXT, seen=(marked_car,))
+    mark = TOOL.apply(state, Tap(x, y, before), seen).sketch.marks[-1]
     assert (mark.u, mark.v) == pytest.approx((444.0, 222.0), abs=1e-6)
+    with pytest.raises(UserError, match="T"):
+        TOOL.apply(state, Tap(x, y, before), CONTEXT)
 
 
 def test_marks_are_refused_where_the_sketch_is_not_seen_as_drawn(marked_car):
