@@ -34,7 +34,7 @@ from bozzetto.document.file import open_document, parse_document, write_document
 from bozzetto.document.journal import JournalWriter, read_records
 from bozzetto.document.lock import FileLock, holder
 from bozzetto.document.model import Document
-from bozzetto.errors import DocumentError, UserError
+from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.storage import atomic_write, explain
 
@@ -255,14 +255,14 @@ class RecoveryStore:
             try:
                 base = parse_document((folder / f"base-{generation}.bozz").read_bytes())
             except (DocumentError, OSError) as problem:
-                problems.append(f"A later state could not be read: {problem}")
+                problems.append(f"A later state could not be read: {words_of(problem)}.")
                 continue
             replay = Replay(base)
             try:
                 for record in _records(folder, generation):
                     replay.feed(record)
             except DocumentError as problem:
-                problems.append(f"Later changes could not be read: {problem}")
+                problems.append(f"Later changes could not be read: {words_of(problem)}.")
             document, report = open_document(replay.stored, states)
             began = (folder / f"base-{generation}.bozz").stat().st_mtime
             time_of_last = began if replay.time is None else replay.time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import FormatError, UserError, words_of
 
 __all__ = ["read_bytes"]
 
@@ -32,7 +32,7 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
             raise UserError(f"“{name}” is a folder. Choose a file inside it.") from None
         raise UserError(f"“{name}” may not be read. Check its permissions.") from None
     except (OSError, ValueError) as error:
-        raise UserError(f"“{name}” cannot be read: {error}") from error
+        raise UserError(f"“{name}” cannot be read: {words_of(error)}.") from error
     if len(data) > limit:
         raise FormatError(f"“{name}” is larger than the {limit >> 20} MB that can be read.")
     if not data:

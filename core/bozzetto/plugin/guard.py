@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
@@ -134,7 +134,7 @@ class Guard:
         except BaseException as problem:
             before.restore()
             name = type(problem).__name__
-            said = " ".join(_words_of(problem).split())[:200].rstrip(".")
+            said = message_of(problem)
             reason = f"{what} failed ({name}{': ' if said else ''}{said})"
             raise self._fault(plugin, reason, _told(problem)) from None
         finally:
@@ -280,7 +280,7 @@ class Guard:
         except Exception as problem:
             # A crooked object may fail in any way when looked at; that is its maker's fault.
             plugin = self._plugin_of(modeler_id)
-            said = " ".join(_words_of(problem).split())[:300].rstrip(".")
+            said = message_of(problem)
             raise self._fault(
                 plugin, f"{modeler_id} made {what} that cannot be used ({said})", _told(problem)
             ) from None
@@ -332,14 +332,6 @@ class Guard:
         for listener in listeners:
             listener(fault)
         return fault
-
-
-def _words_of(problem: BaseException) -> str:
-    """The message of an exception, whose ``__str__`` may itself be a plugin's and fail."""
-    try:
-        return str(problem)
-    except Exception:
-        return "no message"
 
 
 def _told(problem: BaseException) -> str:

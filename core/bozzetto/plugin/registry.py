@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import pluggy
 
-from bozzetto.errors import UserError
+from bozzetto.errors import UserError, words_of
 from bozzetto.plugin import API_VERSION, hooks
 from bozzetto.plugin.guard import Guard, PluginFault
 from bozzetto.plugin.listing import ModelerInfo, PluginInfo, Standing, Status
@@ -125,7 +125,7 @@ class Registry:
                     plugin.fault = problem.message
                 except Exception as problem:
                     # Finding a package runs other people's import hooks.
-                    plugin.fault = f"{package} cannot be found: {problem}."
+                    plugin.fault = f"{package} cannot be found: {words_of(problem)}."
                     plugin.details = traceback.format_exc()
                 self._plugins[package] = plugin
             return self._info(self._plugins[package])

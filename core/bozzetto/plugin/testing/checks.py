@@ -18,14 +18,17 @@ from bozzetto.document.codec import decode_state, encode_state, state_digest
 from bozzetto.document.model import Model
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.exchange.solid_check import bounds_volume
+from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.parameters import Field, parameter_fields
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import HasParts
 from bozzetto.plugin.testing.abilities import ABILITIES
+from bozzetto.plugin.testing.memory_checks import check_forgetting
 from bozzetto.plugin.testing.sameness import difference, fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
+from bozzetto.plugin.testing.spelling import check_spelling
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
 from bozzetto.plugin.watchdog import Watchdog
 
@@ -78,12 +81,16 @@ def check_drawing(subject: Subject) -> None:
             drawn = not same(shell.state, untouched.state)
         shapes = shell.shapes()
         ensure(not drawn or bool(shapes), "a drawing must hand something over")
-        for solid in shapes.solids:
-            ensure(
-                bounds_volume(solid.mesh),
-                f"the solid {solid.name!r} is open, inside out or flat, and no program would "
-                "take it; hand over a closed mesh, or a Surface",
-            )
+        _check_solids(shapes)
+
+
+def _check_solids(shapes: Shapes) -> None:
+    for solid in shapes.solids:
+        ensure(
+            bounds_volume(solid.mesh),
+            f"the solid {solid.name!r} is open, inside out or flat, and no program would "
+            "take it; hand over a closed mesh, or a Surface",
+        )
 
 
 def check_samples(subject: Subject) -> None:
@@ -238,7 +245,7 @@ def check_determinism(subject: Subject) -> None:
 
 
 def check_parameters(subject: Subject) -> None:
-    """Every number can be solved at both ends of its range, everything at its default."""
+    """Every number gives sound solids at both ends of its range, everything at its default."""
     with subject.drawn() as shell:
         start = shell.model
         for field in _all_parameters(shell):
@@ -248,6 +255,9 @@ def check_parameters(subject: Subject) -> None:
                 try:
                     result = shell.workbench.solve(model, _job("preview"))
                     shell.workbench.model_scene(model, result)
+                    _check_solids(shell.workbench.shapes([model], Job()))
+                except Broken as problem:
+                    raise Broken(f"{field.name} = {value!r}: {problem}") from None
                 except (UserError, PluginFault) as problem:
                     refused = isinstance(problem, UserError) and bool(problem.message.strip())
                     if refused and field.kind == "choice" and value != field.default:
@@ -344,6 +354,7 @@ import sys
 from bozzetto.document.file import read_document
 from bozzetto.plugin import Context, Job
 from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.testing.memory_checks import check_forgetting
 from bozzetto.plugin.testing.sameness import fingerprint
 from bozzetto.workbench import Workbench
 bench = Workbench(Registry(extra=sys.argv[3:]))
@@ -385,10 +396,19 @@ def _job(quality: str) -> Job:
 
 @dataclass(frozen=True)
 class Check:
-    """One article of the contract."""
+    """One article of the contract.
+
+    Attributes
+    ----------
+    name : str
+    run : callable
+    is_slow : bool
+        Whether it takes many seconds: as a test it bears the mark "slow".
+    """
 
     name: str
     run: Callable[[Subject], None]
+    is_slow: bool = False
 
     @property
     def says(self) -> str:
@@ -397,9 +417,10 @@ class Check:
 
 
 CHECKS: Final = tuple(
-    Check(run.__name__.removeprefix("check_"), run)
+    Check(run.__name__.removeprefix("check_"), run, run in (check_parameters, check_forgetting))
     for run in (
         check_announced,
+        check_spelling,
         check_empty,
         check_drawing,
         check_samples,
@@ -412,6 +433,7 @@ CHECKS: Final = tuple(
         check_parameters,
         check_parts,
         *ABILITIES,
+        check_forgetting,
         check_preview_time,
         check_elsewhere,
     )
