@@ -245,7 +245,7 @@ def check_determinism(subject: Subject) -> None:
 
 
 def check_parameters(subject: Subject) -> None:
-    """Every number gives sound solids at both ends of its range, everything at its default."""
+    """Every number can be solved at both ends of its range, everything at its default."""
     with subject.drawn() as shell:
         start = shell.model
         for field in _all_parameters(shell):
@@ -255,14 +255,28 @@ def check_parameters(subject: Subject) -> None:
                 try:
                     result = shell.workbench.solve(model, _job("preview"))
                     shell.workbench.model_scene(model, result)
-                    _check_solids(shell.workbench.shapes([model], Job()))
-                except Broken as problem:
-                    raise Broken(f"{field.name} = {value!r}: {problem}") from None
                 except (UserError, PluginFault) as problem:
                     refused = isinstance(problem, UserError) and bool(problem.message.strip())
                     if refused and field.kind == "choice" and value != field.default:
                         continue  # a choice need not make sense for every drawing
                     raise Broken(f"{field.name} = {value!r}: {problem}") from problem
+
+
+def check_ranges(subject: Subject) -> None:
+    """Solids are sound at both ends of every number's range, and with every choice."""
+    with subject.drawn() as shell:
+        start = shell.model
+        for field in _all_parameters(shell):
+            for value in _allowed(field):
+                try:
+                    model = shell.workbench.set_parameters(start, {field.name: value})
+                    shapes = shell.workbench.shapes([model], Job())
+                except UserError:
+                    continue  # what may be refused, and how, is for `check_parameters`
+                try:
+                    _check_solids(shapes)
+                except Broken as problem:
+                    raise Broken(f"{field.name} = {value!r}: {problem}") from None
 
 
 def _all_parameters(shell: Shell) -> tuple[Field, ...]:
@@ -417,7 +431,7 @@ class Check:
 
 
 CHECKS: Final = tuple(
-    Check(run.__name__.removeprefix("check_"), run, run in (check_parameters, check_forgetting))
+    Check(run.__name__.removeprefix("check_"), run, run in (check_ranges, check_forgetting))
     for run in (
         check_announced,
         check_spelling,
@@ -431,6 +445,7 @@ CHECKS: Final = tuple(
         check_odd_gestures,
         check_determinism,
         check_parameters,
+        check_ranges,
         check_parts,
         *ABILITIES,
         check_forgetting,
