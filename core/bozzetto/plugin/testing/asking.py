@@ -27,6 +27,9 @@ __all__ = ["Question", "answers", "questions"]
 
 Ask = Callable[[Workbench], Any]
 
+ELSEWHERE = (613.0, 441.0, 187.0)
+"""Middle and radius of a circle that no other check draws, px: its answers are not known yet."""
+
 MOST_HANDLES = 2
 """Handles of a model that are dragged: each is as good as another."""
 
@@ -168,7 +171,7 @@ def _gestures(bench: Workbench, model: Model, tool: Tool[Any]) -> Iterator[Gestu
     for camera in _cameras(bench, model)[::2]:
         pen = Pen(camera)
         if tool.gesture == "ink":
-            whole = pen.circle()
+            whole = pen.circle(*ELSEWHERE)
             half = _begun(whole)
             other = pen.along([(float(whole.x[0]), float(whole.y[0])), (300.0, 200.0)])
             for stroke in (half, whole, other, half):

@@ -25,7 +25,7 @@ from bozzetto.plugin.parameters import Field, parameter_fields
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import HasParts
 from bozzetto.plugin.testing.abilities import ABILITIES
-from bozzetto.plugin.testing.memory_checks import check_forgetting
+from bozzetto.plugin.testing.memory_checks import check_forgetting, check_fresh_process
 from bozzetto.plugin.testing.sameness import difference, fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.spelling import check_spelling
@@ -430,8 +430,11 @@ class Check:
         return (self.run.__doc__ or "").strip()
 
 
+SLOW: Final = (check_ranges, check_forgetting, check_fresh_process)
+"""Articles that take many seconds where a solve takes one."""
+
 CHECKS: Final = tuple(
-    Check(run.__name__.removeprefix("check_"), run, run in (check_ranges, check_forgetting))
+    Check(run.__name__.removeprefix("check_"), run, run in SLOW)
     for run in (
         check_announced,
         check_spelling,
@@ -449,6 +452,7 @@ CHECKS: Final = tuple(
         check_parts,
         *ABILITIES,
         check_forgetting,
+        check_fresh_process,
         check_preview_time,
         check_elsewhere,
     )

@@ -20,7 +20,7 @@ from bozzetto.plugin.testing.asking import Question, answers, questions
 from bozzetto.plugin.testing.subject import Broken, Subject
 from bozzetto.workbench import Workbench
 
-__all__ = ["check_forgetting"]
+__all__ = ["check_forgetting", "check_fresh_process"]
 
 _ELSEWHERE = """
 import json, sys
@@ -39,7 +39,7 @@ def check_forgetting(subject: Subject) -> None:
     """Answers do not depend on what was asked before, whatever the modeler remembers."""
     with subject.drawn() as shell, subject.drawn(1) as other:
         registry, model = shell.registry, shell.model
-        first = _asked(subject, Workbench(registry), model)
+        first = _asked(Workbench(registry), model)
         copied = replace(model, state=decode_state(type(model.state), encode_state(model.state)))
         bench = Workbench(registry)
         row = questions(bench, copied)
@@ -50,10 +50,17 @@ def check_forgetting(subject: Subject) -> None:
                 answers(bench, [between[number % len(between)]])
             mixed |= answers(bench, [question])
         _compare(first, mixed, "in another order, with another document between")
+
+
+def check_fresh_process(subject: Subject) -> None:
+    """Answers are those of a process that was asked nothing before, in the opposite order."""
+    with subject.drawn() as shell:
+        bench = Workbench(shell.registry)
+        first = answers(bench, questions(bench, shell.model))
         _compare(first, _elsewhere(shell.save(), subject.packages), "in a fresh process")
 
 
-def _asked(subject: Subject, bench: Workbench, model: Model) -> dict[str, str]:
+def _asked(bench: Workbench, model: Model) -> dict[str, str]:
     """The answers; those to the same questions, asked at once again, are the same."""
     row = questions(bench, model)
     first = answers(bench, row)
