@@ -27,7 +27,7 @@ __all__ = ["Question", "answers", "questions"]
 
 Ask = Callable[[Workbench], Any]
 
-ELSEWHERE = (613.0, 441.0, 187.0)
+ELSEWHERE = (613.0, 441.0, 171.0)
 """Middle and radius of a circle that no other check draws, px: its answers are not known yet."""
 
 MOST_HANDLES = 2
