@@ -5,7 +5,8 @@ One question at a time, in a worker, ten times a second at most; what was overta
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections import deque
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
@@ -25,6 +26,10 @@ __all__ = ["Advising"]
 
 INTERVAL = 100
 """Time between two questions, milliseconds."""
+
+MOST_PINNED = 32
+"""Earlier states of a model that are known as seen: a hand that drags a mark and lets it go, or
+takes a few steps back, passes through no more before the view has gone along."""
 
 ADVICE_LIMIT = 10.0
 """Seconds a modeler may think about a view before it counts as hung."""
@@ -61,6 +66,7 @@ class Advising(QObject):
         self._asked: Question = None
         self._silent: set[str] = set()
         self._empty: dict[str, Model] = {}
+        self._pinned: deque[Model] = deque(maxlen=MOST_PINNED)
         self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
@@ -88,6 +94,16 @@ class Advising(QObject):
         """
         pinned = self.advice is not None and self.advice.pinned
         return pinned and camera.kind == self._seen.kind and camera.eye == self._seen.eye
+
+    def seen(self, model: Model | None) -> tuple[Model, ...]:
+        """A model as it was a moment ago, newest first, while the view was pinned to it."""
+        if model is None:
+            return ()
+        return tuple(known for known in self._pinned if known.id == model.id)
+
+    def seen_states(self, model: Model | None) -> tuple[Any, ...]:
+        """Their states; see `Context.seen`."""
+        return tuple(known.state for known in self.seen(model))
 
     def look(self) -> None:
         """See whether there is a new view, model or modeler; ask when it is time."""
@@ -137,14 +153,17 @@ class Advising(QObject):
         self._asked = question
         modeler, model, camera = question
 
+        seen = self.seen(model)
+
         def work(job: Job) -> ViewAdvice | None:
-            return self._advice_on(modeler, model, camera)
+            return self._advice_on(modeler, model, camera, seen)
 
         def done(advice: ViewAdvice | None) -> None:
             if advice is None:
                 self._silent.add(modeler)
             if self._session.active_modeler == modeler:
                 self.about, self._seen = model, camera
+                self._remember(model, advice)
                 self._take(advice)
 
         def failed(problem: BaseException) -> None:
@@ -155,7 +174,15 @@ class Advising(QObject):
 
         self._channel.submit(Request(work, done, failed, "preview"))
 
-    def _advice_on(self, modeler: str, model: Model | None, camera: Camera) -> ViewAdvice | None:
+    def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
+        """Keep in mind to which state of a model the view is pinned."""
+        pinned = advice is not None and advice.pinned and not advice.follow
+        if pinned and model is not None and (not self._pinned or self._pinned[0] is not model):
+            self._pinned.appendleft(model)
+
+    def _advice_on(
+        self, modeler: str, model: Model | None, camera: Camera, seen: tuple[Model, ...]
+    ) -> ViewAdvice | None:
         """In the worker: the advice; None where the modeler never gives any."""
         bench = self._session.workbench
         if not isinstance(self._session.registry.modeler(modeler), AdvisesView):
@@ -164,7 +191,7 @@ class Advising(QObject):
             if modeler not in self._empty:
                 self._empty[modeler] = bench.create(modeler, Context(camera=camera))
             model = self._empty[modeler]
-        return bench.view_advice(model, camera)
+        return bench.view_advice(model, camera, seen)
 
     def _take(self, advice: ViewAdvice | None) -> None:
         if advice is not None or self.advice is not None:

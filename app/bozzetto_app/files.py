@@ -365,18 +365,25 @@ class Files(QObject):
         models = [model for model in session.document if model.visible]
         camera, waiting = session.camera, session.document.waiting
 
-        def work(job: Job) -> None:
-            from bozzetto.exchange.export import export
+        def work(job: Job) -> tuple[str, ...]:
+            from bozzetto.export_document import object_shapes, prepared_file
+            from bozzetto.storage import write_bytes
 
-            shapes = session.workbench.shapes(models, job)
+            objects = object_shapes(session.workbench, models, job)
             job.checkpoint(1.0, path.name)
-            export(shapes, path, camera=camera)
+            made = prepared_file(objects, path, camera, whole=False)
+            write_bytes(path, made.data)
+            return (*objects.warnings(baseless_only=True), *made.warnings())
 
-        def done(answer: None) -> None:
-            said = tr("Files", "Exported “{name}”.", name=path.name)
+        def done(warnings: tuple[str, ...]) -> None:
+            said = [tr("Files", "Exported “{name}”.", name=path.name)]
             if waiting:
-                said += " " + tr("Files", "The ink that waits is no part of it.")
-            session.tell(said)
+                said.append(tr("Files", "The ink that waits is no part of it."))
+            if warnings:
+                # An error stays until the next one: what is missing must not be overlooked.
+                session.noticed.emit(Notice("error", " ".join((*said, *warnings))))
+            else:
+                session.tell(" ".join(said))
 
         self._reads.submit(Request(work, done, session.complain))
 

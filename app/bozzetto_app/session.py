@@ -229,6 +229,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             facts=self.facts,
             pictures=self.pictures,
             curves=self.workbench.curves.of(self.document),
+            seen=self.advising.seen_states(self.inking.target(self.active_modeler)),
         )
 
     @property

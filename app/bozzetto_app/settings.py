@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from PySide6.QtCore import QSettings
 
-__all__ = ["ORGANISATION", "PROGRAM", "disabled_plugins", "keep_disabled_plugins", "settings"]
+from bozzetto.plugin.switched_off import keep_switched_off, switched_off
+
+__all__ = ["ORGANISATION", "PROGRAM", "disabled_plugins", "keep_plugin_disabled", "settings"]
 
 ORGANISATION = "Bozzetto"
 PROGRAM = "Bozzetto"
@@ -18,14 +18,18 @@ def settings() -> QSettings:
     return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, ORGANISATION, PROGRAM)
 
 
-def disabled_plugins() -> set[str]:
-    """Ids of the plugins that the person switched off."""
-    kept = settings().value(DISABLED_PLUGINS, [])
-    if isinstance(kept, str):
-        return {kept}
-    return {str(plugin) for plugin in kept} if isinstance(kept, list) else set()
+def disabled_plugins() -> frozenset[str]:
+    """Ids of the plugins that the person switched off, here or on the command line."""
+    kept = switched_off()
+    if kept is not None:
+        return kept
+    # Versions before 0.2 kept them among the window's own settings.
+    before = settings().value(DISABLED_PLUGINS, [])
+    names = [before] if isinstance(before, str) else before if isinstance(before, list) else []
+    return frozenset(map(str, names))
 
 
-def keep_disabled_plugins(plugins: Iterable[str]) -> None:
-    """Remember which plugins are switched off."""
-    settings().setValue(DISABLED_PLUGINS, sorted(plugins))
+def keep_plugin_disabled(plugin: str, disabled: bool) -> None:
+    """Remember that a plugin is switched off, or on again; the others stay as they are."""
+    kept = disabled_plugins()
+    keep_switched_off(kept | {plugin} if disabled else kept - {plugin})

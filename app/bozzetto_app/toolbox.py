@@ -96,6 +96,33 @@ class Toolbox(QObject):
         self._channel.cancel()
         self._channel.submit(Request(work, found, session.complain))
 
+    def drop_if_gone(self) -> None:
+        """Where the plugin of the active modeler was switched off, take the first one there is."""
+        session = self._session
+        gone = self.modeler
+        if not gone or any(info.id == gone for info in session.modelers):
+            return
+        title = session.registry.info(gone).title
+        if session.modelers:
+            other = session.modelers[0]
+            self.take_modeler(other.id)
+            words = tr(
+                "Session",
+                "{title} is switched off; you draw with {other} now. Its objects stay as they are.",
+                title=title,
+                other=other.title,
+            )
+        else:
+            self._channel.cancel()
+            self.modeler, self.tools, self.tool = "", (), ""
+            session.modeler_changed.emit()
+            words = tr(
+                "Session",
+                "{title} is switched off, and there is no other modeler. Switch one on to draw.",
+                title=title,
+            )
+        session.tell(words)
+
     def take_tool(self, tool_id: str) -> None:
         """Take another tool of the active modeler."""
         for tool in self.tools:

@@ -43,7 +43,7 @@ from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.places import recovery_folder
 from bozzetto_app.replay import Replay
 from bozzetto_app.session import Notice, Session
-from bozzetto_app.settings import keep_disabled_plugins, settings
+from bozzetto_app.settings import keep_plugin_disabled, settings
 from bozzetto_app.theme import Theme, apply_theme, current_palette, palette_for
 from bozzetto_app.thumbnails import thumbnail_of
 
@@ -486,7 +486,9 @@ class Window(QMainWindow):
         """See the plugins, switch them on and off."""
         from bozzetto_app.dialogs.plugin_manager import PluginManager
 
-        self._show(PluginManager(self.session, self))
+        dialog = PluginManager(self.session, self)
+        dialog.switched.connect(self._plugin_switched)
+        self._show(dialog)
 
     def open_about(self) -> None:
         """Say who this is."""
@@ -513,9 +515,20 @@ class Window(QMainWindow):
 
     def _keep_off(self, plugin: str) -> None:
         """A plugin that was switched off stays so at the next start."""
-        off = {info.id for info in self.session.registry.plugins() if info.status == "disabled"}
-        keep_disabled_plugins(off | {plugin})
+        try:
+            keep_plugin_disabled(plugin, True)
+        except UserError as problem:
+            self.session.complain(problem)
+        self._plugin_switched(plugin, False)
+
+    def _plugin_switched(self, plugin: str, on: bool) -> None:
+        """What is switched off leaves the hand; its objects stay as they are."""
         self.modelers.refresh()
+        self.actions_.refresh()
+        if not on:
+            self.session.toolbox.drop_if_gone()
+        elif self.session.modelers and not self.session.active_modeler:
+            self.session.activate_modeler(self.session.modelers[0].id)
 
     def _say_what_first(self) -> None:
         """On an empty sheet: what the modeler that was just taken wants to have drawn first."""

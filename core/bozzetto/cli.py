@@ -16,16 +16,20 @@ from typing import Any, NoReturn
 
 from bozzetto import __version__
 from bozzetto.cli_build import build as run_build
+from bozzetto.cli_export import export as run_export
 from bozzetto.cli_output import (
     EXIT_ERROR,
     EXIT_FAULT,
     complain,
     hand_over,
-    keep_apart,
     make_folder,
+    open_document,
+    warn,
     words_of_fault,
     workbench,
 )
+from bozzetto.cli_plugins import ACTIONS
+from bozzetto.cli_plugins import plugins as run_plugins
 from bozzetto.errors import UserError
 
 __all__ = ["COMMANDS", "SWITCHES", "main"]
@@ -37,6 +41,8 @@ SWITCHES = ("-v", "--verbose")
 """Words that may stand before a command."""
 
 EXIT_INTERRUPTED = 130
+
+VIEW_HELP = "front, right, top, three-quarter …; by default the document's own if all lies in it"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -107,19 +113,27 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_trust(build)
     build.add_argument("--report", type=Path, metavar="R.json", help="write how good it is")
+    build.add_argument("--view", metavar="NAME", help=VIEW_HELP)
+    build.add_argument(
+        "--allow-template",
+        action="store_true",
+        help="write the bare template where nothing can be made from the input",
+    )
     build.set_defaults(run=run_build)
 
     export = commands.add_parser("export", help="hand a document over to other programs")
     export.add_argument("document", type=Path)
     export.add_argument("-o", "--output", type=Path, required=True)
     export.add_argument("--object", action="append", metavar="NAME", help="only these objects")
-    export.set_defaults(run=_export)
+    export.add_argument("--view", metavar="NAME", help=VIEW_HELP)
+    export.add_argument("--report", type=Path, metavar="R.json", help="write what is in the file")
+    export.set_defaults(run=run_export)
 
     render = commands.add_parser("render", help="make a picture of a document or a mesh")
     render.add_argument("input", type=Path)
     render.add_argument("-o", "--output", type=Path, required=True)
     render.add_argument("--size", default="1200x900", metavar="WxH", help="pixels")
-    render.add_argument("--view", default="three-quarter", help="front, right, top …")
+    render.add_argument("--view", metavar="NAME", help=VIEW_HELP)
     render.add_argument("--theme", choices=("light", "dark"), default="light")
     render.add_argument(
         "--shading",
@@ -139,14 +153,17 @@ def _parser() -> argparse.ArgumentParser:
     samples.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     samples.set_defaults(run=_samples)
 
-    plugins = commands.add_parser("plugins", help="list the plugins, or check one")
-    plugins.add_argument("action", nargs="?", choices=("list", "check"), default="list")
+    plugins = commands.add_parser(
+        "plugins", help="list the plugins, switch one on or off, or check one"
+    )
+    plugins.add_argument("action", nargs="?", choices=ACTIONS, default="list")
     plugins.add_argument(
         "package",
         nargs="?",
-        help="import name of the package to check, or a file of a plugin's own, such as a template",
+        metavar="NAME",
+        help="id or package of a plugin; to check, also a file of a plugin's own kind",
     )
-    plugins.set_defaults(run=_plugins)
+    plugins.set_defaults(run=run_plugins)
     return parser
 
 
@@ -161,23 +178,8 @@ def _add_trust(command: argparse.ArgumentParser) -> None:
 # -- documents --
 
 
-def _open_document(bench: Any, path: Path) -> Any:
-    from bozzetto.document.file import read_document
-
-    document, report = read_document(path, bench.registry)
-    for warning in report.warnings:
-        print(f"note: {warning}", file=sys.stderr)
-    return document
-
-
-def _export(options: argparse.Namespace) -> int:
-    keep_apart([options.document], [options.output], None)
-    bench = workbench()
-    hand_over(bench, _open_document(bench, options.document), options.output, options.object)
-    return 0
-
-
 def _render(options: argparse.Namespace) -> int:
+    from bozzetto.export_document import unusable
     from bozzetto.scene import DARK, LIGHT
     from bozzetto.scene.png import write_png
 
@@ -186,6 +188,8 @@ def _render(options: argparse.Namespace) -> int:
     width, height = _size(options.size)
     bench = workbench()
     document = _document_of(bench, options.input, options.trust_file)
+    unseen = (unusable(bench, model) for model in document if model.visible)
+    warn(problem.sentence("picture") for problem in unseen if problem is not None)
     palette = DARK if options.theme == "dark" else LIGHT
     image = _picture_of(
         bench, document, options.view, (width, height), palette=palette, shading=options.shading
@@ -196,18 +200,21 @@ def _render(options: argparse.Namespace) -> int:
 
 
 def _picture_of(
-    bench: Any,
-    document: Any,
-    view: str = "three-quarter",
-    size: tuple[int, int] = (1200, 900),
-    **style: Any,
+    bench: Any, document: Any, view: str | None, size: tuple[int, int] = (1200, 900), **style: Any
 ) -> Any:
-    """A document as the window shows it in a standard view; `style` as in `scene.picture`."""
+    """A document as the window shows it; `style` as in `scene.picture`.
+
+    Without a name of a view it is the document's own if all lies in it, else the three-quarter
+    view.
+    """
     from bozzetto.plugin.job import Job
-    from bozzetto.scene.picture import framed, picture
+    from bozzetto.scene.picture import framed, own_or_framed, picture
 
     scene = bench.scene(document, Job())
-    camera = framed(scene, view, size)
+    if view is None:
+        camera = own_or_framed(scene, document.camera, size)
+    else:
+        camera = framed(scene, view, size)
     shown = scene.under(bench.advice_scene(document, camera))
     return picture(shown, camera=camera, size=size, **style)
 
@@ -218,7 +225,7 @@ def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
     from bozzetto.exchange.importing import read_mesh
 
     if path.suffix.lower() == ".bozz":
-        return _open_document(bench, path)
+        return open_document(bench, path)
     return Document(
         (bench.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
     )
@@ -259,7 +266,7 @@ def _line(entry: Any) -> str:
     return str(entry)
 
 
-# -- samples and plugins --
+# -- samples --
 
 SAMPLE_FORMATS = ("stl", "3mf", "glb", "step")
 """Exports of a sample, as far as they have a place for what it is."""
@@ -286,31 +293,9 @@ def _samples(options: argparse.Namespace) -> int:
                 hand_over(bench, document, target)
                 print(f"wrote {target}")
             picture = stem.with_name(f"{stem.name}.png")
-            write_png(picture, _picture_of(bench, document))
+            write_png(picture, _picture_of(bench, document, "three-quarter"))
             print(f"wrote {picture}")
     print(f"Everything is in {options.output}. To draw, run “bozzetto” where there is a screen.")
-    return 0
-
-
-def _plugins(options: argparse.Namespace) -> int:
-    if options.action == "check":
-        if options.package is None:
-            raise UserError("Say which package or file to check: bozzetto plugins check NAME.")
-        from bozzetto.plugin.check import check_file, check_package
-
-        path = Path(options.package)
-        is_file = path.is_file()
-        findings = check_file(path) if is_file else check_package(options.package)
-        for finding in findings:
-            print(finding)
-        if not findings:
-            fine = "the file is" if is_file else "manifest, icons, import and contract are"
-            print(f"{options.package}: {fine} in order.")
-        return EXIT_ERROR if any(finding.serious for finding in findings) else 0
-    from bozzetto.plugin.registry import Registry
-
-    for plugin in Registry().plugins():
-        print(f"{plugin.id}  {plugin.version}  {plugin.status}  {plugin.summary}")
     return 0
 
 

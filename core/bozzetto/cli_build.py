@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from collections.abc import Sequence
@@ -16,9 +15,10 @@ from bozzetto.cli_output import (
     complain,
     hand_over,
     keep_apart,
-    make_folder,
+    warn,
     words_of_fault,
     workbench,
+    write_report,
 )
 from bozzetto.errors import UserError
 
@@ -48,9 +48,7 @@ def build(options: argparse.Namespace) -> int:
         if len(inputs) > 1:
             print(f"[{number}/{len(inputs)}] {source.name} → {target}", file=sys.stderr)
         try:
-            report = _build_one(
-                bench, modeler_id, source, target, values, bool(options.report), options.trust_file
-            )
+            report, written = _build_one(bench, modeler_id, source, target, values, options)
         except (UserError, PluginFault) as problem:
             if len(inputs) == 1:
                 raise
@@ -59,10 +57,11 @@ def build(options: argparse.Namespace) -> int:
             complain(f"{source.name}: {words}")
             code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
             continue
-        reports.append({"input": str(source), "output": str(target), "report": report})
+        told = {"input": str(source), "output": str(target), "report": report}
+        reports.append(told | written)
     if options.report and reports:
-        said = reports[0]["report"] if len(inputs) == 1 else {"files": reports}
-        _write_text(options.report, json.dumps(said, indent=2, ensure_ascii=False) + "\n")
+        single = reports[0]["report"] | {k: v for k, v in reports[0].items() if k == "written"}
+        write_report(options.report, single if len(inputs) == 1 else {"files": reports})
     return code
 
 
@@ -72,26 +71,34 @@ def _build_one(
     source: Path,
     target: Path,
     values: dict[str, object],
-    wants_report: bool,
-    trusted: bool,
-) -> dict[str, Any]:
+    options: argparse.Namespace,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Build one input; its report where one is wanted, and what was written of it."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.importing import is_picture, read_drawing, read_picture
     from bozzetto.plugin.job import Job
 
-    picture = read_picture(source, trusted=trusted) if is_picture(source) else None
-    drawing = read_drawing(source, trusted=trusted) if picture is None else None
+    picture = read_picture(source, trusted=options.trust_file) if is_picture(source) else None
+    drawing = read_drawing(source, trusted=options.trust_file) if picture is None else None
     try:
         if picture is not None:
             model = bench.from_picture(modeler_id, picture, values)
         else:
             model = bench.from_drawing(modeler_id, drawing, values)
-        report: dict[str, Any] = bench.report(model, Job()) if wants_report else {}
+        report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
-        hand_over(bench, Document((model,), camera=camera), target)
+        written = hand_over(
+            bench,
+            Document((model,), camera=camera),
+            target,
+            view=options.view,
+            refuse_baseless=not options.allow_template,
+        )
+        if written is None:
+            warn(caution.message for caution in bench.cautions(model, Job()))
     except UserError as problem:
         raise UserError(problem.message + _places(problem, drawing)) from problem
-    return report
+    return report, {} if written is None else {"written": written}
 
 
 def _places(problem: UserError, drawing: Any) -> str:
@@ -150,10 +157,3 @@ def _targets(inputs: Sequence[Path], output: str, ending: str | None) -> list[Pa
     if len(set(targets)) < len(targets):
         raise UserError("Two inputs have the same name, so their outputs would too. Rename one.")
     return targets
-
-
-def _write_text(path: Path, text: str) -> None:
-    from bozzetto.storage import write_bytes
-
-    make_folder(path)
-    write_bytes(path, text.encode())

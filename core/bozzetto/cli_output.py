@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +19,14 @@ __all__ = [
     "hand_over",
     "keep_apart",
     "make_folder",
+    "open_document",
+    "warn",
     "words_of_fault",
     "workbench",
+    "write_report",
 ]
+
+ASK_FOR_IT = "To write it all the same, say --allow-template."
 
 EXIT_FAULT = 1
 EXIT_ERROR = 2
@@ -30,17 +37,34 @@ def complain(message: str) -> None:
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
 
 
+def warn(messages: Iterable[str]) -> None:
+    """Say what a person must know of what was written, a line each."""
+    for message in messages:
+        print(f"warning: {' '.join(message.split())}", file=sys.stderr)
+
+
 def words_of_fault(fault: Exception) -> str:
     """A plugin's fault in one line."""
     return f"{fault} Its author can find the place with “bozzetto -v …”."
 
 
 def workbench() -> Any:
-    """A workbench with all plugins."""
+    """A workbench with all plugins but those that the person switched off."""
     from bozzetto.plugin.registry import Registry
+    from bozzetto.plugin.switched_off import switched_off
     from bozzetto.workbench import Workbench
 
-    return Workbench(Registry())
+    return Workbench(Registry(disabled=switched_off() or ()))
+
+
+def open_document(bench: Any, path: Path) -> Any:
+    """Read a document, and say what of it stays closed."""
+    from bozzetto.document.file import read_document
+
+    document, report = read_document(path, bench.registry)
+    for warning in report.warnings:
+        print(f"note: {warning}", file=sys.stderr)
+    return document
 
 
 def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | None) -> None:
@@ -55,35 +79,82 @@ def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | N
         raise UserError(f"{report} is a folder. The report needs a file name.")
 
 
-def hand_over(bench: Any, document: Any, target: Path, names: Sequence[str] | None = None) -> None:
-    """Write a document's shapes, or the document itself."""
-    from bozzetto.plugin.job import Job
+def hand_over(
+    bench: Any,
+    document: Any,
+    target: Path,
+    names: Sequence[str] | None = None,
+    *,
+    view: str | None = None,
+    refuse_baseless: bool = False,
+) -> dict[str, Any] | None:
+    """Write a document's shapes, or the document itself, and warn of what is not in it.
 
-    models = [model for model in document if names is None or model.name in names]
-    missing = set(names or ()) - {model.name for model in models}
-    if missing:
-        known = ", ".join(model.name for model in document)
-        raise UserError(f"There is no object {', '.join(sorted(missing))}; there are: {known}.")
+    Parameters
+    ----------
+    bench : Workbench
+    document : Document
+    target : Path
+    names : sequence of str, optional
+        Of the objects wanted; by default all that are visible.
+    view : str, optional
+        The standard view of a flat file; see `prepared_file`.
+    refuse_baseless : bool
+        Whether shapes that are not made from the input are an error; see `Caution`.
+
+    Returns
+    -------
+    dict or None
+        What was written and left out, as plain JSON values; None of a document.
+
+    Raises
+    ------
+    UserError
+        If there is no object of a name, nothing to write, or it cannot be written.
+    """
+    from bozzetto.document.file import write_document
+    from bozzetto.export_document import chosen_models, object_shapes, prepared_file
+    from bozzetto.plugin.job import Job
+    from bozzetto.storage import write_bytes
+
+    models, hidden = chosen_models(document, names)
     if target.suffix.lower() == ".bozz":
         if names is not None:
             raise UserError("A document keeps all its objects. Leave --object out.")
-        from bozzetto.document.file import write_document
-
+        if view is not None:
+            raise UserError("A document keeps its own view. Leave --view out.")
         make_folder(target)
         write_document(document, target)
-        return
-    from bozzetto.exchange.export import encoded
+        return None
+    objects = object_shapes(bench, models, Job())
+    objects = replace(objects, left_out=(*hidden, *objects.left_out))
+    baseless = objects.warnings(baseless_only=True)
+    if refuse_baseless and baseless:
+        raise UserError(f"{' '.join(baseless)} {ASK_FOR_IT}")
+    made = prepared_file(objects, target, document.camera, view=view)
+    make_folder(target)
+    write_bytes(target, made.data)
+    warn((*_waiting_ink(document), *objects.warnings(), *made.warnings()))
+    return made.as_values() | {"warnings": list(objects.warnings())}
+
+
+def _waiting_ink(document: Any) -> tuple[str, ...]:
+    """Return a warning of ink that no modeler has taken."""
+    if not document.waiting:
+        return ()
+    strokes = len(document.waiting)
+    return (
+        f"Ink waits in this document (strokes: {strokes}). It is no part of the shapes; open the "
+        "document to finish it.",
+    )
+
+
+def write_report(path: Path, said: dict[str, Any]) -> None:
+    """Write a report as JSON."""
     from bozzetto.storage import write_bytes
 
-    if document.waiting:
-        print(
-            f"note: ink waits in this document (strokes: {len(document.waiting)}). It is no part "
-            "of the shapes; open the document to finish it.",
-            file=sys.stderr,
-        )
-    data = encoded(bench.shapes(models, Job()), target, camera=document.camera)
-    make_folder(target)
-    write_bytes(target, data)
+    make_folder(path)
+    write_bytes(path, (json.dumps(said, indent=2, ensure_ascii=False) + "\n").encode())
 
 
 def make_folder(target: Path) -> None:

@@ -2,9 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from typing import Final
 
-__all__ = ["Cancelled", "DocumentError", "FormatError", "Unfinished", "UserError"]
+__all__ = [
+    "Cancelled",
+    "DocumentError",
+    "FormatError",
+    "Unfinished",
+    "UserError",
+    "message_of",
+    "words_of",
+]
+
+OBJECT: Final = re.compile(
+    r"<(?:[^<>]|<[^<>]*>)*?\bat 0x[0-9a-fA-F]+(?:[^<>]|<[^<>]*>)*>|\b0x[0-9a-fA-F]{6,}\b"
+)
+"""An object as Python shows it, with its address: it means nothing to a person."""
+
+LONGEST: Final = 300
+"""Characters of another library's message that are passed on."""
 
 
 class UserError(Exception):
@@ -51,3 +69,30 @@ class Unfinished(Exception):
 
 class Cancelled(Exception):
     """Raised by `Job.checkpoint` when nobody wants the answer any more."""
+
+
+def words_of(problem: BaseException) -> str:
+    """What an exception says, in words for a person: the middle of a sentence, on one line.
+
+    Whatever another library raised goes through here on its way into a message. The addresses
+    of objects go, and so does the full stop; who says nothing is told by the kind of fault.
+    """
+    if isinstance(problem, MemoryError):
+        return "there is not enough memory"
+    if isinstance(problem, RecursionError):
+        return "it is nested too deeply"
+    if isinstance(problem, OSError) and problem.strerror:
+        return problem.strerror
+    return message_of(problem) or f"an error of the kind {type(problem).__name__}"
+
+
+def message_of(problem: BaseException) -> str:
+    """The message of an exception, for a person who is told its kind, too; "" if there is none."""
+    try:
+        said = str(problem)
+    except Exception:  # its own __str__ may be a plugin's, and fail
+        said = ""
+    said = " ".join(OBJECT.sub("the data", said).split())
+    if len(said) > LONGEST:
+        said = f"{said[: LONGEST - 1]}…"
+    return said.rstrip(".")

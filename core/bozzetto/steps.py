@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Final, assert_never
 
 from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
 __all__ = ["run_steps"]
 
+MOST_SEEN: Final = 32
+"""Earlier states on which a gesture may have been made."""
+
 
 def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context) -> Model:
     """The model after all steps of a drawing.
@@ -57,12 +60,15 @@ def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context
     PluginFault
     """
     for number, step in enumerate(drawing.steps, 1):
+        before = model.state
         try:
             model = _after(bench, model, step, drawing, context)
         except UserError as problem:
             raise UserError(f"Step {number}: {problem.message}", places=problem.places) from problem
         except Unfinished as problem:
             raise UserError(f"Step {number} is not complete. {problem.hint}") from problem
+        # A hand that was quicker than the view drew on what it saw.
+        context = replace(context, seen=(before, *context.seen)[:MOST_SEEN])
     return model
 
 

@@ -23,6 +23,7 @@ from bozzetto.known_curves import KnownCurves
 from bozzetto.model_commands import ModelCommands
 from bozzetto.model_sources import ModelSources
 from bozzetto.part_edits import PartEdits
+from bozzetto.plugin.cautions import Caution, Warns
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
@@ -33,7 +34,7 @@ from bozzetto.plugin.modeler import (
     Tool,
 )
 from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.plugin.view_advice import AdvisesView, MovesView, ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.view.camera import Camera
 
@@ -205,28 +206,55 @@ class Workbench(ModelSources):
 
     # -- looking --
 
-    def view_advice(self, model: Model, camera: Camera) -> ViewAdvice | None:
+    def view_advice(
+        self, model: Model, camera: Camera, seen: Iterable[Model] = ()
+    ) -> ViewAdvice | None:
         """What a model's modeler says of a view of it; None where it gives no advice.
 
         The camera is in the world, and so is what comes back.
+
+        Parameters
+        ----------
+        model : Model
+        camera : Camera
+        seen : iterable of Model
+            The model as it was a moment ago, newest first, while the view was pinned to it. Where
+            it has changed, the view may have to go along; see `MovesView`.
         """
         modeler = self._modeler_of(model)
         if not isinstance(modeler, AdvisesView):
             return None
+        own = camera.moved(model.placement.inverse())
+        along = self._view_after(model, modeler, own, seen)
         advice = self.registry.guard.call(
-            model.modeler,
-            "view_advice",
-            modeler.view_advice,
-            model.state,
-            camera.moved(model.placement.inverse()),
+            model.modeler, "view_advice", modeler.view_advice, model.state, along or own
         )
         advice = self.registry.guard.check_advice(model.modeler, advice)
+        if along is not None:
+            advice = replace(advice, better=along, pinned=True, follow=True)
         better = advice.better
         return replace(
             advice,
             better=None if better is None else better.moved(model.placement),
             scene=scene_in_world(advice.scene, model),
         )
+
+    def _view_after(
+        self, model: Model, modeler: object, camera: Camera, seen: Iterable[Model]
+    ) -> Camera | None:
+        """Where a pinned view goes along to, in the model's own frame."""
+        if not isinstance(modeler, MovesView):
+            return None
+        for before in seen:
+            if before.state is model.state or before.placement != model.placement:
+                continue
+            found = self.registry.guard.call(
+                model.modeler, "view_after", modeler.view_after, before.state, model.state, camera
+            )
+            if found is not None:
+                view: Camera = self.registry.guard.check_view(model.modeler, found)
+                return view
+        return None
 
     def advice_scene(self, document: Document, camera: Camera) -> Scene:
         """What hangs on a view of the models that can be seen; lay it over their scene."""
@@ -336,6 +364,17 @@ class Workbench(ModelSources):
         )
         said = self.registry.guard.check_report(model.modeler, said)
         return {str(key): plain(value) for key, value in said.items()}
+
+    def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
+        """What a person must know of a model's result; empty where all is well."""
+        modeler = self._modeler_of(model)
+        if not isinstance(modeler, Warns):
+            return ()
+        result = self.solve(model, job)
+        said = self.registry.guard.call(
+            model.modeler, "cautions", modeler.cautions, model.state, result
+        )
+        return self.registry.guard.check_cautions(model.modeler, said)
 
     def _modeler_of(self, model: Model) -> Modeler[Any, Any]:
         self._refuse_closed(model)

@@ -1,26 +1,28 @@
 """From where a car is looked at: through its sketch, or past it.
 
 With every mark the camera of a sketch becomes another, and what was a view through the sketch
-looks past it by a hair. Such views are known by the stands that the sketch had a moment ago, and
-they go along to the same window of the picture, so that nothing but the car moves.
+looks past it by a hair. Such views are known by the car as it was a moment ago, which the host
+knows, and they go along to the same window of the picture, so that nothing but the car moves.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Final, Literal
 
-from bozzetto.plugin import Memory, ViewAdvice
+from bozzetto.errors import UserError
+from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.asking import asked_of, in_work, titled
-from bozzetto_car.body import Body
+from bozzetto_car.body import Body, body_of
 from bozzetto_car.showing import body_layers, hanging_on_view, is_shown
 from bozzetto_car.solving import FEWEST, Placed
 from bozzetto_car.stand import Stand
 from bozzetto_car.state import CarState, Sketch
 
-__all__ = ["advice_on", "note_stand", "stand_seen"]
+__all__ = ["advice_on", "stand_seen", "view_after"]
 
 NO_SKETCH: Final = "Drop a sketch on the sheet, or look at the template."
 
@@ -32,32 +34,51 @@ EXCHANGED: Final = (
 DRAFTED: Final = ("body", "wheels", "network")
 """Layers that look otherwise over a drawing, so that it can be seen."""
 
-MOST_SKETCHES: Final = 32
-"""Sketches whose stands are remembered."""
 
-MOST_STANDS: Final = 32
-"""Stands of one sketch that are remembered, the newest ones: a hand that drags a mark and lets it
-go, or takes a few steps back, passes through no more before the view has gone along."""
+def stand_seen(
+    sketch: Sketch, body: Body, camera: Camera, seen: Iterable[CarState] = ()
+) -> Stand | None:
+    """The stand through which a view looks at a sketch, as it is or was a moment ago.
 
-_stands: Memory[tuple[Stand, ...]] = Memory(MOST_SKETCHES)
-
-
-def note_stand(sketch: Sketch, stand: Stand) -> None:
-    """Remember that a sketch stood like this, so that views through it are known later on."""
-    question = (sketch.id, sketch.size)
-    known = _stands.known(question) or ()
-    if not known or known[0] is not stand:
-        others = tuple(one for one in known if one is not stand)
-        _stands.put(question, (stand, *others)[:MOST_STANDS])
-
-
-def stand_seen(sketch: Sketch, body: Body, camera: Camera) -> Stand | None:
-    """The stand through which a view looks at a sketch, as it is or was a moment ago."""
+    Parameters
+    ----------
+    sketch : Sketch
+    body : Body
+        As the car is now.
+    camera : Camera
+    seen : iterable of CarState
+        The car as it was a moment ago, newest first.
+    """
     now = body.stands.get(sketch.id)
-    if now is None:
+    if now is None or now.is_seen_through(camera):
+        return now
+    for state in seen:
+        before = _stand_before(sketch, state)
+        if before is not None and before.is_seen_through(camera):
+            return before
+    return None
+
+
+def view_after(seen: CarState, state: CarState, camera: Camera) -> Camera | None:
+    """The view of the same window of the sketch in work, where the car had another shape before."""
+    body = body_of(state)
+    placed = in_work(state, body.solved)
+    if placed is None:
         return None
-    before = _stands.known((sketch.id, sketch.size)) or ()
-    return next((stand for stand in (now, *before) if stand.is_seen_through(camera)), None)
+    now, before = body.stands[placed.sketch.id], _stand_before(placed.sketch, seen)
+    if before is None or now.is_seen_through(camera) or not before.is_seen_through(camera):
+        return None
+    return now.windowed(camera.viewport, before.window(camera))
+
+
+def _stand_before(sketch: Sketch, state: CarState) -> Stand | None:
+    """Where a sketch stood in an earlier state of its car; None where it was not there."""
+    if not any(one.id == sketch.id and one.size == sketch.size for one in state.sketches):
+        return None
+    try:
+        return body_of(state).stands.get(sketch.id)
+    except UserError:
+        return None
 
 
 def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
@@ -66,16 +87,10 @@ def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
     if placed is None:
         return ViewAdvice("good", NO_SKETCH, scene=scene)
     sketch = placed.sketch
-    stand, seen = body.stands[sketch.id], stand_seen(sketch, body, camera)
-    note_stand(sketch, stand)
-    if seen is not None:
+    stand = body.stands[sketch.id]
+    if stand.is_seen_through(camera):
         level, message = _said_of(state, body, placed)
-        if seen is stand:
-            scene = scene + _draft(state, body, placed)
-            return ViewAdvice(level, message, None, scene, pinned=True)
-        better = stand.windowed(camera.viewport, seen.window(camera))
-        scene = hanging_on_view(state, body, better) + _draft(state, body, placed)
-        return ViewAdvice(level, message, better, scene, pinned=True, follow=True)
+        return ViewAdvice(level, message, None, scene + _draft(state, body, placed), pinned=True)
     better = stand.view(camera.viewport)
     if state.selected == sketch.id and _sees_another(state, body, camera):
         return ViewAdvice("good", f"“{sketch.name}” is chosen.", better, scene, follow=True)

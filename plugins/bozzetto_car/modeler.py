@@ -9,15 +9,15 @@ from typing import Any, Final
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Command, Context, Job, Tool, ViewAdvice
+from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
 from bozzetto_car.body import Body, body_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.handing_over import curves_of, shapes_of
-from bozzetto_car.looking import advice_on
+from bozzetto_car.looking import advice_on, view_after
 from bozzetto_car.marks_file import car_from_facts, is_car_file
-from bozzetto_car.report import report_of
+from bozzetto_car.report import cautions_of, report_of
 from bozzetto_car.showing import scene_of
 from bozzetto_car.state import CarState, Group, Sketch, StylingCurve
 from bozzetto_car.styling_commands import styling_commands
@@ -98,11 +98,19 @@ class Car:
 
     def report(self, state: CarState, result: Body) -> Mapping[str, Any]:
         """Nodes, cameras, residuals, constraints, creases, dimensions."""
-        return report_of(state, result)
+        return report_of(result)
+
+    def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
+        """Marks and edits that were left out, and whether any sketch shapes the car."""
+        return cautions_of(result)
 
     def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:
         """Whether one looks through the sketch, and the way back to it."""
         return advice_on(state, body_of(state), camera)
+
+    def view_after(self, seen: CarState, state: CarState, camera: Camera) -> Camera | None:
+        """The view through the sketch's new camera, where one looked through an earlier one."""
+        return view_after(seen, state, camera)
 
     # -- parts --
 

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Caution
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body import Body
 from bozzetto_car.certainty import certainty, further_views
 from bozzetto_car.pictured import camera_matrix
 from bozzetto_car.solving import Placed, counted_marks
 from bozzetto_car.stand import Stand
-from bozzetto_car.state import CarState
 
-__all__ = ["report_of"]
+__all__ = ["cautions_of", "report_of"]
 
 
-def report_of(state: CarState, body: Body) -> dict[str, Any]:
+def report_of(body: Body) -> dict[str, Any]:
     """Nodes, cameras, what every mark is missed by, constraints, creases and dimensions.
 
     Returns
@@ -54,9 +54,14 @@ def report_of(state: CarState, body: Body) -> dict[str, Any]:
         if views:
             told["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
                                  "after_mm": views[0].after}  # fmt: skip
-    told["warnings"] = list(_warnings(state, body, told["constraints"]))
+    told["warnings"] = [caution.message for caution in cautions_of(body)]
     return told
 
+
+UNSOUND: Final = 1e-9
+"""Slack of a constraint, mm, below which it is not kept; what is nearer to none is rounding."""
+
+NO_CAMERA: Final = "No sketch has a camera yet, so the car is the bare template."
 
 SHORT = {
     "length": "LN",
@@ -138,26 +143,50 @@ def _matrix(stand: Stand) -> list[list[float]]:
     return rows
 
 
-def _warnings(state: CarState, body: Body, slacks: dict[str, float]) -> Iterator[str]:
+def cautions_of(body: Body) -> tuple[Caution, ...]:
+    """What was set aside, left out or not kept to; and whether any sketch shapes the car."""
+    told = list(_input_not_used(body))
+    told += _edits_left_out(body)
+    if body.dimensions_problem:
+        told.append(Caution(f"The dimensions were not set: {body.dimensions_problem}"))
+    variables = body.template.reduced(body.network.positions)
+    for name, slack in body.solved.soundness.least(variables).items():
+        if slack < -UNSOUND:
+            told.append(Caution(f"Not sound any more: {name} ({slack:.1f} mm)."))
+    return tuple(told)
+
+
+def _edits_left_out(body: Body) -> Iterator[Caution]:
+    """Edits that were left out for one reason are told in one sentence."""
+    numbers: dict[str, list[str]] = {}
+    for trouble in body.troubles:
+        numbers.setdefault(trouble.message, []).append(str(trouble.number + 1))
+    for message, row in numbers.items():
+        if len(row) == 1:
+            yield Caution(f"Edit {row[0]} was left out: {message}")
+        else:
+            yield Caution(f"Edits {', '.join(row[:-1])} and {row[-1]} were left out: {message}")
+
+
+def _input_not_used(body: Body) -> Iterator[Caution]:
     solved = body.solved
     if not solved.placed:
-        yield "There is no sketch. The car is the template as it stands."
+        yield Caution("There is no sketch. The car is the template as it stands.")
+    elif not solved.solid:
+        problems = (f"{p.sketch.name}: {p.problem}" for p in solved.placed.values() if p.problem)
+        why = next(problems, "Mark more nodes of a sketch.")
+        yield Caution(f"{NO_CAMERA} {why}", baseless=True)
     for placed in solved.placed.values():
         name = placed.sketch.name
-        if placed.problem:
-            yield f"{name}: {placed.problem}"
+        if placed.problem and solved.solid:
+            yield Caution(f"{name}: {placed.problem}")
         if placed.exchanged:
-            yield f"{name}: left and right seem to be exchanged. Exchange them and look again."
+            words = "left and right seem to be exchanged. Exchange them and look again."
+            yield Caution(f"{name}: {words}")
         for node in placed.disagreeing:
             off = (placed.left_out or {}).get(node, 0.0)
-            yield f"{name}: the mark {node} disagrees by {off:.0f} px and was set aside."
+            words = f"the mark {node} disagrees by {off:.0f} px and was set aside."
+            yield Caution(f"{name}: {words}")
         unknown = [m.node for m in placed.sketch.marks if m.node not in body.template.node]
         if unknown:
-            yield f"{name}: the template has no node {', '.join(unknown)}."
-    for trouble in body.troubles:
-        yield f"Edit {trouble.number + 1} was left out: {trouble.message}"
-    if body.dimensions_problem:
-        yield f"The dimensions were not set: {body.dimensions_problem}"
-    for name, slack in slacks.items():
-        if slack < -1e-9:
-            yield f"Not sound any more: {name} ({slack:.1f} mm)."
+            yield Caution(f"{name}: the template has no node {', '.join(unknown)}.")

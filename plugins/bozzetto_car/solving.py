@@ -44,7 +44,7 @@ REMEMBERED: Final = 32
 """Solves that are remembered."""
 
 FRAMES: Final = 4
-"""Frames of a drag that are remembered, for the next one to start from and for nothing else."""
+"""Frames of a drag that are remembered: the same one is asked for more than once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +100,9 @@ def solved(state: CarState, before: CarState | None = None) -> Solved:
     ----------
     state : CarState
     before : CarState, optional
-        The car as it was before one of its marks was dragged, or in the frame before: where to
-        start from. A mark that was aside there comes back later than it went, so that none
-        flickers. Nothing but the next frame sees what is found then.
+        The car as it was before one of its marks was dragged: where to start from, which is
+        quicker. A mark that was aside there comes back later than it went, so that none flickers.
+        Nobody sees what is found then but who asks with the same car before.
 
     Raises
     ------
@@ -111,15 +111,9 @@ def solved(state: CarState, before: CarState | None = None) -> Solved:
         there are too many sketches.
     """
     key = _question(state)
-    known = _solves.known(key)
-    if known is not None:
-        return known
-    if before is not None:
-        last = _frames.known(_question(before))
-        found = _solved(state, solved(before) if last is None else last)
-        _frames.put(key, found)
-        return found
-    return _solves.recall(key, lambda: _solved(state, None))
+    if before is None or key == (start := _question(before)):
+        return _solves.recall(key, lambda: _solved(state, None))
+    return _frames.recall((key, start), lambda: _solved(state, solved(before)))
 
 
 def _question(state: CarState) -> tuple[object, ...]:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Final
 import msgspec
 from msgspec import Meta
 
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 
 __all__ = [
     "FORMAT",
@@ -145,7 +145,7 @@ def _parsed(data: bytes) -> dict[str, Any]:
     except RecursionError:
         raise FormatError("The template is nested too deeply.") from None
     except ValueError as problem:
-        raise FormatError(f"The template is not valid JSON: {problem}.") from None
+        raise FormatError(f"The template is not valid JSON: {words_of(problem)}.") from None
     if not isinstance(top, dict):
         raise FormatError("The template is not a JSON object.")
     return top
@@ -179,7 +179,7 @@ def _as(value: Any, kind: Any, place: str) -> Any:
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError as problem:
-        words = str(problem)
+        words = words_of(problem)
         for pattern, meaning in _IN_WORDS.items():
             words = words.replace(f"`str` matching regex {pattern!r}", meaning)
         raise FormatError(f"{place}: {words}.") from None

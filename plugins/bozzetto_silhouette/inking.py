@@ -15,7 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto_silhouette.crossings import rings_that_cross, untangled
 from bozzetto_silhouette.tremor import filtered
 
-__all__ = ["rings_from_strokes", "thinned", "without_hooks"]
+__all__ = ["rings_from_strokes", "specks", "thinned", "without_hooks"]
 
 Points = NDArray[np.float64]
 
@@ -115,6 +115,14 @@ def rings_from_strokes(
             places=_places(meetings, size, middle),
         )
     return [r * size + middle for r in clean]
+
+
+def specks(strokes: Sequence[ArrayLike]) -> int:
+    """How many strokes are too small beside the others to be part of an outline."""
+    given = [np.asarray(s, dtype=np.float64)[:, :2] for s in strokes]
+    everything = np.concatenate(given)
+    size = float(np.ptp(everything, axis=0).max())
+    return sum(float(np.ptp(s, axis=0).max()) <= SMALLEST * size for s in given)
 
 
 def _places(points: Points, size: float, middle: Points) -> list[tuple[float, float]]:

@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Context, Job, Tool
+from bozzetto.plugin import Caution, Context, Job, Tool
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.ghosts import deviation_layer, ink_layer
@@ -21,7 +21,7 @@ from bozzetto_silhouette.leaf import solid_of
 from bozzetto_silhouette.painting import Painted, painted, texture_of
 from bozzetto_silhouette.places import placement_of, shown_parts
 from bozzetto_silhouette.posing import Posed, joints_layer, rig_facts, rig_of, skinned
-from bozzetto_silhouette.report import report_of
+from bozzetto_silhouette.report import cautions_of, report_of
 from bozzetto_silhouette.sheet import sheet_under
 from bozzetto_silhouette.solid import SilhouetteSolid
 from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
@@ -161,6 +161,10 @@ class Silhouette:
         told = report_of(state, result.body, result.solids)
         rig = None if result.body is None else rig_of(state)
         return told if rig is None else {**told, "rig": rig_facts(rig)}
+
+    def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
+        """Strokes that are not in the shape."""
+        return cautions_of(state)
 
     # -- parts --
 

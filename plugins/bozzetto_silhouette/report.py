@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import Caution, Memory
 from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.fidelity import Fidelity, area_of, measure
-from bozzetto_silhouette.ink_to_outline import outline_of
+from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet
+from bozzetto_silhouette.inking import specks
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.places import placement_of, shown_parts
 from bozzetto_silhouette.solid import SilhouetteSolid
@@ -19,7 +20,7 @@ from bozzetto_silhouette.soundness import topology_of
 from bozzetto_silhouette.state import Part, SilhouetteState
 from bozzetto_silhouette.walls import Walls, walls_of
 
-__all__ = ["fidelity_of", "report_of"]
+__all__ = ["cautions_of", "fidelity_of", "report_of"]
 
 PRINTABLE_WALL = 0.8
 """Thinnest wall that common printers hold, mm: two lines of a 0.4 mm nozzle."""
@@ -75,6 +76,17 @@ def report_of(
     if warnings:
         report["warnings"] = warnings
     return report
+
+
+def cautions_of(state: SilhouetteState) -> tuple[Caution, ...]:
+    """Strokes that are too small to be part of an outline."""
+    told = []
+    for part in shown_parts(state):
+        unused = specks(points_on_sheet(tuple(part.strokes), part.sheet)) if part.strokes else 0
+        if unused:
+            strokes, are = _counted(unused, "stroke"), "is" if unused == 1 else "are"
+            told.append(Caution(f"{strokes} of “{part.name}” {are} too small and {are} not used."))
+    return tuple(told)
 
 
 def _of_part(

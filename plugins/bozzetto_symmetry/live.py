@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.resample import resample
+from bozzetto.ink.resample import resample, steps_along
 from bozzetto_symmetry.matching import ASTRAY, share_astray
 from bozzetto_symmetry.signals import Signal, differences, spread
 from bozzetto_symmetry.stereo import Stereo
@@ -33,7 +33,7 @@ FURTHEST: Final = 1.5
 """Most samples by which a partner is moved to lie on the very epipolar line."""
 
 MOST_AT_ONCE: Final = 400
-"""New places taken in one call: a jump of the pen across a large sheet is not worth more."""
+"""Places taken between two samples: a jump of the pen across a large sheet is not worth more."""
 
 
 class Growing:
@@ -56,9 +56,8 @@ class Growing:
         self._slopes = tuple(np.gradient(signal.angles) for signal in self._senses)
         self._step = max(known.step, 1.0)
         self._price = UNEVEN * spread(known)
-        self._seen: int
         self._sense: int
-        self._pen: Array
+        self._places: Array
         self._found: list[Array]
         self._forget()
 
@@ -68,8 +67,8 @@ class Growing:
         Parameters
         ----------
         pixels : (n, 2) array_like
-            All of the second side so far, px. Ink that begins otherwise than in the call
-            before begins anew.
+            All of the second side so far, px. What is found depends on it alone; where it goes
+            on from the ink of the call before, only what is new is matched.
 
         Returns
         -------
@@ -78,41 +77,26 @@ class Growing:
             nothing meets.
         """
         ink = np.reshape(np.asarray(pixels, float), (-1, 2))
-        if len(ink) < self._seen or (self._seen and (ink[self._seen - 1] != self._pen).any()):
+        places = steps_along(ink, self._step, MOST_AT_ONCE)
+        known = len(self._places)
+        if known > len(places) or not np.array_equal(self._places, places[:known]):
             self._forget()
-        if len(ink) > self._seen:
-            self._take(self._places(ink[self._seen :]))
-            self._seen, self._pen = len(ink), ink[-1].copy()
+            known = 0
+        for number in range(known, len(places)):  # one by one: however often one asks
+            self._take(places[number : number + 1])
+        self._places = places
         found = self._found[self._sense]
         return np.array(found[np.isfinite(found).all(axis=1)])
 
     def _forget(self) -> None:
-        self._seen = 0
-        self._pen = np.zeros(2)
-        self._rest = 0.0
+        self._places = np.zeros((0, 2))
         self._tail = Signal(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
         self._sums = np.zeros((2, SAMPLES))
         self._sources: list[NDArray[np.intp]] = []
         self._found = [np.zeros((0, 3)), np.zeros((0, 3))]
         self._sense = 0
 
-    def _places(self, ink: Array) -> Array:
-        """New places at even steps along the pen's way, whose samples are near or far apart."""
-        if not self._seen:
-            line, start = ink, 0.0
-        else:
-            line, start = np.vstack([self._pen, ink]), self._step - self._rest
-        along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))))
-        stations = np.arange(start, along[-1] + 1e-9 * self._step, self._step)[:MOST_AT_ONCE]
-        if len(stations):
-            self._rest = float(along[-1] - stations[-1])
-        else:
-            self._rest += float(along[-1])
-        return np.column_stack([np.interp(stations, along, column) for column in line.T])
-
     def _take(self, places: Array) -> None:
-        if not len(places):
-            return
         signal = self._signal(places)
         # The sense in which the second side is drawn is not known: both are followed.
         tables = np.stack([differences(signal, known) for known in self._senses], axis=1)

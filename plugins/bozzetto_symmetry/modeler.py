@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Command, Context, Job, Tool, ViewAdvice
+from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.advice import advice
@@ -20,7 +20,7 @@ from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.drawing_facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.handing_over import shapes_of
 from bozzetto_symmetry.landing import drawn_curves, waiting_view
-from bozzetto_symmetry.report import report_of
+from bozzetto_symmetry.report import cautions_of, report_of
 from bozzetto_symmetry.showing import scene_of
 from bozzetto_symmetry.state import Curve, Group, Line, SymmetryState
 from bozzetto_symmetry.tools import all_tools
@@ -119,6 +119,10 @@ class Symmetry:
     def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
         """Readings, control points and uncertainties of all curves."""
         return report_of(state, result.traces, result.problems)
+
+    def cautions(self, state: SymmetryState, result: SymmetryResult) -> tuple[Caution, ...]:
+        """Curves that are missing or not sure, and why."""
+        return cautions_of(state, result.traces, result.problems)
 
     def commands(self) -> Sequence[Command]:
         """What can be done to the chosen curve at one word."""

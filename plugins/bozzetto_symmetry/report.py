@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from bozzetto.plugin import Caution
 from bozzetto_symmetry.state import Curve, SymmetryState
 from bozzetto_symmetry.trace import Trace
 
-__all__ = ["report_of"]
+__all__ = ["cautions_of", "report_of"]
 
 
 def report_of(
@@ -40,6 +41,18 @@ def report_of(
         "plane": {"point": list(plane.point), "normal": list(plane.normal)},
         "unit": "mm",
     }
+
+
+def cautions_of(
+    state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
+) -> tuple[Caution, ...]:
+    """Curves that could not be read, that wait for their other side, or are not sure."""
+    told = []
+    for curve in state.curves:
+        trace = traces.get(curve.id)
+        words = (problems.get(curve.id, ""),) if trace is None else trace.warnings
+        told += [Caution(f"“{curve.name}”: {said}") for said in words if said]
+    return tuple(told)
 
 
 def _nothing(curve: Curve) -> dict[str, Any]:

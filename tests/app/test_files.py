@@ -13,7 +13,9 @@ import zipfile
 import numpy as np
 import pytest
 
+from bozzetto.document.codec import OpaqueState
 from bozzetto.document.lock import FileLock, Locked, document_lock_path, holder
+from bozzetto.document.model import Model, new_id
 from bozzetto.exchange.importing import read_mesh
 from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
@@ -182,6 +184,19 @@ def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle
     settle(session)
     assert not (tmp_path / "out.stl").exists()
     assert len(words(session, "error")) == 1
+
+
+def test_what_an_export_leaves_out_is_named(session, settle, tmp_path):
+    draw(session, settle)
+    stranger = Model(new_id(), "Stranger", "nobody.knows", OpaqueState(1, b"{}", (), ()))
+    session.commit("open", session.document.with_model(stranger))
+    settle(session)
+    session.files.export(tmp_path / "out.stl")
+    settle(session)
+    (said,) = words(session, "error")
+    assert said.startswith("Exported “out.stl”. Left out of the STL file: “Stranger” (")
+    assert "is not installed" in said
+    assert (tmp_path / "out.stl").exists()
 
 
 def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_path):

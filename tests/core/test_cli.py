@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+import bozzetto_car
 from bozzetto.cli import main
 
 SQUARE = (
@@ -248,6 +250,115 @@ def test_the_module_is_a_program(tmp_path):
     )
     assert "no.svg" in refused(Finished(process.returncode, process.stdout, process.stderr))
     assert list(tmp_path.iterdir()) == []
+
+
+# -- what leaves is honest ---------------------------------------------------------------------
+
+FEW = 5
+"""Marks of a sketch: one fewer than a camera needs."""
+
+
+def marks_file(folder, count):
+    """The bundled car sample with so many marks, and nothing drawn on it."""
+    samples = Path(bozzetto_car.__file__).parent / "samples"
+    told = json.loads((samples / "hatchback.json").read_text())
+    (folder / "hatchback.png").write_bytes((samples / "hatchback.png").read_bytes())
+    for view in told["views"]:
+        view["marks"] = dict(list(view["marks"].items())[:count])
+        view.pop("strokes", None)
+    told.pop("styling")
+    path = folder / "few.json"
+    path.write_text(json.dumps(told))
+    return path
+
+
+def test_a_car_without_a_camera_is_an_error_unless_the_template_is_asked_for(bozzetto, tmp_path):
+    few = marks_file(tmp_path, FEW)
+    said = refused(bozzetto("build", "car", few, "-o", "car.step"))
+    assert "bare template" in said
+    assert "--allow-template" in said
+    assert not (tmp_path / "car.step").exists()
+    process = bozzetto("build", "car", few, "-o", "car.step", "--allow-template")
+    assert process.returncode == 0
+    assert "warning: No sketch has a camera yet" in process.stderr
+    assert (tmp_path / "car.step").exists()
+    # A document is there to be gone on with.
+    process = bozzetto("build", "car", few, "-o", "car.bozz")
+    assert process.returncode == 0
+    assert "bare template" in process.stderr
+    # … and what is made of it later says so as well.
+    process = bozzetto("export", "car.bozz", "-o", "car.glb")
+    assert process.returncode == 0
+    assert "bare template" in process.stderr
+
+
+def test_what_is_left_out_is_said_and_stands_in_the_report(bozzetto, tmp_path):
+    sample = Path(bozzetto_car.__file__).parent / "samples/hatchback.json"
+    process = bozzetto("build", "car", sample, "-o", "car.3mf", "--report", "built.json")
+    assert process.returncode == 0
+    assert "warning: Left out of the 3MF file: 22 curves" in process.stderr
+    built = json.loads((tmp_path / "built.json").read_text())
+    assert built["written"]["format"] == "3mf"
+    assert built["written"]["left_out"][0]["what"] == "22 curves"
+    assert len(built["written"]["left_out"][0]["names"]) == 22
+    bozzetto("build", "car", sample, "-o", "car.bozz")
+    process = bozzetto("export", "car.bozz", "-o", "again.3mf", "--report", "exported.json")
+    assert process.returncode == 0
+    exported = json.loads((tmp_path / "exported.json").read_text())
+    assert exported["written"] == built["written"]
+    (one,) = exported["objects"]
+    assert (one["name"], one["modeler"]) == ("hatchback", "bozzetto.car")
+    assert one["report"] == {key: value for key, value in built.items() if key != "written"}
+    assert exported["written"]["bytes"] == (tmp_path / "again.3mf").stat().st_size
+
+
+def test_an_svg_of_a_car_shows_it(bozzetto, tmp_path):
+    """It was a blank page, with coordinates up to 13,001,643."""
+    sample = Path(bozzetto_car.__file__).parent / "samples/hatchback.json"
+    bozzetto("build", "car", sample, "-o", "car.bozz")
+    for words in ((), ("--view", "right"), ("--view", "top")):
+        process = bozzetto("export", "car.bozz", "-o", "car.svg", *words)
+        assert process.returncode == 0, process.stderr
+        text = (tmp_path / "car.svg").read_text()
+        x, y, width, height = map(float, re.search('viewBox="([^"]*)"', text)[1].split())
+        starts = np.array(re.findall(r'd="M([-\d.e+]+),([-\d.e+]+)', text), float)
+        assert len(starts) == 22
+        assert (starts > (x, y)).all()
+        assert (starts < (x + width, y + height)).all()
+        assert (np.ptp(starts, axis=0) > (0.3 * width, 0.1 * height)).all()
+    assert "no view called 'aside'" in refused(
+        bozzetto("export", "car.bozz", "-o", "car.svg", "--view", "aside")
+    )
+
+
+def test_hidden_and_closed_objects_are_named(bozzetto, square, tmp_path):
+    bozzetto("build", "silhouette", square, "-o", "doc.bozz")
+    bozzetto("plugins", "disable", "silhouette")
+    process = bozzetto("export", "doc.bozz", "-o", "out.stl")
+    assert process.returncode == 2
+    assert "“square” (its plugin bozzetto.silhouette is switched off)" in process.stderr
+    process = bozzetto("render", "doc.bozz", "-o", "out.png", "--size", "80x60")
+    assert process.returncode == 0
+    assert "warning: Left out of the picture: “square”" in process.stderr
+    bozzetto("plugins", "enable", "silhouette")
+    process = bozzetto("export", "doc.bozz", "-o", "out.stl")
+    assert process.returncode == 0
+    assert process.stderr == ""
+
+
+def test_strokes_that_are_too_small_are_named(bozzetto, tmp_path):
+    (tmp_path / "dot.svg").write_text(SQUARE.replace("</svg>", '<path d="M60,60 l.05,.05"/></svg>'))
+    process = bozzetto("build", "silhouette", "dot.svg", "-o", "dot.stl")
+    assert process.returncode == 0
+    assert "warning: 1 stroke of “Part 1” is too small and is not used." in process.stderr
+
+
+def test_a_picture_takes_the_documents_own_view_where_all_lies_in_it(bozzetto, square, tmp_path):
+    bozzetto("build", "silhouette", square, "-o", "doc.bozz")
+    for name, words in (("own", ()), ("oblique", ("--view", "three-quarter"))):
+        process = bozzetto("render", "doc.bozz", "-o", f"{name}.png", "--size", "60x45", *words)
+        assert process.returncode == 0
+    assert (tmp_path / "own.png").read_bytes() != (tmp_path / "oblique.png").read_bytes()
 
 
 def test_plugins_are_listed(bozzetto):

@@ -15,12 +15,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from bozzetto.errors import UserError
 from bozzetto.plugin.registry import PluginInfo
 from bozzetto_app.dialogs.fault_details import FaultDetails
 from bozzetto_app.dialogs.page import Page, label, quiet
 from bozzetto_app.icons import paint_icon
 from bozzetto_app.panels.toggle import Toggle
-from bozzetto_app.settings import settings
+from bozzetto_app.settings import keep_plugin_disabled
 from bozzetto_app.theme import tones
 from bozzetto_app.words import tr
 
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
 __all__ = ["PluginManager"]
-
-DISABLED_PLUGINS = "plugins/disabled"
-"""Setting: ids of the plugins that stay off."""
 
 
 class _Sign(QWidget):
@@ -121,6 +119,7 @@ class PluginManager(Page):
         if info.summary:
             words.addWidget(label(info.summary))
         state = quiet(tr("Plugins", "{id}: {state}", id=info.id, state=_said(info.status)))
+        state.setToolTip(tr("Plugins", "Package {package}", package=info.package))
         words.addWidget(state)
         for warning in info.warnings:
             words.addWidget(quiet(warning))
@@ -156,7 +155,9 @@ class PluginManager(Page):
     def _switch(self, plugin: str, on: bool) -> None:
         registry = self._session.registry
         registry.set_disabled(plugin, not on)
-        off = [info.id for info in registry.plugins() if info.status == "disabled"]
-        settings().setValue(DISABLED_PLUGINS, off)
+        try:
+            keep_plugin_disabled(plugin, not on)
+        except UserError as problem:
+            self._session.complain(problem)
         self.refresh()
         self.switched.emit(plugin, on)

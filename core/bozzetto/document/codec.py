@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bozzetto.document.aside import Aside
 from bozzetto.document.forms import form_of
-from bozzetto.errors import DocumentError, UserError
+from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.exchange.json_size import MAX_VALUES, json_values
 from bozzetto.ink.stroke import Stroke
 
@@ -153,7 +153,7 @@ def decode_state(
         state: State = form_of(state_type).read(raw, aside)
         _check_parameters(state)
     except Exception as problem:  # types, checks and upgrades are the plugin's code
-        raise DocumentError(f"{type(problem).__name__}: {problem}") from problem
+        raise DocumentError(f"{type(problem).__name__}: {words_of(problem)}") from problem
     return state
 
 

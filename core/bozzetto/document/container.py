@@ -23,7 +23,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import DocumentError, UserError
+from bozzetto.errors import DocumentError, UserError, words_of
 
 __all__ = [
     "DTYPES",
@@ -134,7 +134,7 @@ def decode_json(text: bytes, kind: type[Value]) -> Value:
     try:
         return msgspec.json.decode(text, type=kind)
     except (msgspec.MsgspecError, UserError, ValueError, RecursionError) as problem:
-        raise DocumentError(f"This document's lists are damaged: {problem}.") from problem
+        raise DocumentError(f"This document's lists are damaged: {words_of(problem)}.") from problem
 
 
 def is_safe_name(name: str) -> bool:

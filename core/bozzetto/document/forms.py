@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from bozzetto.document.aside import Aside, Refusal, runs
 from bozzetto.document.container import DTYPES, MAX_AXES, all_finite, dtype_name
+from bozzetto.errors import words_of
 from bozzetto.ink.stroke import Stroke, Strokes
 
 __all__ = ["Form", "form_of"]
@@ -200,7 +201,8 @@ class _Dataclass(Form):
                 try:
                     found[entry.name] = form_of(hints[entry.name]), optional
                 except TypeError as problem:
-                    raise TypeError(f"{self.type.__name__}.{entry.name}: {problem}") from None
+                    where = f"{self.type.__name__}.{entry.name}"
+                    raise TypeError(f"{where}: {words_of(problem)}") from None
         return found
 
     def takes(self, value: Any) -> bool:
@@ -240,7 +242,7 @@ class _Dataclass(Form):
         try:
             return self.type(**made)
         except Exception as problem:  # __post_init__ is the plugin's code: any fault is a refusal
-            raise Refusal(f"{self.type.__name__}: {problem}") from problem
+            raise Refusal(f"{self.type.__name__}: {words_of(problem)}") from problem
 
     def _descend(self, aside: Aside) -> None:
         aside.depth += 1

@@ -36,7 +36,7 @@ from bozzetto.document.file import open_document, parse_document, write_document
 from bozzetto.document.journal import JournalReader, JournalWriter
 from bozzetto.document.lock import FileLock, left_by
 from bozzetto.document.model import Document
-from bozzetto.errors import DocumentError, UserError
+from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.leftovers import remove_leftovers
 from bozzetto.storage import DISK, FileStamp, atomic_write, explain
@@ -421,7 +421,7 @@ def _recovered(
             base = parse_document(place.read_bytes())
         except (DocumentError, OSError) as problem:
             unread = problem if isinstance(problem, OSError) else unread
-            problems.append(f"A later state could not be read: {problem}")
+            problems.append(f"A later state could not be read: {words_of(problem)}.")
             continue
         progress()
         replay = Replay(base)
@@ -434,7 +434,7 @@ def _recovered(
             if journal.is_damaged:
                 problems.append("Later changes could not be read: the journal is damaged.")
         except (DocumentError, OSError) as problem:
-            problems.append(f"Later changes could not be read: {problem}")
+            problems.append(f"Later changes could not be read: {words_of(problem)}.")
         document, report = open_document(replay.stored, states)
         last = session.complete_to if replay.time is None else replay.time
         warnings = (*problems, *report.warnings)

@@ -184,7 +184,7 @@ def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | No
     if known is None:
         return model, (
             f"“{header.name}” was made with the plugin {header.modeler!r}, which is not "
-            "installed. It is kept as it is and cannot be changed."
+            "installed or switched off. It is kept as it is and cannot be changed."
         )
     state_type, version = known
     if header.state_version > version:

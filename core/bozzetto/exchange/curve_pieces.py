@@ -19,7 +19,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.shapes import Curve, Shapes
 
-__all__ = ["RESOLUTION", "bezier_pieces", "checked_curves", "readable"]
+__all__ = ["RESOLUTION", "bezier_pieces", "checked_curves", "points_on", "readable"]
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,10 @@ RESOLUTION: Final = 1e-6
 
 MAX_DEGREE: Final = 25
 """Highest degree written: the limit of the OpenCASCADE kernel, the lowest of the kernels known."""
+
+SHARES_OF_SPAN: Final = np.linspace(0.0, 1.0, 9)[:, None, None, None]
+"""Where on a span the points lie by which it is framed."""
+SHARES_OF_SPAN.flags.writeable = False
 
 SAME_KNOT: Final = 8
 """Knots are one if they are at most so many of the largest knot's last binary places apart.
@@ -119,6 +123,18 @@ def bezier_pieces(curve: Curve) -> Array:
                 row[j] = rest * row[j - 1] + share * row[j]
         found[:, ends] = row[degree]
     return found
+
+
+def points_on(curve: Curve) -> Array:
+    """Some points (n, 3) of every span of a curve, its ends among them, mm; to frame it by."""
+    found = []
+    for piece in checked_curves(Shapes(curves=(curve,))):
+        row = bezier_pieces(piece)[None]
+        while row.shape[2] > 1:  # de Casteljau, for all spans and shares at once
+            row = row[:, :, :-1] + SHARES_OF_SPAN * (row[:, :, 1:] - row[:, :, :-1])
+        found.append(row.reshape(-1, 4))
+    homogeneous = np.concatenate(found)
+    return np.asarray(homogeneous[:, :3] / homogeneous[:, 3:])
 
 
 # -- from one curve to its pieces --------------------------------------------------------------

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import Final
+from dataclasses import dataclass
+from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
+from bozzetto.exchange.left_out import LeftOut, parts_left_out, with_place
 from bozzetto.exchange.solid_check import check_solid
 from bozzetto.exchange.surface_pieces import with_meshes
 from bozzetto.geometry.shapes import Shapes
@@ -14,13 +16,55 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.storage import write_bytes
 from bozzetto.view.camera import Camera
 
-__all__ = ["encoded", "export", "has_room", "write_drawing"]
+__all__ = ["Exported", "encoded", "export", "has_room", "prepared", "write_drawing"]
 
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
 """What people call a kind of content, where it is not the kind's own name."""
 
 
-def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> None:
+@dataclass(frozen=True)
+class Exported:
+    """A file of another program's format, and what became of the shapes.
+
+    Attributes
+    ----------
+    format : Format
+    data : bytes
+        The whole file.
+    parts : Shapes
+        What is in it; exact surfaces may have become triangles there.
+    left_out : tuple of LeftOut
+    """
+
+    format: Format
+    data: bytes
+    parts: Shapes
+    left_out: tuple[LeftOut, ...]
+
+    def warnings(self) -> tuple[str, ...]:
+        """What a person must know of it, a sentence each."""
+        file = f"{self.format.short} file"
+        return tuple(part.sentence(file) for part in self.left_out if part.is_content)
+
+    def as_values(self) -> dict[str, Any]:
+        """Plain JSON values for a report."""
+        named: dict[str, tuple[Any, ...]] = {
+            "solids": self.parts.solids,
+            "surfaces": self.parts.surfaces,
+            "exact_surfaces": self.parts.patchworks,
+            "curves": self.parts.curves,
+        }
+        return {
+            "format": self.format.id,
+            "bytes": len(self.data),
+            **{kind: [part.name for part in parts] for kind, parts in named.items()},
+            "left_out": [part.as_values() for part in self.left_out],
+        }
+
+
+def export(
+    shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
+) -> Exported:
     """Write shapes to a file, in the format that its ending names.
 
     Parameters
@@ -33,16 +77,36 @@ def export(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | Non
     camera : Camera, optional
         The view for flat formats; by default the front view of all there is.
 
+    Returns
+    -------
+    Exported
+        Names all that was left out.
+
     Raises
     ------
     UserError
         If the ending is unknown, there is nothing that the format holds, a solid is not
         closed (`check_solid`), or the file cannot be written.
     """
-    write_bytes(path, encoded(shapes, path, camera=camera))
+    made = prepared(shapes, path, camera=camera)
+    write_bytes(path, made.data)
+    return made
 
 
 def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> bytes:
+    """The bytes that `export` would write.
+
+    Raises
+    ------
+    UserError
+        As `export`.
+    """
+    return prepared(shapes, path, camera=camera).data
+
+
+def prepared(
+    shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
+) -> Exported:
     """What `export` would write, without touching the disk.
 
     Raises
@@ -52,13 +116,13 @@ def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | No
     """
     chosen = find(path, writers("mesh", "surfaces", "curves"))
     _check(shapes, chosen)
+    parts, left_out = with_place(shapes, chosen), parts_left_out(shapes, chosen)
     if chosen.flat:
-        view: bytes = function(chosen, "write_view")(shapes, camera)
-        return view
-    if "mesh" in chosen.holds:
-        shapes = with_meshes(shapes)
-    data: bytes = function(chosen, "write_shapes")(shapes)
-    return data
+        data: bytes = function(chosen, "write_view")(parts, camera)
+    else:
+        written = with_meshes(parts) if "mesh" in chosen.holds else parts
+        data = function(chosen, "write_shapes")(written)
+    return Exported(chosen, data, parts, left_out)
 
 
 def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:

@@ -6,7 +6,7 @@ import os
 import stat
 from typing import BinaryIO, Final
 
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import FormatError, UserError, words_of
 
 __all__ = ["file_size", "read_bytes"]
 
@@ -64,7 +64,7 @@ def _opened(name: str) -> BinaryIO:
             raise UserError(f"“{name}” is a folder. Choose a file inside it.") from None
         raise UserError(f"“{name}” may not be read. Check its permissions.") from None
     except (OSError, ValueError) as error:
-        raise UserError(f"“{name}” cannot be read: {error}") from error
+        raise UserError(f"“{name}” cannot be read: {words_of(error)}.") from error
     mode = os.fstat(handle).st_mode
     if not stat.S_ISREG(mode):
         os.close(handle)

@@ -52,6 +52,9 @@ class Format:
         Where the functions are.
     flat : bool
         Shapes are written as seen through a camera.
+    keeps : tuple of {"colors", "bones"}
+        What is written of a mesh besides its shape: painted colours, and the bones that it
+        hangs on.
     """
 
     id: str
@@ -62,6 +65,12 @@ class Format:
     reads: bool
     module: str
     flat: bool = False
+    keeps: tuple[Literal["colors", "bones"], ...] = ()
+
+    @property
+    def short(self) -> str:
+        """What people call its files, such as "STEP"."""
+        return self.endings[0].removeprefix(".").upper()
 
 
 def _here(module: str) -> str:
@@ -73,10 +82,30 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 
 FORMATS: Final[tuple[Format, ...]] = (
     Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("stl")),
-    Format("3mf", "3MF for printing", (".3mf",), ("mesh",), True, False, _here("threemf")),
-    Format("glb", "glTF binary", (".glb",), ("mesh",), True, True, _here("glb")),
-    Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, _here("obj")),
-    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("ply")),
+    Format(
+        "3mf",
+        "3MF for printing",
+        (".3mf",),
+        ("mesh",),
+        True,
+        False,
+        _here("threemf"),
+        keeps=("colors",),
+    ),
+    Format(
+        "glb",
+        "glTF binary",
+        (".glb",),
+        ("mesh",),
+        True,
+        True,
+        _here("glb"),
+        keeps=("colors", "bones"),
+    ),
+    Format(
+        "obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, _here("obj"), keeps=("colors",)
+    ),
+    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("ply"), keeps=("colors",)),
     Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg"), True),
     Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, _here("step")),
     Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, _here("iges")),

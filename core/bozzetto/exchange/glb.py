@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.color import WHITE, linear_to_srgb, srgb_to_linear
 from bozzetto.exchange.gltf_scene import (
     TRIANGLES,
@@ -254,7 +254,7 @@ def _opened(data: bytes) -> tuple[Gltf, bytes]:
     try:
         gltf = msgspec.json.decode(data[20 : 20 + size].rstrip(b" \0"), type=Gltf)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
-        raise FormatError(f"Its description cannot be understood: {error}.") from error
+        raise FormatError(f"Its description cannot be understood: {words_of(error)}.") from error
     missing = [name for name in gltf.extensions_required if not name.startswith(HARMLESS)]
     if missing:
         raise FormatError(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_PIXELS, at_most
 from bozzetto.scene.png import rgba_pixels
 
@@ -69,7 +69,7 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
         raise
     except Exception as error:
         # Decoders leak all kinds of exceptions on damaged files; there is no list of them.
-        raise FormatError(f"This picture cannot be read: {error}.") from error
+        raise FormatError(f"This picture cannot be read: {words_of(error)}.") from error
 
 
 def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:

@@ -21,7 +21,7 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import FormatError, UserError, words_of
 from bozzetto.exchange.camera_record import (
     CameraRecord,
     CanvasRecord,
@@ -124,7 +124,7 @@ def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
     try:
         return msgspec.json.decode(text, type=kind)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise FormatError(f"{place}: {error}.") from error
+        raise FormatError(f"{place}: {words_of(error)}.") from error
     except RecursionError:
         raise FormatError(f"{place}: nested too deeply.") from None
 

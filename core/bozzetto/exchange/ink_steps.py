@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import msgspec
 
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.camera_record import (
     CameraRecord,
     CanvasRecord,
@@ -95,7 +95,7 @@ def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
     try:
         return msgspec.json.decode(text, type=kind)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise FormatError(f"{place}: {error}.") from error
+        raise FormatError(f"{place}: {words_of(error)}.") from error
     except RecursionError:
         raise FormatError(f"{place}: nested too deeply.") from None
 

@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import FormatError, UserError, words_of
 from bozzetto.exchange.camera_record import (
     CameraRecord,
     CanvasRecord,
@@ -142,7 +142,7 @@ def _json(text: str, kind: Any) -> Any:
     try:
         return msgspec.json.decode(text.encode(), type=kind)
     except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
-        raise FormatError(f"An annotation cannot be understood: {error}.") from error
+        raise FormatError(f"An annotation cannot be understood: {words_of(error)}.") from error
 
 
 class _View(msgspec.Struct):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.curve_pieces import RESOLUTION, checked_curves
+from bozzetto.exchange.page_clip import clipped
 from bozzetto.exchange.sheet import Sheet
 from bozzetto.exchange.svg_curves import FRONT, camera_matrix, picture
 from bozzetto.exchange.svg_path import Subpath, flattened
@@ -65,12 +66,12 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
 
     Parallel views of polylines and of curves up to degree three without weights are exact, and
     so are polylines in perspective. All else is right within `STRAY`. Front views are in
-    millimetres, others in pixels.
+    millimetres, others in pixels. What lies beyond the page is cut off.
 
     Raises
     ------
     UserError
-        As `checked_curves`, or if no curve lies before the eye.
+        As `checked_curves`, or if no curve lies on the page.
     """
     curves = checked_curves(shapes)
     sheet = None if camera is None else Sheet.of_front_view(camera)
@@ -88,6 +89,12 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
     if sheet is None:
         chord = BOUNDS * size
         sheet = Sheet.around([flattened(path, chord) for _, path in seen], MARGIN)
+    else:
+        low = np.array((sheet.x, sheet.y))
+        high = np.add(low, (sheet.width, sheet.height))
+        seen = [(curve, part) for curve, path in seen for part in clipped(path, low, high)]
+        if not seen:
+            raise UserError("No curve lies on the page. Turn the view to them, then export.")
     lines = [_path(_pen(path, curve), curve.color, curve.name) for curve, path in seen]
     return _document(sheet, lines, unit)
 

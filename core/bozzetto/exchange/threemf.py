@@ -3,6 +3,9 @@
 Core specification 1.3 and the materials extension's ``m:colorgroup``. Three libraries were
 tried as writers; one drops colours and breaks the schema, one is refused by a common
 reader. This is the plain file that all readers tried accept.
+
+Open shells are objects of the type "model", too: slicers pass over the type "surface" and then
+refuse the file as empty, while they mend or slice an open shell of the type "model".
 """
 
 from __future__ import annotations
@@ -90,13 +93,12 @@ def _object(part: Solid | Surface, color_id: int, object_id: int) -> str:
         if len(palette) > 1:
             line = f'<triangle v1="%d" v2="%d" v3="%d" pid="{color_id}" p1="%d" p2="%d" p3="%d"/>'
             rows = np.hstack((rows, index.ravel()[faces]))
-    kind = "model" if isinstance(part, Solid) else "surface"
     vertices = ('<vertex x="%.9g" y="%.9g" z="%.9g"/>' * len(part.mesh.vertices)) % tuple(
         part.mesh.vertices.ravel().tolist()
     )
     triangles = (line * len(rows)) % tuple(rows.ravel().tolist())
     name = quoteattr(writable(part.name))
     return (
-        f'{group}<object id="{object_id}" type="{kind}" name={name}{default}><mesh>'
+        f'{group}<object id="{object_id}" type="model" name={name}{default}><mesh>'
         f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>\n"
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 from xml.parsers import expat
 
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, at_most
 
 __all__ = ["Element", "parsed", "writable"]
@@ -102,7 +102,7 @@ def parsed(data: bytes) -> Element:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        raise FormatError(f"This is not well-formed XML: {error}.") from error
+        raise FormatError(f"This is not well-formed XML: {words_of(error)}.") from error
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
-        raise FormatError(f"Its text encoding cannot be read: {error}.") from error
+        raise FormatError(f"Its text encoding cannot be read: {words_of(error)}.") from error
     return top.children[0]

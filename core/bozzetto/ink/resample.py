@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.stroke import COLUMNS, Stroke
 
-__all__ = ["arc_length", "distinct", "resample", "resample_stroke"]
+__all__ = ["arc_length", "distinct", "resample", "resample_stroke", "steps_along"]
 
 Array = NDArray[np.float64]
 
@@ -149,3 +149,34 @@ def resample_stroke(
         color=stroke.color,
         group=stroke.group,
     )
+
+
+def steps_along(points: ArrayLike, step: float, most: int) -> Array:
+    """Places at even steps along a polyline that grows: those of a longer one begin with them.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+    step : float
+        Length between two places.
+    most : int
+        Most places between two points; after a leap they are farther apart.
+
+    Returns
+    -------
+    (k, 2) float
+        The first point, then one after every step; in general not the last point.
+    """
+    line = np.asarray(points, float)
+    if not len(line):
+        return line
+    along = arc_length(line)
+    steps = step * np.arange(np.floor(along[-1] / step) + 1.0)
+    steps = steps[steps <= along[-1]]
+    span = np.searchsorted(along, steps, side="left")
+    leaps = np.flatnonzero(np.bincount(span, minlength=len(line)) > most)
+    if len(leaps):
+        rest = [steps[~np.isin(span, leaps)]]
+        rest += [np.linspace(along[k - 1], along[k], most + 1)[1:] for k in leaps.tolist()]
+        steps = np.sort(np.concatenate(rest))
+    return np.column_stack([np.interp(steps, along, column) for column in line.T])

@@ -7,6 +7,7 @@ A plugin imports from here, from `bozzetto.ink`, `bozzetto.view`, `bozzetto.geom
 from __future__ import annotations
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.plugin.cautions import Caution, Warns
 from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context, PenSettings
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
@@ -34,13 +35,14 @@ from bozzetto.plugin.parts import (
     unused_name,
     with_part,
 )
-from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.plugin.view_advice import AdvisesView, MovesView, ViewAdvice
 
 __all__ = [
     "API_VERSION",
     "AdvisesView",
     "Aims",
     "Cancelled",
+    "Caution",
     "Command",
     "Context",
     "Drag",
@@ -51,6 +53,7 @@ __all__ = [
     "Job",
     "Memory",
     "Modeler",
+    "MovesView",
     "OffersCurves",
     "PanelHost",
     "Parameter",
@@ -66,6 +69,7 @@ __all__ = [
     "Unfinished",
     "UserError",
     "ViewAdvice",
+    "Warns",
     "hookimpl",
     "switched_on",
     "unused_id",
@@ -73,5 +77,5 @@ __all__ = [
     "with_part",
 ]
 
-API_VERSION = (1, 3)
+API_VERSION = (1, 4)
 """Version of this contract: a plugin's manifest names the range it was written for."""

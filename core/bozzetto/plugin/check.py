@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
-from bozzetto.errors import Unfinished, UserError
+from bozzetto.errors import Unfinished, UserError, words_of
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.manifest import ManifestError, find_folder, read_manifest
 from bozzetto.plugin.registry import Registry
@@ -127,7 +127,7 @@ def icon_fault(path: Path) -> str:
     try:
         parser.Parse(content, True)
     except expat.ExpatError as problem:
-        return f"not an SVG file: {problem}"
+        return f"not an SVG file: {words_of(problem)}"
     if names[0].rpartition(":")[2] != "svg":
         return f"its first element is <{names[0]}> and not <svg>"
     return f"an icon must not contain {', '.join(found)}" if found else ""

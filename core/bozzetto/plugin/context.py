@@ -53,6 +53,9 @@ class Context:
         start from.
     pictures : mapping of str to Picture
         Those that `facts` name, by the names of their files as they stand there.
+    seen : tuple
+        States in which the model was a moment ago, newest first, while the view was pinned to it
+        (`ViewAdvice.pinned`): a hand that is quicker than the view draws on what it saw.
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -64,6 +67,7 @@ class Context:
     facts: Mapping[str, Any] = field(default_factory=dict)
     curves: tuple[Curve, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
+    seen: tuple[Any, ...] = ()
 
     def surface_hit(self, rays: Rays) -> Hits:
         """Where rays first meet a visible surface, whoever made it."""

@@ -14,12 +14,14 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
 from bozzetto.geometry.shapes import Shapes
+from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.soundness import (
     sound_advice,
+    sound_cautions,
     sound_commands,
     sound_hint,
     sound_parts,
@@ -27,10 +29,12 @@ from bozzetto.plugin.soundness import (
     sound_scene,
     sound_shapes,
     sound_tools,
+    sound_view,
 )
 from bozzetto.plugin.unchanged import Remembered
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Scene
+from bozzetto.view.camera import Camera
 
 __all__ = ["Guard", "Overrun", "PluginFault"]
 
@@ -130,7 +134,7 @@ class Guard:
         except BaseException as problem:
             before.restore()
             name = type(problem).__name__
-            said = " ".join(_words_of(problem).split())[:200].rstrip(".")
+            said = message_of(problem)
             reason = f"{what} failed ({name}{': ' if said else ''}{said})"
             raise self._fault(plugin, reason, _told(problem)) from None
         finally:
@@ -220,6 +224,26 @@ class Guard:
         """
         return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
 
+    def check_view(self, modeler_id: str, view: Any) -> Camera:
+        """Return a view that a modeler made.
+
+        Raises
+        ------
+        PluginFault
+            If it is no `Camera`.
+        """
+        return self._check(modeler_id, "a view", lambda: sound_view(view))
+
+    def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
+        """Return what a modeler warns of.
+
+        Raises
+        ------
+        PluginFault
+            If one is no `Caution`, or has no words.
+        """
+        return self._check(modeler_id, "cautions", lambda: sound_cautions(cautions))
+
     def check_hint(self, modeler_id: str, hint: Any) -> str:
         """Return what a tool says is to be done next.
 
@@ -256,7 +280,7 @@ class Guard:
         except Exception as problem:
             # A crooked object may fail in any way when looked at; that is its maker's fault.
             plugin = self._plugin_of(modeler_id)
-            said = " ".join(_words_of(problem).split())[:300].rstrip(".")
+            said = message_of(problem)
             raise self._fault(
                 plugin, f"{modeler_id} made {what} that cannot be used ({said})", _told(problem)
             ) from None
@@ -308,14 +332,6 @@ class Guard:
         for listener in listeners:
             listener(fault)
         return fault
-
-
-def _words_of(problem: BaseException) -> str:
-    """The message of an exception, whose ``__str__`` may itself be a plugin's and fail."""
-    try:
-        return str(problem)
-    except Exception:
-        return "no message"
 
 
 def _told(problem: BaseException) -> str:

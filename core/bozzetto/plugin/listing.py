@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-__all__ = ["ModelerInfo", "PluginInfo", "Status"]
+__all__ = ["ModelerInfo", "PluginInfo", "Standing", "Status"]
 
 Status = Literal["ready", "loaded", "disabled", "broken"]
 
@@ -18,7 +18,8 @@ class PluginInfo:
     Attributes
     ----------
     id : str
-        From its manifest; the package's name where that cannot be read.
+        From its manifest; the package's name where that cannot be read, or another package has
+        the id already. No two plugins of a list have the same.
     title, summary, version : str
     package : str
     status : {"ready", "loaded", "disabled", "broken"}
@@ -40,6 +41,22 @@ class PluginInfo:
     fault: str = ""
     details: str = ""
     warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Whether a modeler can be used now.
+
+    Attributes
+    ----------
+    status : {"ready", "loaded", "disabled", "broken", "absent"}
+        Of its plugin; "absent" where none has it.
+    plugin : str
+        Id of the plugin; "" where it is absent.
+    """
+
+    status: Status | Literal["absent"]
+    plugin: str = ""
 
 
 @dataclass(frozen=True)

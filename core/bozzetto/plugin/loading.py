@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import pluggy
 
-from bozzetto.errors import UserError
+from bozzetto.errors import UserError, words_of
 from bozzetto.plugin.modeler import Modeler
 
 __all__ = ["Undelivered", "ask", "import_plugin", "look_over_modelers"]
@@ -40,7 +40,7 @@ def import_plugin(plugins: pluggy.PluginManager, package: str, plugin_id: str) -
     except pluggy.PluginValidationError as problem:
         if plugins.has_plugin(plugin_id):
             plugins.unregister(name=plugin_id)
-        said = " ".join(str(problem).split()).rstrip(".")
+        said = words_of(problem)
         raise Undelivered(f"One of its hooks does not exist as written: {said}.") from None
 
 

@@ -29,7 +29,7 @@ from typing import Annotated, Any
 
 import msgspec
 
-from bozzetto.errors import UserError
+from bozzetto.errors import UserError, words_of
 
 __all__ = [
     "MANIFEST",
@@ -206,11 +206,11 @@ def read_manifest(folder: Path) -> Manifest:
     except OSError as problem:
         raise ManifestError(f"{MANIFEST} cannot be read: {problem.strerror}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
-        raise ManifestError(f"{MANIFEST} is not valid TOML: {problem}.") from None
+        raise ManifestError(f"{MANIFEST} is not valid TOML: {words_of(problem)}.") from None
     try:
         table = msgspec.convert(said, _PluginTable)
     except msgspec.ValidationError as problem:
-        words = _REGEX_WORDS.sub(ID_IN_WORDS, str(problem))
+        words = _REGEX_WORDS.sub(ID_IN_WORDS, words_of(problem))
         raise ManifestError(f"In {MANIFEST}: {words}.") from None
     api_accepts(table.api, (0, 0))  # a range that cannot be read is refused here
     ids = [modeler.id for modeler in table.modeler]

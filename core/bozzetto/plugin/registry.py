@@ -20,10 +20,10 @@ from typing import Any, Final
 
 import pluggy
 
-from bozzetto.errors import UserError
+from bozzetto.errors import UserError, words_of
 from bozzetto.plugin import API_VERSION, hooks
 from bozzetto.plugin.guard import Guard, PluginFault
-from bozzetto.plugin.listing import ModelerInfo, PluginInfo, Status
+from bozzetto.plugin.listing import ModelerInfo, PluginInfo, Standing, Status
 from bozzetto.plugin.loading import ask, import_plugin, look_over_modelers
 from bozzetto.plugin.manifest import (
     Manifest,
@@ -52,11 +52,12 @@ class _Plugin:
     fault: str = ""
     details: str = ""
     modelers: dict[str, Modeler[Any, Any]] | None = None
+    id_taken: bool = False
     loading: threading.Lock = field(default_factory=threading.Lock)
 
     @property
     def id(self) -> str:
-        return self.manifest.id if self.manifest else self.package
+        return self.manifest.id if self.manifest and not self.id_taken else self.package
 
     def entry(self, modeler_id: str) -> ModelerEntry | None:
         announced = self.manifest.modelers if self.manifest else ()
@@ -124,7 +125,7 @@ class Registry:
                     plugin.fault = problem.message
                 except Exception as problem:
                     # Finding a package runs other people's import hooks.
-                    plugin.fault = f"{package} cannot be found: {problem}."
+                    plugin.fault = f"{package} cannot be found: {words_of(problem)}."
                     plugin.details = traceback.format_exc()
                 self._plugins[package] = plugin
             return self._info(self._plugins[package])
@@ -179,6 +180,14 @@ class Registry:
         """The modeler whose files say such things; "" where none is, or several are."""
         ids = [info.id for info in self.modelers() if info.facts and info.facts in facts]
         return ids[0] if len(ids) == 1 else ""
+
+    def standing(self, modeler_id: str) -> Standing:
+        """Whether a modeler can be used now, told without importing anything."""
+        with self._lock:
+            for plugin in self._plugins.values():
+                if plugin.entry(modeler_id):
+                    return Standing(self._info(plugin).status, plugin.id)
+        return Standing("absent")
 
     def set_disabled(self, plugin_id: str, disabled: bool) -> None:
         """Switch a plugin off or on again. One that is imported stays so, but is not called."""
@@ -332,6 +341,8 @@ class Registry:
                     f"The {taken} is already taken by the package {other.package}. "
                     f"Remove {other.package} or {plugin.package}."
                 )
+                # Switching one of two plugins off must not switch the other off as well.
+                plugin.id_taken = plugin.id_taken or other.id == said.id
                 # Its modelers are the other's: they must not be found under this name.
                 plugin.manifest = dataclasses.replace(said, modelers=())
 

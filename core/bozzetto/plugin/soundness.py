@@ -13,6 +13,7 @@ import numpy as np
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.view_advice import ViewAdvice
@@ -31,6 +32,7 @@ from bozzetto.view.camera import Camera
 __all__ = [
     "Unsound",
     "sound_advice",
+    "sound_cautions",
     "sound_commands",
     "sound_hint",
     "sound_parts",
@@ -38,6 +40,7 @@ __all__ = [
     "sound_scene",
     "sound_shapes",
     "sound_tools",
+    "sound_view",
 ]
 
 MOST_ITEMS: Final = 20_000
@@ -199,6 +202,36 @@ def sound_advice(advice: Any) -> ViewAdvice:
     _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
     sound_scene(advice.scene)
     return advice
+
+
+def sound_view(view: Any) -> Camera:
+    """Return a view if it is one; a `Camera` checks its own numbers.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(view) is not Camera:
+        raise Unsound(f"{type(view).__name__} where a Camera belongs")
+    return view
+
+
+def sound_cautions(cautions: Any) -> tuple[Caution, ...]:
+    """Return the cautions as a tuple if each can be said.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(cautions, list | tuple):
+        raise Unsound(f"{type(cautions).__name__} where a list of cautions belongs")
+    for caution in cautions:
+        if type(caution) is not Caution:
+            raise Unsound(f"{type(caution).__name__} where a Caution belongs")
+        if not isinstance(caution.message, str) or not caution.message.strip():
+            raise Unsound("a caution needs words")
+        _expect(isinstance(caution.baseless, bool), "Caution.baseless")
+    return tuple(cautions)
 
 
 def sound_report(report: Any) -> dict[str, Any]:

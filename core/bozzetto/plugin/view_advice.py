@@ -8,7 +8,7 @@ from typing import Any, Literal, Protocol, runtime_checkable
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
 
-__all__ = ["AdvisesView", "ViewAdvice"]
+__all__ = ["AdvisesView", "MovesView", "ViewAdvice"]
 
 
 @dataclass(frozen=True)
@@ -49,4 +49,30 @@ class AdvisesView(Protocol):
 
     def view_advice(self, state: Any, camera: Camera) -> ViewAdvice:
         """What to say of a view; asked up to ten times a second while the view turns."""
+        ...
+
+
+@runtime_checkable
+class MovesView(Protocol):
+    """A modeler of which pictures get another camera when the model changes."""
+
+    def view_after(self, seen: Any, state: Any, camera: Camera) -> Camera | None:
+        """The view that shows of a state what another view showed of an earlier one.
+
+        Asked while a view is pinned (`ViewAdvice.pinned`) and the model has changed since.
+
+        Parameters
+        ----------
+        seen : state
+            As the model was when the view was pinned to it.
+        state : state
+            As it is now.
+        camera : Camera
+            The view now.
+
+        Returns
+        -------
+        Camera or None
+            Where the view goes at once; None where it may stay.
+        """
         ...

@@ -9,13 +9,9 @@ from bozzetto.scene.display_list import Handle, Layer, Scene, Shaded
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.software import Shading, render
 from bozzetto.view.camera import Camera
-from bozzetto.view.navigation import fit_points
-from bozzetto.view.standard import standard_view
+from bozzetto.view.page import framing, page_view
 
-__all__ = ["framed", "picture", "thumbnail"]
-
-MARGIN = 0.06
-"""Part of a picture left free on each side of what is shown."""
+__all__ = ["framed", "own_or_framed", "picture", "thumbnail"]
 
 
 def picture(
@@ -77,8 +73,17 @@ def framed(
     UserError
         If the view has no such name.
     """
-    camera = standard_view(Camera(viewport=(max(size[0], 1), max(size[1], 1))), view)
-    return fit_points(camera, _without_handles(scene).points(), MARGIN)
+    return framing(_without_handles(scene).points(), view, _page(size))
+
+
+def own_or_framed(scene: Scene, own: Camera | None, size: tuple[int, int] = (1200, 900)) -> Camera:
+    """A person's own view if all that a `picture` shows lies in it, else the three-quarter view."""
+    return page_view(_without_handles(scene).points(), own, _page(size))
+
+
+def _page(size: tuple[int, int]) -> tuple[float, float]:
+    """A size that a camera takes; `render` refuses the others."""
+    return max(size[0], 1), max(size[1], 1)
 
 
 def thumbnail(

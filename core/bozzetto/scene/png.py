@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 from bozzetto.storage import write_bytes
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.u
     except FormatError:
         raise
     except Exception as problem:  # the readers have no end of ways to fail on hostile data
-        said = " ".join(str(problem).split())[:200]
+        said = words_of(problem)
         raise FormatError(f"A picture of this document is damaged: {said}.") from problem
 
 

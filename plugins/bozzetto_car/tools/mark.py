@@ -14,7 +14,7 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.asking import ALL_MARKED, HIDDEN, asked_of, hint_of
 from bozzetto_car.body import Body, body_of
-from bozzetto_car.looking import note_stand, stand_seen
+from bozzetto_car.looking import stand_seen
 from bozzetto_car.marking import marked, sketch_in_work, without_marks
 from bozzetto_car.showing_marks import MARK, MARK_TOOL, preview_of
 from bozzetto_car.solving import solved, template_of
@@ -23,6 +23,7 @@ from bozzetto_car.state import CarState, Mark
 __all__ = ["MarkPoints"]
 
 Array = NDArray[np.float64]
+Seen = tuple[CarState, ...]
 
 FARTHEST: Final = 5.0
 """Farthest place beside the picture that can be marked, in its diagonals from its middle."""
@@ -59,7 +60,7 @@ class MarkPoints:
             return Scene()
         try:
             before = body_of(state)
-            mark = _mark(state, before, gesture)
+            mark = _mark(state, before, gesture, _seen(context))
             moved = marked(state, mark.node, (mark.u, mark.v), before.template)
             after = body_of(moved, before=state)
         except UserError:
@@ -81,11 +82,11 @@ class MarkPoints:
             return _erased(state, body, gesture, context.pen.tolerance)
         if isinstance(gesture, Drag) and _is_touch(gesture):
             return state
-        mark = _mark(state, body, gesture)
+        mark = _mark(state, body, gesture, _seen(context))
         return marked(state, mark.node, (mark.u, mark.v), template_of(state))
 
 
-def _mark(state: CarState, body: Body, gesture: Tap | Drag) -> Mark:
+def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
     """The mark that a gesture sets."""
     sketch = sketch_in_work(state)
     if isinstance(gesture, Drag):
@@ -98,8 +99,13 @@ def _mark(state: CarState, body: Body, gesture: Tap | Drag) -> Mark:
         if asked is None:
             raise UserError(ALL_MARKED)
         node, at = asked.node, np.array([gesture.x, gesture.y])
-    ((u, v),) = _pixels(state, body, gesture.camera, [at]).tolist()
+    ((u, v),) = _pixels(state, body, gesture.camera, [at], seen).tolist()
     return Mark(node, u, v)
+
+
+def _seen(context: Context) -> Seen:
+    """The car as it was when the hand saw it."""
+    return tuple(state for state in context.seen if isinstance(state, CarState))
 
 
 def _is_touch(gesture: Drag) -> bool:
@@ -108,7 +114,9 @@ def _is_touch(gesture: Drag) -> bool:
     return float(np.abs(path - path[0]).max()) < TOUCH
 
 
-def _pixels(state: CarState, body: Body, camera: Camera, places: Sequence[Array]) -> Array:
+def _pixels(
+    state: CarState, body: Body, camera: Camera, places: Sequence[Array], seen: Seen
+) -> Array:
     """Pixels of the picture at places of a view through it.
 
     Raises
@@ -117,11 +125,10 @@ def _pixels(state: CarState, body: Body, camera: Camera, places: Sequence[Array]
         If the view is from elsewhere, or a place is far beside the picture.
     """
     sketch = sketch_in_work(state)
-    seen = stand_seen(sketch, body, camera)
-    if seen is None:
+    stand = stand_seen(sketch, body, camera, seen)
+    if stand is None:
         raise UserError(NOT_THROUGH)
-    note_stand(sketch, body.stands[sketch.id])
-    pixels = seen.seen_at(camera, places)
+    pixels = stand.seen_at(camera, places)
     off = np.abs(pixels - 0.5 * np.array(sketch.size)).max(initial=0.0)
     if not off <= FARTHEST * np.hypot(*sketch.size):
         raise UserError("That is far beside the picture. Touch a place on it or next to it.")

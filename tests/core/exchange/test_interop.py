@@ -210,6 +210,30 @@ def test_prusa_slicer_finds_a_manifold(tmp_path, ending):
     assert found == pytest.approx(volume(RING), rel=1e-4)
 
 
+@pytest.mark.skipif(not shutil.which("prusa-slicer"), reason="prusa-slicer is not here")
+def test_prusa_slicer_takes_open_shells(tmp_path):
+    """It passes over objects of the type "surface", and refuses a file of nothing else."""
+    export(Shapes(surfaces=(SKIN,)), tmp_path / "skin.3mf")
+    words = ["prusa-slicer", "--export-stl", "-o", str(tmp_path / "b.stl")]
+    subprocess.run([*words, str(tmp_path / "skin.3mf")], capture_output=True, check=True)
+    (again,) = read_mesh(tmp_path / "b.stl").meshes()
+    assert len(again.mesh.faces) == len(SKIN.mesh.faces)
+    size = np.ptp(np.asarray(again.mesh.bounds, float), axis=0)
+    np.testing.assert_allclose(size, np.ptp(SKIN.mesh.bounds, axis=0), atol=1e-4)
+
+
+@pytest.mark.skipif(not shutil.which("prusa-slicer"), reason="prusa-slicer is not here")
+def test_prusa_slicer_prints_a_solid(tmp_path):
+    export(Shapes(solids=(SHAPES.solids[0],)), tmp_path / "a.3mf")
+    words = ["prusa-slicer", "--export-gcode", "-o", str(tmp_path / "a.gcode")]
+    done = subprocess.run(
+        [*words, "--layer-height", "0.3", str(tmp_path / "a.3mf")], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    layers = (tmp_path / "a.gcode").read_text().count(";LAYER_CHANGE")
+    assert layers == pytest.approx(np.ptp(RING.vertices[:, 2]) / 0.3, abs=2)
+
+
 @pytest.mark.skipif(not shutil.which("assimp"), reason="assimp is not here")
 @pytest.mark.parametrize("ending", ["stl", "glb", "obj", "ply", "3mf"])
 def test_assimp_reads_all_faces(tmp_path, ending):

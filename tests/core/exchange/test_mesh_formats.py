@@ -121,7 +121,7 @@ def test_3mf_holds_every_part_with_its_colours_and_no_date(tmp_path):
     objects = root.findall(f".//{core}object")
     assert root.get("unit") == "millimeter"
     assert [(o.get("name"), o.get("type")) for o in objects] == [
-        ('a "b" <c>', "model"), ("plain", "model"), ("s", "surface"),
+        ('a "b" <c>', "model"), ("plain", "model"), ("s", "model"),
     ]  # fmt: skip
     assert [o.get("pid") is not None for o in objects] == [True, False, True]
     assert len(root.findall(f".//{core}build/{core}item")) == 3

@@ -25,6 +25,7 @@ from bozzetto.exchange.step import write_shapes as step
 from bozzetto.geometry import Curve, Mesh, Patchwork, Placement, Shapes, Solid, tessellation
 from bozzetto.geometry.patch import extent, grid
 from bozzetto.in_world import shapes_in_world
+from bozzetto.plugin.listing import Standing
 from bozzetto.plugin.soundness import Unsound, sound_shapes
 from tests.core.exchange.curve_kit import NAMES, Iges, Step
 from tests.core.exchange.test_curve_interop import ask, messages
@@ -356,12 +357,17 @@ def test_the_command_line_hands_a_skin_over(tmp_path):
     class Document(list):
         camera = None
 
-    document = Document([SimpleNamespace(name="Car")])
-    bench = SimpleNamespace(shapes=lambda models, job: SHAPES if len(models) else Shapes())
-    hand_over(bench, document, tmp_path / "out" / "car.STP")
+    car = SimpleNamespace(name="Car", modeler="author.car", visible=True)
+    bench = SimpleNamespace(
+        shapes=lambda models, job: SHAPES if len(models) else Shapes(),
+        registry=SimpleNamespace(standing=lambda modeler: Standing("ready", "author.car")),
+        is_foreign=lambda model: False,
+        cautions=lambda model, job: (),
+    )
+    hand_over(bench, Document([car]), tmp_path / "out" / "car.STP")
     assert (tmp_path / "out" / "car.STP").read_bytes() == step(SHAPES)
     with pytest.raises(UserError, match=r"“\.3ds” does not do here.*\.step"):
-        hand_over(bench, document, tmp_path / "car.3ds")
+        hand_over(bench, Document([car]), tmp_path / "car.3ds")
 
 
 def test_3mf_takes_them_too():

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
+from bozzetto.exchange.curve_pieces import checked_curves
 from bozzetto.exchange.export import encoded
 from bozzetto.exchange.svg import read_drawing
+from bozzetto.exchange.svg_curves import camera_matrix, picture
 from bozzetto.exchange.svg_path import parse_path
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.view import Camera
@@ -18,6 +21,8 @@ from tests.core.exchange.curve_kit import BROKEN, CIRCLE, CURVES, domain, points
 
 SIDE = Camera(eye=(300, -400, 250), target=(0, 0, 0), viewport=(800, 600))
 PARALLEL = Camera(kind="orthographic", eye=(300, -400, 250), height=300, viewport=(800, 600))
+NEAR = 1e-3
+"""What is asked of the pictures of curves, px."""
 SIZED = [curve for curve in CURVES if curve.name not in ("five", "polyline")]
 """Neither smaller than a pixel, nor straight, for which there is a test of its own."""
 
@@ -29,7 +34,12 @@ def texts(camera, *curves):
 
 
 def cubics(camera, *curves):
-    return [parse_path(text)[0].cubics for text in texts(camera, *curves)]
+    """What is seen of curves before the page cuts it off."""
+    if camera is None:
+        return [parse_path(text)[0].cubics for text in texts(camera, *curves)]
+    matrix = camera_matrix(camera)
+    whole = checked_curves(Shapes(curves=curves))
+    return [path.cubics for curve in whole for path in picture(curve, matrix, NEAR)]
 
 
 def along(pieces, count=20):
@@ -118,7 +128,8 @@ def test_polylines_stay_lines_in_every_view():
 
 
 def test_closed_curves_are_closed_paths():
-    for camera in (SIDE, PARALLEL, None):
+    far = Camera(eye=(900, -1200, 750), target=(0, 0, 0), viewport=(800, 600))
+    for camera in (far, replace(PARALLEL, height=900), None):
         for curve in (CIRCLE, ring(6, 3), ring(5, 2)):
             (text,) = texts(camera, curve)
             assert text.endswith("Z")
@@ -173,6 +184,11 @@ def test_curves_seen_end_on_and_far_off_do_no_harm():
         for curve in (end_on, far, touching, BROKEN):
             shapes = Shapes(curves=(curve, CIRCLE))
             data = encoded(shapes, "a.svg", camera=camera)
+            if camera is not None:  # what lies beyond the page is not written
+                drawn = np.vstack([along(parse_path(text)[0].cubics) for text in
+                                   re.findall(r'<path d="([^"]*)"', data.decode())])  # fmt: skip
+                assert (drawn > -1e-3).all()
+                assert (drawn < np.add(camera.viewport, 1e-3)).all()
             assert not re.search(rb"nan|inf", data)
             assert len(data) < 100_000
             assert read_drawing(data, "again").strokes

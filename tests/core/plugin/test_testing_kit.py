@@ -13,6 +13,7 @@ from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.testing import ModelerContract, Pen, same
 from bozzetto.plugin.testing.checks import CHECKS
 from bozzetto.plugin.testing.sameness import difference
+from bozzetto.plugin.testing.spelling import MODELER_NAMES, TOOL_NAMES, meant_by
 from bozzetto.plugin.testing.subject import Broken, Subject
 from bozzetto.scene import Layer, Scene
 from bozzetto.view import Camera
@@ -48,7 +49,7 @@ def failing(subject):
     names = set()
     for check in CHECKS:
         # A process of its own knows nothing of the misdeeds.
-        if check.name == "elsewhere":
+        if check.name in ("elsewhere", "fresh_process"):
             continue
         try:
             check.run(subject)
@@ -106,6 +107,27 @@ def open_solid(state, result):
     return Shapes(solids=(Solid(Mesh(np.eye(3), [[0, 1, 2]])),))
 
 
+def open_at_the_end(state, result):
+    """A tetrahedron, of which a face is missing where the size is the largest."""
+    if not len(state.strokes):
+        return Shapes()
+    corners = np.vstack((np.zeros(3), np.eye(3)))
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    return Shapes(solids=(Solid(Mesh(corners, faces[: 3 if state.size == 10.0 else 4])),))
+
+
+def remembering():
+    """A misdeed whose preview shows how many strokes of a first point it has seen."""
+    seen = {}
+
+    def preview(state, gesture, context):
+        key = float(gesture.strokes[0].x[0])
+        seen[key] = max(seen.get(key, 0), len(gesture.strokes[0]))
+        return Scene((Layer(f"{seen[key]} samples"),))
+
+    return preview
+
+
 def refuse(state, gesture, context):
     if len(gesture.strokes[0]) < 3:
         raise UserError("Too short.")
@@ -126,6 +148,8 @@ WRONG = {
     "an open solid": ("shapes", lambda: open_solid, {"drawing"}),
     "a preview that refuses": ("preview", lambda: refuse, {"odd_previews"}),
     "an end of a range": ("solve", lambda: narrow, {"parameters"}),
+    "a solid that opens at an end of a range": ("shapes", lambda: open_at_the_end, {"ranges"}),
+    "an answer that was remembered": ("preview", remembering, {"forgetting"}),
     "nothing handed over": ("shapes", lambda: lambda s, r: Shapes(), {"drawing"}),
     "a scene that fails without a result": (
         "scene",
@@ -140,6 +164,30 @@ def test_the_suite_finds(subject, faulty, name):
     what, misdeed, expected = WRONG[name]
     faulty.misdeeds[what] = misdeed()
     assert expected <= failing(subject)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("reports", "report"), ("nexthint", "next_hint"), ("next_hnit", "next_hint"),
+        ("viewAdvice", "view_advice"), ("read_drawings", "read_drawing"), ("comands", "commands"),
+        ("curvs", "curves"), ("whith_parts", "with_parts"), ("caution", "cautions"),
+    ],
+)  # fmt: skip
+def test_a_misspelt_ability_is_named(name, meant):
+    assert meant_by(name, MODELER_NAMES | TOOL_NAMES) == meant
+
+
+@pytest.mark.parametrize("name", ["owner", "misdeeds", "recipe", "surface", "color", "measure"])
+def test_other_names_are_left_alone(name):
+    assert meant_by(name, MODELER_NAMES | TOOL_NAMES) == ""
+
+
+def test_misspelt_abilities_are_found(subject, faulty, monkeypatch):
+    monkeypatch.setattr(type(faulty), "view_advise", lambda self: None, raising=False)
+    (spelling,) = (check for check in CHECKS if check.name == "spelling")
+    with pytest.raises(Broken, match="'view_advise' looks like 'view_advice'"):
+        spelling.run(subject)
 
 
 def test_a_missing_icon_and_another_title_are_found(subject, faulty):

@@ -9,7 +9,7 @@ from bozzetto.plugin import Context, Drag, Tap
 from bozzetto.view import Camera
 from bozzetto_car.asking import asked_of
 from bozzetto_car.body import body_of
-from bozzetto_car.looking import advice_on
+from bozzetto_car.looking import view_after
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template import Template
 from bozzetto_car.template_file import bundled
@@ -94,7 +94,10 @@ def guided(camera: Camera, count: int, state: CarState | None = None) -> CarStat
     return state
 
 
-def followed(state: CarState, camera: Camera) -> Camera:
-    """The view after it has gone along with the sketch."""
-    advice = advice_on(state, body_of(state), camera)
-    return advice.better if advice.follow else camera
+def followed(state: CarState, camera: Camera, *seen: CarState) -> Camera:
+    """The view after it has gone along with the sketch, as the car was a moment ago."""
+    for before in seen:
+        found = view_after(before, state, camera)
+        if found is not None:
+            return found
+    return camera

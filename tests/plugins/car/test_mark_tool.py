@@ -77,8 +77,11 @@ def test_a_view_that_has_not_gone_along_yet_shows_what_it_shows(marked_car):
     now = body_of(state).stands["one"]
     assert not now.is_seen_through(before)
     x, y = before.project(old.lifted([(444.0, 222.0)]))[0][0].tolist()
-    mark = TOOL.apply(state, Tap(x, y, before), CONTEXT).sketch.marks[-1]
+    seen = replace(CONTEXT, seen=(marked_car,))
+    mark = TOOL.apply(state, Tap(x, y, before), seen).sketch.marks[-1]
     assert (mark.u, mark.v) == pytest.approx((444.0, 222.0), abs=1e-6)
+    with pytest.raises(UserError, match="T"):
+        TOOL.apply(state, Tap(x, y, before), CONTEXT)
 
 
 def test_marks_are_refused_where_the_sketch_is_not_seen_as_drawn(marked_car):
@@ -283,7 +286,7 @@ def test_the_direct_transform_is_shown_for_teaching(marked_car):
 
 def test_the_report_takes_the_direct_transform_apart(marked_car):
     """Without an error of the hand it is the camera itself, with the car before the eye."""
-    (view,) = report_of(marked_car, body_of(marked_car))["views"]
+    (view,) = report_of(body_of(marked_car))["views"]
     parts = view["direct_linear_transform_parts"]
     lens = 0.5 * 800.0 / np.tan(np.radians(0.5 * FRONT_RIGHT.fov_y))
     assert parts["focal_px"] == pytest.approx([lens, lens], rel=1e-5)

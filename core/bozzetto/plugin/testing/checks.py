@@ -18,14 +18,17 @@ from bozzetto.document.codec import decode_state, encode_state, state_digest
 from bozzetto.document.model import Model
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.exchange.solid_check import bounds_volume
+from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.parameters import Field, parameter_fields
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import HasParts
 from bozzetto.plugin.testing.abilities import ABILITIES
+from bozzetto.plugin.testing.memory_checks import check_forgetting, check_fresh_process
 from bozzetto.plugin.testing.sameness import difference, fingerprint, same
 from bozzetto.plugin.testing.shell import Shell
+from bozzetto.plugin.testing.spelling import check_spelling
 from bozzetto.plugin.testing.subject import Broken, Subject, ensure, odd_gestures
 from bozzetto.plugin.watchdog import Watchdog
 
@@ -78,12 +81,16 @@ def check_drawing(subject: Subject) -> None:
             drawn = not same(shell.state, untouched.state)
         shapes = shell.shapes()
         ensure(not drawn or bool(shapes), "a drawing must hand something over")
-        for solid in shapes.solids:
-            ensure(
-                bounds_volume(solid.mesh),
-                f"the solid {solid.name!r} is open, inside out or flat, and no program would "
-                "take it; hand over a closed mesh, or a Surface",
-            )
+        _check_solids(shapes)
+
+
+def _check_solids(shapes: Shapes) -> None:
+    for solid in shapes.solids:
+        ensure(
+            bounds_volume(solid.mesh),
+            f"the solid {solid.name!r} is open, inside out or flat, and no program would "
+            "take it; hand over a closed mesh, or a Surface",
+        )
 
 
 def check_samples(subject: Subject) -> None:
@@ -255,6 +262,23 @@ def check_parameters(subject: Subject) -> None:
                     raise Broken(f"{field.name} = {value!r}: {problem}") from problem
 
 
+def check_ranges(subject: Subject) -> None:
+    """Solids are sound at both ends of every number's range, and with every choice."""
+    with subject.drawn() as shell:
+        start = shell.model
+        for field in _all_parameters(shell):
+            for value in _allowed(field):
+                try:
+                    model = shell.workbench.set_parameters(start, {field.name: value})
+                    shapes = shell.workbench.shapes([model], Job())
+                except UserError:
+                    continue  # what may be refused, and how, is for `check_parameters`
+                try:
+                    _check_solids(shapes)
+                except Broken as problem:
+                    raise Broken(f"{field.name} = {value!r}: {problem}") from None
+
+
 def _all_parameters(shell: Shell) -> tuple[Field, ...]:
     """The parameters of the state, and those that its parts have."""
     tree = shell.workbench.parts.of(shell.model)
@@ -344,6 +368,7 @@ import sys
 from bozzetto.document.file import read_document
 from bozzetto.plugin import Context, Job
 from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.testing.memory_checks import check_forgetting
 from bozzetto.plugin.testing.sameness import fingerprint
 from bozzetto.workbench import Workbench
 bench = Workbench(Registry(extra=sys.argv[3:]))
@@ -385,10 +410,19 @@ def _job(quality: str) -> Job:
 
 @dataclass(frozen=True)
 class Check:
-    """One article of the contract."""
+    """One article of the contract.
+
+    Attributes
+    ----------
+    name : str
+    run : callable
+    is_slow : bool
+        Whether it takes many seconds: as a test it bears the mark "slow".
+    """
 
     name: str
     run: Callable[[Subject], None]
+    is_slow: bool = False
 
     @property
     def says(self) -> str:
@@ -396,10 +430,14 @@ class Check:
         return (self.run.__doc__ or "").strip()
 
 
+SLOW: Final = (check_ranges, check_forgetting, check_fresh_process)
+"""Articles that take many seconds where a solve takes one."""
+
 CHECKS: Final = tuple(
-    Check(run.__name__.removeprefix("check_"), run)
+    Check(run.__name__.removeprefix("check_"), run, run in SLOW)
     for run in (
         check_announced,
+        check_spelling,
         check_empty,
         check_drawing,
         check_samples,
@@ -410,8 +448,11 @@ CHECKS: Final = tuple(
         check_odd_gestures,
         check_determinism,
         check_parameters,
+        check_ranges,
         check_parts,
         *ABILITIES,
+        check_forgetting,
+        check_fresh_process,
         check_preview_time,
         check_elsewhere,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 import pytest
+from _pytest.mark.structures import ParameterSet
 
 from bozzetto.plugin.testing.checks import CHECKS, Check
 from bozzetto.plugin.testing.pen import Pen
@@ -12,6 +13,11 @@ from bozzetto.plugin.testing.shell import Shell
 from bozzetto.plugin.testing.subject import Subject, plain_sketch
 
 __all__ = ["ModelerContract"]
+
+
+def _marked(check: Check) -> ParameterSet:
+    marks = [pytest.mark.slow] if check.is_slow else []
+    return pytest.param(check, id=check.name, marks=marks)
 
 
 class ModelerContract:
@@ -46,7 +52,7 @@ class ModelerContract:
         """What the checks are run on."""
         return Subject(self.modeler, self.packages, self.sketch)
 
-    @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+    @pytest.mark.parametrize("check", [_marked(check) for check in CHECKS])
     def test_contract(self, check: Check) -> None:
         """One article of the contract; its docstring in `checks` says what it asks."""
         check.run(self.subject)

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 pytest.register_assert_rewrite("bozzetto.plugin.testing.contract")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the mark known that the slow articles of the contract bear."""
+    config.addinivalue_line("markers", "slow: takes many seconds")
+
+
 @pytest.fixture
 def pen() -> Pen:
     """A steady pen on a canvas of 1200 × 900 px in front view; see `Pen`."""

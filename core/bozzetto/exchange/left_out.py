@@ -1,0 +1,140 @@
+"""What a file of some format has no place for, in words that a person can act on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from bozzetto.exchange.formats import Format
+from bozzetto.geometry.shapes import Shapes, Solid
+
+__all__ = ["LeftOut", "parts_left_out", "with_place"]
+
+MESH_FILES: Final = {"solid": "3MF or STL", "open surface": "GLB or OBJ"}
+"""Where parts that are made of triangles go, by what they are called."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Something that is not in a file, and why.
+
+    Attributes
+    ----------
+    what : str
+        Such as "2 solids".
+    names : tuple of str
+    reason : str
+        Such as "they have no exact surfaces".
+    advice : str
+        What to do instead, such as "save them as 3MF or STL".
+    is_content : bool
+        False for what nobody draws or paints, such as the axes of a shape. It stands in reports
+        and is not said aloud.
+    """
+
+    what: str
+    names: tuple[str, ...]
+    reason: str
+    advice: str
+    is_content: bool = True
+
+    def sentence(self, file: str) -> str:
+        """One line, such as "Left out of the STEP file: …"; `file` is "STEP file"."""
+        return f"Left out of the {file}: {self.what} ({self.reason}); {self.advice}."
+
+    def as_values(self) -> dict[str, Any]:
+        """Plain JSON values for a report."""
+        return {
+            "what": self.what,
+            "names": list(self.names),
+            "reason": self.reason,
+            "advice": self.advice,
+        }
+
+
+def with_place(shapes: Shapes, chosen: Format) -> Shapes:
+    """The parts that a format has a place for; exact surfaces may become triangles there."""
+    holds = chosen.holds
+    mesh = "mesh" in holds
+    return Shapes(
+        solids=shapes.solids if mesh else (),
+        surfaces=tuple(s for s in shapes.surfaces if mesh and len(s.mesh.faces)),
+        curves=shapes.curves if "curves" in holds else (),
+        patchworks=shapes.patchworks if mesh or "surfaces" in holds else (),
+    )
+
+
+def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
+    """What of some shapes does not come into a file of a format.
+
+    Parts, and of the parts that are written their painted colours and their bones.
+    """
+    kept = with_place(shapes, chosen)
+    found: list[LeftOut] = []
+    if "mesh" not in chosen.holds:
+        exact = "surfaces" in chosen.holds
+        for word, parts in (("solid", shapes.solids), ("open surface", shapes.surfaces)):
+            if parts:
+                reason = f"{_they(parts)} no exact surfaces" if exact else _only("curves")
+                found.append(_left_out(word, parts, reason, MESH_FILES[word]))
+    else:
+        empty = tuple(surface for surface in shapes.surfaces if not len(surface.mesh.faces))
+        if empty:
+            what, reason = _count(len(empty), "open surface"), f"{_they(empty)} no triangles"
+            found.append(LeftOut(what, _names(empty), reason, "draw more of it, then export"))
+    if shapes.patchworks and not kept.patchworks:
+        exact_ones, files = shapes.patchworks, "STEP or IGES"
+        found.append(_left_out("exact surface", exact_ones, _only("curves"), files))
+    if shapes.curves and not kept.curves:
+        found.append(_left_out("curve", shapes.curves, _only("triangles"), "STEP or SVG"))
+    if shapes.skeletons:
+        names, what = _names(shapes.skeletons), _count(len(shapes.skeletons), "axis", "axes")
+        reason, advice = "no format has a place for them", "other modelers can start from them"
+        found.append(LeftOut(what, names, reason, advice, is_content=False))
+    return (*found, *_properties_left_out(kept.solids, chosen))
+
+
+def _properties_left_out(solids: Sequence[Solid], chosen: Format) -> list[LeftOut]:
+    """What solids lose that are written."""
+    found = []
+    painted = [s for s in solids if s.mesh.colors is not None or s.texture is not None]
+    if painted and "colors" not in chosen.keeps:
+        what = f"the colours of {_count(len(painted), 'solid')}"
+        advice = "save as GLB, 3MF, OBJ or PLY to keep them"
+        found.append(LeftOut(what, _names(painted), "it holds shapes without colours", advice))
+    jointed = [s for s in solids if s.skin is not None]
+    if jointed and "bones" not in chosen.keeps:
+        what = f"the bones of {_count(len(jointed), 'solid')}"
+        reason = "the shape is written as it is posed now"
+        advice, posed = "save as GLB to keep them", any(map(_is_posed, jointed))
+        found.append(LeftOut(what, _names(jointed), reason, advice, is_content=posed))
+    return found
+
+
+def _is_posed(solid: Solid) -> bool:
+    """Whether somebody bent a solid: bones alone come with every drawing."""
+    rest = None if solid.skin is None else solid.skin.rest
+    return rest is not None and bool((rest.vertices != solid.mesh.vertices).any())
+
+
+def _left_out(word: str, parts: Sequence[Any], reason: str, files: str) -> LeftOut:
+    them = "it" if len(parts) == 1 else "them"
+    what = _count(len(parts), word)
+    return LeftOut(what, _names(parts), reason, f"save {them} as {files}")
+
+
+def _count(number: int, word: str, many: str = "") -> str:
+    return f"{number} {word if number == 1 else many or word + 's'}"
+
+
+def _names(parts: Sequence[Any]) -> tuple[str, ...]:
+    return tuple(part.name for part in parts)
+
+
+def _they(parts: Sequence[Any]) -> str:
+    return "it has" if len(parts) == 1 else "they have"
+
+
+def _only(kind: str) -> str:
+    return f"such files hold {kind} only"

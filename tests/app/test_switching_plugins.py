@@ -1,0 +1,69 @@
+"""A plugin that is switched off: its modeler leaves the hand, its objects stay as they are."""
+
+from __future__ import annotations
+
+from bozzetto.plugin.switched_off import switched_off
+from bozzetto_app.settings import DISABLED_PLUGINS, disabled_plugins, settings
+from tests.app.tablet import circle, stroke_of
+
+
+def told(session):
+    return [notice.text for notice in session.heard if notice.kind == "info"]
+
+
+def switch(window, plugin, on):
+    """As the dialog does it."""
+    window.session.registry.set_disabled(plugin, not on)
+    window._plugin_switched(plugin, on)
+
+
+def test_a_modeler_that_is_switched_off_leaves_the_hand(make_window, settle):
+    window = make_window()
+    session = window.session
+    plugin = session.registry.info(session.active_modeler).plugin
+    session.pen_lifted(stroke_of(circle(), session.camera))
+    settle(session, window.keeper)
+    document, scene = session.document, session.scene
+    assert len(document) == 1
+    switch(window, plugin, False)
+    settle(session, window.keeper)
+    other = session.modelers[0]
+    assert session.active_modeler == other.id
+    assert other.plugin != plugin
+    assert session.tools
+    assert f"you draw with {other.title} now" in told(session)[-1]
+    assert session.document is document
+    assert [layer.name for layer in session.scene.layers] == [layer.name for layer in scene.layers]
+    assert "bozzetto.silhouette" not in window.modelers._buttons
+    switch(window, plugin, True)
+    assert "bozzetto.silhouette" in window.modelers._buttons
+    assert session.active_modeler == other.id
+
+
+def test_where_no_modeler_is_left_the_hand_is_empty(make_window, settle):
+    window = make_window()
+    session = window.session
+    plugins = [info.plugin for info in session.modelers]
+    for plugin in plugins:
+        switch(window, plugin, False)
+    settle(session, window.keeper)
+    assert session.active_modeler == ""
+    assert not session.tools
+    assert "no other modeler" in told(session)[-1]
+    switch(window, plugins[0], True)
+    settle(session, window.keeper)
+    assert session.active_modeler
+
+
+def test_another_plugin_that_is_switched_off_changes_nothing(make_window, settle):
+    window = make_window()
+    before, heard = window.session.active_modeler, len(told(window.session))
+    switch(window, "bozzetto.car", False)
+    assert window.session.active_modeler == before
+    assert len(told(window.session)) == heard
+
+
+def test_what_the_window_kept_before_is_taken_over(qapp):
+    settings().setValue(DISABLED_PLUGINS, ["a.one", "b.two"])
+    assert disabled_plugins() == {"a.one", "b.two"}
+    assert switched_off() is None
