@@ -11,7 +11,7 @@ from bozzetto.document.model import Document
 from bozzetto.document.waiting import WaitingStroke
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
-from bozzetto_app.inking import ink_to_try
+from bozzetto_app.ink_choice import ink_to_try
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
 
