@@ -324,6 +324,7 @@ class Inking(QObject):
             notice = notice_of(problem, self._session.registry.guard)
             for ink in gestures()[:1]:
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
+                self._say_what_can_be_done()
             self._session.noticed.emit(notice)
 
         self._submit(gestures, tool, failed)
@@ -350,7 +351,14 @@ class Inking(QObject):
             tool=answer.tool,
             places=notice.places,
         )
+        if is_meant and not is_refused:
+            self._say_what_can_be_done()
         session.noticed.emit(notice)
+
+    def _say_what_can_be_done(self) -> None:
+        self._session.say_hint(
+            tr("Session", "The ink waits. Enter tries it again, Backspace takes it back.")
+        )
 
     def _mark(
         self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any

@@ -219,6 +219,7 @@ def test_ink_that_a_plugin_failed_over_waits_and_is_not_tried_again_unasked(
     assert statuses(session) == ["failed"]
     assert session.marked_ink[0].reason == session.heard[-1].text
     assert session.heard[-1].kind == "fault"
+    assert session.hint.startswith("The ink waits.")
     pair[0].mood = "well"
     lift(circle(radius=50))
     assert (strokes(session), session.pending) == ([1], (drawn,))
