@@ -16,11 +16,9 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.document.waiting import (
-    Waiting,
     WaitingStatus,
     WaitingStroke,
     marked,
-    strokes_of,
     touched,
     without,
 )
@@ -31,6 +29,7 @@ from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
+from bozzetto_app.ink_choice import ink_to_try
 from bozzetto_app.jobs import Channel, Request
 from bozzetto_app.saying import notice_of
 from bozzetto_app.words import tr
@@ -331,6 +330,7 @@ class Inking(QObject):
             notice = notice_of(problem, self._session.registry.guard)
             for ink in gestures()[:1]:
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
+                self._say_what_can_be_done()
             self._session.noticed.emit(notice)
 
         self._submit(gestures, tool, failed)
@@ -357,7 +357,14 @@ class Inking(QObject):
             tool=answer.tool,
             places=notice.places,
         )
+        if is_meant and not is_refused:
+            self._say_what_can_be_done()
         session.noticed.emit(notice)
+
+    def _say_what_can_be_done(self) -> None:
+        self._session.say_hint(
+            tr("Session", "The ink waits. Enter tries it again, Backspace takes it back.")
+        )
 
     def _mark(
         self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any
@@ -504,43 +511,3 @@ class Inking(QObject):
             raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
         if not model.visible:
             raise UserError(tr("Session", "This object is hidden. Show it to change it."))
-
-
-def ink_to_try(
-    waiting: Waiting, until: Stroke, modeler: str, tool: str, *, committed: bool
-) -> tuple[tuple[Stroke, ...], ...]:
-    """Which of the ink that waits goes to a tool, and what is tried where it is not taken.
-
-    Ink waits for the tool that it was drawn for; only Enter hands it to another, where the
-    tool in the hand has none of its own. A stroke is tried together with refused ink, which
-    it may mend, and without, for refused ink must not stand in the way of other ink. Ink that
-    a plugin failed over is tried again at Enter only, by itself.
-
-    Parameters
-    ----------
-    waiting : tuple of WaitingStroke
-    until : Stroke
-        The newest one to be tried.
-    modeler, tool : str
-        In whose hands it comes.
-    committed : bool
-        Whether the person said that this is all.
-
-    Returns
-    -------
-    tuple of tuple of Stroke
-        Empty where `until` no longer waits.
-    """
-    places = [place for place, one in enumerate(waiting, 1) if one.stroke is until]
-    if not places:
-        return ()
-    drawn = waiting[: places[0]]
-    own = tuple(one for one in drawn if one.is_for(modeler, tool))
-    if committed:
-        own = own or drawn
-        own = tuple(one for one in own if one.status != "failed") or own
-    else:
-        own = tuple(one for one in own if one.status != "failed" or one.stroke is until)
-    good = tuple(one for one in own if not one.is_marked)
-    tries = [own, good] if good and len(good) < len(own) else [own]
-    return tuple(map(strokes_of, tries)) if own else ()

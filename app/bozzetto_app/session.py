@@ -21,7 +21,8 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
-from bozzetto.document.waiting import Waiting, WaitingStroke, without
+from bozzetto.document.taking import take
+from bozzetto.document.waiting import Waiting, WaitingStroke
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
@@ -263,16 +264,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
 
     # -- the document --
 
-    def commit(
-        self,
-        label: str,
-        document: Document,
-        merge_key: str | None = None,
-        *,
-        drawn: bool = False,
-    ) -> None:
-        """Make a new snapshot the document, as one undo step; see `History.apply`."""
-        self.history.apply(label, document, merge_key, drawn=drawn)
+    def commit(self, label: str, document: Document, merge_key: str | None = None) -> None:
+        """Make a new snapshot the document, as one undo step."""
+        self.history.apply(label, document, merge_key)
         self._document_replaced()
 
     def amend(self, document: Document) -> None:
@@ -301,8 +295,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     ) -> None:
         """Take what came of a gesture into the document, and select it.
 
-        A gesture that only chose another part is no step of the history. A stroke that is taken
-        at the first try and what came of it are one step.
+        A gesture that only chose another part is no step of the history.
 
         Parameters
         ----------
@@ -311,7 +304,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         is_new : bool
         only_chosen : bool
         used : tuple of Stroke
-            Ink that waited and is the model's now.
+            Ink that waited and is the model's now; see `bozzetto.document.taking.take`.
         """
         if only_chosen and not used:
             self.amend(self.document.with_model(model))
@@ -319,42 +312,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         if is_new:
             model = replace(model, name=self.document.unused_name(model.name))
         self.showing.await_final(model.id)
-        before = self.document
-        left = without(before.waiting, used)
-        document = before.with_model(model).with_waiting(left)
-        lifted = self._place_lifted(used)
-        if lifted is None:
-            self.commit(label, document, drawn=bool(used))
-        else:
-            taken = set(map(id, used))
-
-            def completed(then: Document) -> Document:
-                waiting = without(then.waiting, used)
-                held = len(then.waiting) - len(waiting)
-                if then.models is not before.models or held < len(taken):
-                    return then
-                return replace(then, models=document.models, waiting=waiting)
-
-            self.history.complete(lifted, label, completed)
-            self._document_replaced()
+        take(self.history, label, model, used)
+        self._document_replaced()
         self.select(model.id)
-
-    def _place_lifted(self, used: tuple[Stroke, ...]) -> int | None:
-        """The step with which the last of some strokes was lifted, if this is its first answer.
-
-        None as well where the shapes have changed since: the outcome is a step of its own then.
-        """
-        if not used:
-            return None
-        now, last = self.document, used[-1]
-
-        def waits(document: Document) -> bool:
-            return any(one.stroke is last for one in document.waiting)
-
-        is_new = any(one.stroke is last and one.status == "new" for one in now.waiting)
-        lifted = self.history.place_where(waits)
-        same = self.history.place_where(lambda one: waits(one) and one.models is now.models)
-        return lifted if is_new and lifted == same else None
 
     def undo(self) -> None:
         """Take back the last step: a stroke, what came of it, or anything else."""

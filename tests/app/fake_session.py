@@ -206,6 +206,7 @@ class FakeSession(QObject):
         self.registry = FakeRegistry()
         self.camera = Camera()
         self.pending: tuple = ()
+        self.marked_ink: tuple = ()
         self.path: Path | None = None
         self.title = "Horse"
         self.hint = "Draw a closed outline."

@@ -30,7 +30,8 @@ LIMIT = 0.3
 @pytest.fixture(scope="module", autouse=True)
 def _imported():
     """So that no limit is reached by the imports of the modeler that behaves."""
-    for name in ("scipy.spatial", "scipy.sparse.linalg", "scipy.optimize", "shapely"):
+    silhouette = ("bozzetto_silhouette", "bozzetto_silhouette.modeler")
+    for name in ("scipy.spatial", "scipy.sparse.linalg", "scipy.optimize", "shapely", *silhouette):
         importlib.import_module(name)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
@@ -10,8 +12,9 @@ from PySide6.QtTest import QTest
 from bozzetto.document.model import Document
 from bozzetto.document.waiting import WaitingStroke
 from bozzetto.errors import UserError
+from bozzetto.exchange.importing import read_mesh
 from bozzetto.view.camera import Camera
-from bozzetto_app.inking import ink_to_try
+from bozzetto_app.ink_choice import ink_to_try
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
 
@@ -216,6 +219,7 @@ def test_ink_that_a_plugin_failed_over_waits_and_is_not_tried_again_unasked(
     assert statuses(session) == ["failed"]
     assert session.marked_ink[0].reason == session.heard[-1].text
     assert session.heard[-1].kind == "fault"
+    assert session.hint.startswith("The ink waits.")
     pair[0].mood = "well"
     lift(circle(radius=50))
     assert (strokes(session), session.pending) == ([1], (drawn,))
@@ -372,3 +376,47 @@ def test_a_document_that_is_opened_says_that_ink_waits_and_an_export_that_it_is_
     session.files.export(tmp_path / "a.stl")
     settle(session)
     assert "waits" in session.heard[-1].text
+
+
+def test_a_stroke_lifted_while_an_export_runs_is_taken_and_the_export_is_of_before(
+    session, pair, lift, settle, tmp_path, monkeypatch, qtbot
+):
+    lift(circle())
+    gate, begun = threading.Event(), threading.Event()
+    shapes = pair[0].shapes
+
+    def slow(state, result):
+        begun.set()
+        gate.wait(20)
+        return shapes(state, result)
+
+    monkeypatch.setattr(pair[0], "shapes", slow)
+    session.files.export(tmp_path / "a.stl")
+    qtbot.waitUntil(begun.is_set)
+    session.pen_lifted(stroke_of(circle(radius=50), session.camera))
+    qtbot.waitUntil(lambda: strokes(session) == [2])
+    gate.set()
+    settle(session)
+    (exported,) = read_mesh(tmp_path / "a.stl").meshes()
+    assert len(exported.mesh.faces) == 12
+
+
+def test_a_stroke_under_the_pen_while_a_document_opens_is_lifted_onto_that_document(
+    make_window, pair, settle, tmp_path, qtbot
+):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session = window.session
+    Stylus(window.canvas).draw(circle())
+    settle(session)
+    session.files.save(tmp_path / "a.bozz")
+    settle(session)
+    session.files.new()
+    stylus = Stylus(window.canvas)
+    path = circle(radius=60)
+    stylus.draw(path, lift=False)
+    session.files.open(tmp_path / "a.bozz")
+    settle(session)
+    assert strokes(session) == [1]
+    stylus.lift(path[-1])
+    settle(session)
+    assert strokes(session) == [2]

@@ -22,7 +22,7 @@ def life(tmp_path, _tidy):
         yield made
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=QUIET, derandomize=True)
+@settings(max_examples=20, deadline=None, suppress_health_check=QUIET, derandomize=True)
 @given(lives)
 def test_undo_reaches_every_stroke_that_was_lifted(life, acts):
     life.live(acts)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from tests.reliability.figures import Row
 
-LIVES = 5_000
+LIVES = 2_000
 ACTS = 25
 """Most that is done in one life."""
 

@@ -126,7 +126,8 @@ class ToolRail(QWidget):
         self._waiting.setVisible(count > 0)
         self._count.setText(str(count))
         said = tr("ToolRail", "Strokes waiting: {count}", count=count)
-        self._count.setToolTip(said)
+        reasons = dict.fromkeys(one.reason for one in self._session.marked_ink)
+        self._count.setToolTip("\n".join((said, *reasons)))
         self._count.setAccessibleName(said)
 
     def paintEvent(self, event: QPaintEvent) -> None:

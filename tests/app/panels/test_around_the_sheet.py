@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from PySide6.QtCore import QSize, Qt
@@ -73,9 +74,11 @@ def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     rail = shown(ToolRail(fake_session))
     assert not rail._waiting.isVisible()
     fake_session.pending = (object(), object())
+    fake_session.marked_ink = (SimpleNamespace(reason="It crosses itself."),)
     fake_session.pending_changed.emit()
     assert rail._waiting.isVisible()
     assert rail._count.text() == "2"
+    assert rail._count.toolTip().endswith("It crosses itself.")
     rail._finish.click()
     rail._drop.click()
     assert len(fake_session.calls.named("commit_pending")) == 1
