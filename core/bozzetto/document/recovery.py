@@ -140,6 +140,7 @@ class RecoverySession:
         self._guard = threading.Lock()
         self._journal: JournalWriter | None = None
         self._closed = False
+        self._pending: tuple[Stroke, ...] = ()
         atomic_write(folder / FACTS, lambda file: file.write(encode_json(facts)))
         self._rebase(document)
 
@@ -151,6 +152,7 @@ class RecoverySession:
         with self._guard:
             if self._closed:
                 return
+            self._pending = tuple(pending)
             if self._journal is None or len(self._journal) > self._longest:
                 self._rebase(document)
             assert self._journal is not None
@@ -206,19 +208,32 @@ class RecoverySession:
                 self._lock.release()
 
     def _rebase(self, document: Document) -> None:
-        """Begin a new pair of base and journal; the old one goes when the new one is safe."""
+        """Begin a new pair of base and journal; the old one goes when the new one is safe.
+
+        The pair counts from when its base is there. So the ink that waits, which is in no
+        base, is brought to the disk before.
+        """
         self._stop()
         self._generation += 1
-        base = self.folder / f"base-{self._generation}.bozz"
-        written = write_document(document, base, backups=0)
         self._changes = ChangeWriter(document)
-        self._journal = JournalWriter(self.folder / f"journal-{self._generation}.bin")
+        journal = JournalWriter(self.folder / f"journal-{self._generation}.bin")
+        try:
+            waiting = self._changes.record(document, self._pending, time.time())
+            if waiting is not None:
+                journal.append(waiting)
+                journal.sync()
+            base = self.folder / f"base-{self._generation}.bozz"
+            written = write_document(document, base, backups=0)
+        except BaseException:
+            journal.close()
+            raise
+        self._journal = journal
         self._longest = max(REBASE_BYTES, 4 * written.stamp.size)
         with contextlib.suppress(OSError):  # older ones do no harm
-            for old in _generations(self.folder):
-                if old < self._generation:
-                    (self.folder / f"journal-{old}.bin").unlink(missing_ok=True)
-                    (self.folder / f"base-{old}.bozz").unlink(missing_ok=True)
+            for path in self.folder.iterdir():
+                found = re.fullmatch(r"(?:base|journal)-(\d{1,9})\.b.*", path.name)
+                if found and int(found[1]) < self._generation:
+                    path.unlink()
 
     def _stop(self) -> None:
         if self._journal is not None:
