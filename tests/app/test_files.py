@@ -151,7 +151,10 @@ def test_recent_files_are_those_opened_and_saved_newest_first(session, settle, t
     for name in ("a", "b", "c"):
         save(session, settle, tmp_path / f"{name}.bozz")
     reopen(session, settle, tmp_path / "b.bozz")
+    assert [path.name for path in recent_files()] == ["b.bozz", "c.bozz", "a.bozz"]
     (tmp_path / "c.bozz").unlink()
+    session.files.tidy()
+    settle(session)
     assert [path.name for path in recent_files()] == ["b.bozz", "a.bozz"]
 
 

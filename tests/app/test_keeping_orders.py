@@ -365,9 +365,9 @@ def explore(examples):
 
 
 def test_some_orders_lose_nothing():
-    explore(4)
+    explore(6)
 
 
 @pytest.mark.slow
 def test_many_orders_lose_nothing():
-    explore(60)
+    explore(200)
