@@ -31,11 +31,12 @@ from bozzetto_app.words import tr
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["DOCUMENT_ENDING", "Claim", "Files", "Hindrance", "recent_files"]
+__all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance", "recent_files"]
 
 DOCUMENT_ENDING = ".bozz"
 MESH_MODELER = "bozzetto.mesh"
 RECENT = "recent/files"
+LAST_FOLDER = "files/last_folder"
 MOST_RECENT = 10
 URI = "file://"
 READ_LIMIT = 60.0
@@ -160,12 +161,15 @@ class Files(QObject):
     def tidy(self) -> None:
         """Beside the window: see which recent documents are there, and what killed processes left.
 
-        Temporary files of processes that are gone are deleted where those documents lie.
+        Temporary files of processes that are gone are deleted where those documents lie, and
+        where something was saved or exported last.
         """
         recent = recent_files()
+        last = str(settings().value(LAST_FOLDER, ""))
+        folders = {path.parent for path in recent} | ({Path(last)} if last else set())
 
         def work(job: Job) -> list[Path]:
-            remove_leftovers(path.parent for path in recent)
+            remove_leftovers(folders)
             return [path for path in recent if path.is_file()]
 
         def done(there: list[Path]) -> None:
