@@ -30,6 +30,7 @@ HOMES = {
     "XDG_CONFIG_HOME": "config",
     "XDG_DATA_HOME": "data",
     "XDG_STATE_HOME": "state",
+    "XDG_CACHE_HOME": "cache",
     "APPDATA": "config",
     "LOCALAPPDATA": "data",
 }

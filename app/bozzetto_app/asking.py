@@ -13,14 +13,12 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 from bozzetto.document.lock import Locked
 from bozzetto.errors import UserError
 from bozzetto.storage import FileChanged, FileStamp, Over
-from bozzetto_app.files import DOCUMENT_ENDING, Hindrance
+from bozzetto_app.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session import Session
 from bozzetto_app.settings import settings
 from bozzetto_app.words import tr
 
 __all__ = ["FileQuestions"]
-
-LAST_FOLDER = "files/last_folder"
 
 PRINTED = frozenset({".stl", ".3mf"})
 """Endings of files that are made for printers."""
@@ -65,15 +63,12 @@ def _facts(stamp: FileStamp) -> str:
     locale = QLocale()
     when = QDateTime.fromMSecsSinceEpoch(stamp.modified // 1_000_000)
     date = locale.toString(when.date(), QLocale.FormatType.ShortFormat)
-    size = locale.formattedDataSize(stamp.size)
-    exact = locale.toString(stamp.size)
     return tr(
         "Files",
-        "{date}, {time}, {size} ({bytes} bytes)",
+        "{date}, {time}, {bytes} bytes",
         date=date,
         time=when.toString("HH:mm:ss"),
-        size=size,
-        bytes=exact,
+        bytes=locale.toString(stamp.size),
     )
 
 

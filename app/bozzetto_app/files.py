@@ -31,19 +31,24 @@ from bozzetto_app.words import tr
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
 
-__all__ = ["DOCUMENT_ENDING", "Claim", "Files", "Hindrance", "recent_files"]
+__all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance", "recent_files"]
 
 DOCUMENT_ENDING = ".bozz"
 MESH_MODELER = "bozzetto.mesh"
 RECENT = "recent/files"
+LAST_FOLDER = "files/last_folder"
 MOST_RECENT = 10
 URI = "file://"
 READ_LIMIT = 60.0
 """Seconds that reading or exporting may go on without progress before it counts as hung."""
 
 
-def recent_paths() -> list[Path]:
-    """Documents opened or saved lately, newest first; the disk is not asked."""
+def recent_files() -> list[Path]:
+    """Documents opened or saved lately, newest first.
+
+    The disk is not asked, for it may be slow or far away; those that are gone are left out
+    by the next worker that looks.
+    """
     kept = settings().value(RECENT, [])
     names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
     return [_path_of(str(name)) for name in names]
@@ -60,11 +65,6 @@ def _name_of(path: Path) -> str:
 
 def _path_of(name: str) -> Path:
     return Path(os.fsdecode(unquote_to_bytes(name[7:]))) if name.startswith(URI) else Path(name)
-
-
-def recent_files() -> list[Path]:
-    """Documents opened or saved lately that are still there, newest first."""
-    return [path for path in recent_paths() if path.is_file()]
 
 
 @dataclass(frozen=True)
@@ -159,11 +159,24 @@ class Files(QObject):
         self._hold(None)
 
     def tidy(self) -> None:
-        """Delete, beside the window, what killed processes left where documents lie."""
-        folders = {path.parent for path in recent_paths()}
-        self._reads.submit(
-            Request(lambda job: remove_leftovers(folders), lambda _: None, self._session.complain)
-        )
+        """Beside the window: see which recent documents are there, and what killed processes left.
+
+        Temporary files of processes that are gone are deleted where those documents lie, and
+        where something was saved or exported last.
+        """
+        recent = recent_files()
+        last = str(settings().value(LAST_FOLDER, ""))
+        folders = {path.parent for path in recent} | ({Path(last)} if last else set())
+
+        def work(job: Job) -> list[Path]:
+            remove_leftovers(folders)
+            return [path for path in recent if path.is_file()]
+
+        def done(there: list[Path]) -> None:
+            if recent_files() == recent != there:
+                self._keep_recent(there)
+
+        self._reads.submit(Request(work, done, self._session.complain))
 
     def new(self) -> None:
         """Start on an empty sheet."""
@@ -187,7 +200,7 @@ class Files(QObject):
             try:
                 document, report = read_document(path, session.registry)
                 job.checkpoint(1.0, path.name)
-                return claim, document, report, still_there(recent_paths(), path)
+                return claim, document, report, still_there(recent_files(), path)
             except BaseException:
                 self._give_back(claim.lock)
                 raise
@@ -201,7 +214,7 @@ class Files(QObject):
                 )
                 return
             self.show(claim, document, path, read_only=report.read_only, stamp=report.stamp)
-            self._remember(path, recent)
+            self._keep_recent(recent)
             for warning in report.warnings:
                 session.tell(warning)
 
@@ -325,11 +338,11 @@ class Files(QObject):
             except BaseException:
                 self._give_back(lock)
                 raise
-            return place, lock, written, still_there(recent_paths(), place)
+            return place, lock, written, still_there(recent_files(), place)
 
         def done(answer: tuple[Path, FileLock, Written, list[Path]]) -> None:
             place, lock, written, recent = answer
-            self._remember(place, recent)
+            self._keep_recent(recent)
             if session.history is history:
                 self._hold(lock)
                 self.stamp = written.stamp
@@ -445,7 +458,7 @@ class Files(QObject):
         if lock is not None and lock is not self._lock:
             self._claims.give_back(lock)
 
-    def _remember(self, path: Path, recent: Iterable[Path]) -> None:
+    def _keep_recent(self, recent: Iterable[Path]) -> None:
         settings().setValue(RECENT, [_name_of(path) for path in recent][:MOST_RECENT])
         self.recent_changed.emit()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QStandardPaths
 
-__all__ = ["log_file", "recovery_folder", "state_folder"]
+__all__ = ["cache_folder", "log_file", "recovery_folder", "state_folder"]
 
 
 def state_folder() -> Path:
@@ -15,6 +15,11 @@ def state_folder() -> Path:
     folder = Path(QStandardPaths.writableLocation(kind))
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+def cache_folder() -> Path:
+    """Where lies what can be made again at any time; it need not exist yet."""
+    return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.CacheLocation))
 
 
 def recovery_folder() -> Path:

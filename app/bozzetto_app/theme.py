@@ -6,7 +6,7 @@ effect on several platforms, so both themes bring all their colours.
 
 from __future__ import annotations
 
-import tempfile
+import logging
 from enum import Enum
 from functools import lru_cache
 from pathlib import Path
@@ -16,8 +16,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QFont, QFontInfo, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.errors import UserError
 from bozzetto.scene.palette import DARK, LIGHT, Color, Palette
+from bozzetto.storage import write_bytes
 from bozzetto_app.icons import FOLDER
+from bozzetto_app.places import cache_folder
 from bozzetto_app.tones import Tones, tones_of
 
 __all__ = [
@@ -31,6 +34,8 @@ __all__ = [
     "style_sheet",
     "tones",
 ]
+
+log = logging.getLogger(__name__)
 
 SMALL = 0.86
 """Size of the second, smaller type beside the system's own."""
@@ -159,16 +164,20 @@ def style_sheet(palette: Palette) -> str:
     )
 
 
-_folders: dict[str, tempfile.TemporaryDirectory[str]] = {}
-
-
 def _tinted_files(tones: Tones) -> Path:
-    """A folder with the few icons that a style sheet can only take from files."""
-    if tones.name not in _folders:
-        _folders[tones.name] = tempfile.TemporaryDirectory(prefix="bozzetto-theme-")
-        folder = Path(_folders[tones.name].name)
-        color = "#{:02x}{:02x}{:02x}".format(*tones.text)
-        for name in ("check", "chevron-right", "chevron-down", "cross", "panels"):
-            text = (FOLDER / f"{name}.svg").read_text("utf-8")
-            (folder / f"{name}.svg").write_text(text.replace("currentColor", color), "utf-8")
-    return Path(_folders[tones.name].name)
+    """A folder with the few icons that a style sheet can only take from files.
+
+    They are kept between two starts; a disk that is full costs the icons, not the start.
+    """
+    color = "#{:02x}{:02x}{:02x}".format(*tones.text)
+    folder = cache_folder() / f"icons-{color[1:]}"
+    for name in ("check", "chevron-right", "chevron-down", "cross", "panels"):
+        content = (FOLDER / f"{name}.svg").read_bytes().replace(b"currentColor", color.encode())
+        place = folder / f"{name}.svg"
+        try:
+            if not place.is_file() or place.read_bytes() != content:
+                folder.mkdir(parents=True, exist_ok=True)
+                write_bytes(place, content)
+        except (OSError, UserError):
+            log.warning("the icon %s could not be kept", place, exc_info=True)
+    return folder

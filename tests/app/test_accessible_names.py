@@ -63,7 +63,7 @@ def make(name, session, window):
         "pen-tester": PenTester,
         "plugins": lambda: PluginManager(session),
         "preferences": PreferencesDialog,
-        "recovery": lambda: RecoveryDialog([crash], print),
+        "recovery": lambda: RecoveryDialog([crash], print, print),
         "shortcuts": lambda: ShortcutsDialog(registry),
     }[name]()
 

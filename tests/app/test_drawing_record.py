@@ -82,7 +82,12 @@ def bring_back_and_draw(folder, states):
         record.write(now._replace(document=waiting_too(now.document, 9)))
 
 
-@pytest.mark.parametrize("number", [errno.EIO, errno.EDQUOT, errno.EACCES])
+ORDERS = [*itertools.permutations(range(5))]
+SLOW = pytest.mark.slow
+FAULTS = [errno.EIO, *(pytest.param(n, marks=SLOW) for n in (errno.EDQUOT, errno.EACCES))]
+
+
+@pytest.mark.parametrize("number", FAULTS)
 def test_a_fault_at_any_call_of_a_recovery_loses_nothing(tmp_path, fast, number):
     whole = tmp_path / "whole"
     crashed(whole, 1, 2, pending=[3])
@@ -114,7 +119,7 @@ def test_a_fault_at_any_call_of_a_recovery_loses_nothing(tmp_path, fast, number)
 def test_a_quota_anywhere_in_a_recovery_loses_nothing(tmp_path, fast):
     whole = tmp_path / "whole"
     crashed(whole, 1, 2, pending=[3])
-    for size in range(0, 6000, 97):
+    for size in range(0, 6000, 397):
         folder = tmp_path / str(size)
         shutil.copytree(whole, folder)
         records: list[DrawingRecord] = []
@@ -145,7 +150,10 @@ def test_a_fault_at_any_call_while_giving_up_tells_nobody_a_half(tmp_path, fast)
     assert k > 5
 
 
-@pytest.mark.parametrize("order", [*itertools.permutations(range(5))])
+@pytest.mark.parametrize(
+    "order",
+    [order if n % 40 == 17 else pytest.param(order, marks=SLOW) for n, order in enumerate(ORDERS)],
+)
 def test_five_crashed_drawings_opened_in_every_order_and_twice(tmp_path, fast, order):
     for number in range(5):
         crashed(tmp_path, number)

@@ -21,7 +21,8 @@ from bozzetto.exchange.solid_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
 from bozzetto.storage import FileChanged
 from bozzetto_app import small_picture
-from bozzetto_app.files import recent_files
+from bozzetto_app.files import LAST_FOLDER, recent_files
+from bozzetto_app.settings import settings
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
 
@@ -153,8 +154,31 @@ def test_recent_files_are_those_opened_and_saved_newest_first(session, settle, t
     for name in ("a", "b", "c"):
         save(session, settle, tmp_path / f"{name}.bozz")
     reopen(session, settle, tmp_path / "b.bozz")
+    assert [path.name for path in recent_files()] == ["b.bozz", "c.bozz", "a.bozz"]
     (tmp_path / "c.bozz").unlink()
+    session.files.tidy()
+    settle(session)
     assert [path.name for path in recent_files()] == ["b.bozz", "a.bozz"]
+
+
+def test_what_killed_processes_left_is_gone_after_the_start(session, settle, tmp_path):
+    code = (
+        "import os, sys; from bozzetto.storage import atomic_write; "
+        "atomic_write(sys.argv[1], lambda file: os._exit(0))"
+    )
+    draw(session, settle)
+    folders = [tmp_path / "documents", tmp_path / "exports"]
+    for folder in folders:
+        folder.mkdir()
+    save(session, settle, folders[0] / "a.bozz")
+    settings().setValue(LAST_FOLDER, str(folders[1]))
+    for folder in folders:
+        subprocess.run([sys.executable, "-c", code, str(folder / "x.stl")], check=True)
+        assert list(folder.glob(".bozzetto-*"))
+    session.files.tidy()
+    settle(session)
+    assert [*folders[0].glob(".bozzetto-*"), *folders[1].glob(".bozzetto-*")] == []
+    assert (folders[0] / "a.bozz").exists()
 
 
 @pytest.mark.parametrize("ending", ["stl", "3mf", "glb", "obj", "ply"])

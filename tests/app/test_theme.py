@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import pytest
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel
 
 from bozzetto.scene.palette import DARK, LIGHT
+from bozzetto_app import theme
 from bozzetto_app.theme import Theme, apply_theme, current_palette, palette_for, style_sheet
 from bozzetto_app.tones import contrast, readable, tones_of
 
@@ -101,3 +104,22 @@ def test_everything_doubles_on_a_screen_of_200_percent():
     )
     # neighbouring rows differ somewhere: the drawing was rendered, not blown up
     assert done.stdout.split() == ["40", "40", "True"], done.stderr
+
+
+def test_the_style_sheets_icons_are_kept_and_no_temporary_folder_is_left(home, qapp, monkeypatch):
+    monkeypatch.setattr(tempfile, "mkdtemp", None)
+    folders = set()
+    for palette in (LIGHT, DARK, LIGHT):
+        sheet = style_sheet(palette)
+        folders |= {part.split(")")[0] for part in sheet.split("url(")[1:]}
+    files = {Path(name.strip("\"'")) for name in folders}
+    assert files
+    for file in files:
+        assert home in file.parents
+        assert b"currentColor" not in file.read_bytes()
+
+
+def test_a_cache_that_cannot_be_written_costs_the_icons_only(home, qapp, monkeypatch):
+    (home / "file").write_bytes(b"")
+    monkeypatch.setattr(theme, "cache_folder", lambda: home / "file")
+    assert "url(" in theme.style_sheet(LIGHT)

@@ -96,6 +96,8 @@ class RecoveryDialog(Page):
         away = QPushButton(tr("Recovery", "Discard…"))
         away.setAccessibleName(tr("Recovery", "Discard “{name}”", name=session.name))
         away.setAutoDefault(False)
+        if first:
+            button.setFocus()
 
         def tell(words: str, *, is_free: bool) -> None:
             button.setText(words)

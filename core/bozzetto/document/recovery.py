@@ -20,53 +20,40 @@ import os
 import re
 import secrets
 import shutil
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import msgspec
-
-from bozzetto.document.changes import ChangeWriter, Replay, record_time
+from bozzetto.document.changes import Replay, record_time
 from bozzetto.document.codec import StateTypes
-from bozzetto.document.container import decode_json, encode_json
-from bozzetto.document.file import open_document, parse_document, write_document
-from bozzetto.document.journal import JournalReader, JournalWriter
+from bozzetto.document.container import decode_json
+from bozzetto.document.file import open_document, parse_document
+from bozzetto.document.journal import JournalReader
 from bozzetto.document.lock import FileLock, left_by
 from bozzetto.document.model import Document
+from bozzetto.document.recovery_session import (
+    DISCARDED,
+    FACTS,
+    LOCK,
+    Facts,
+    RecoverySession,
+    delete,
+    facts_of,
+)
 from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.leftovers import remove_leftovers
-from bozzetto.storage import DISK, FileStamp, atomic_write, explain
+from bozzetto.storage import DISK, FileStamp, explain
 
 __all__ = ["CrashedSession", "Recovered", "RecoverySession", "RecoveryStore"]
 
-REBASE_BYTES: Final = 64 << 20
-"""A journal longer than this (and than four times its base) makes room for a new base."""
-
-LOCK, FACTS = "lock", "session.json"
-DISCARDED: Final = ".discarded-"
 UNNAMED: Final = "Untitled"
 """Name of a drawing whose facts cannot be read."""
 
 YOUNG_SECONDS: Final = 60.0
 """A folder without a base that is younger may just be being made."""
-
-
-class _Facts(msgspec.Struct):
-    name: str
-    path: str | None
-    began: float
-    raw_path: bytes | None = None
-    stamp: FileStamp | None = None
-
-    def file(self) -> Path | None:
-        """Where the document was saved last, byte for byte."""
-        if self.raw_path is not None:
-            return Path(os.fsdecode(self.raw_path))
-        return None if self.path is None else Path(self.path)
 
 
 @dataclass(frozen=True)
@@ -121,111 +108,6 @@ class Recovered:
     is_whole: bool = True
 
 
-class RecoverySession:
-    """The recovery data of one open document. May be called from any thread.
-
-    Made by `RecoveryStore.begin`.
-
-    Raises
-    ------
-    UserError
-        By every method but `close`: if the disk is full or fails.
-    """
-
-    def __init__(self, folder: Path, lock: FileLock, facts: _Facts, document: Document) -> None:
-        self.folder = folder
-        self._lock = lock
-        self._facts = facts
-        self._generation = 0
-        self._guard = threading.Lock()
-        self._journal: JournalWriter | None = None
-        self._closed = False
-        atomic_write(folder / FACTS, lambda file: file.write(encode_json(facts)))
-        self._rebase(document)
-
-    def record(self, document: Document, pending: Sequence[Stroke] = ()) -> None:
-        """Keep a snapshot and the ink that waits; what did not change costs nothing.
-
-        After a failure the next call starts over with a whole document.
-        """
-        with self._guard:
-            if self._closed:
-                return
-            if self._journal is None or len(self._journal) > self._longest:
-                self._rebase(document)
-            assert self._journal is not None
-            content = self._changes.record(document, pending, time.time())
-            if content is not None:
-                try:
-                    self._journal.append(content)
-                except UserError:
-                    self._stop()
-                    raise
-
-    def sync(self) -> None:
-        """Bring all that was recorded to the disk before going on."""
-        with self._guard:
-            if self._journal is not None:
-                self._journal.sync()
-
-    def saved(
-        self,
-        document: Document,
-        name: str,
-        path: str | os.PathLike[str],
-        stamp: FileStamp | None = None,
-    ) -> None:
-        """Start afresh after the person saved: under which name, and where."""
-        with self._guard:
-            if self._closed:
-                return
-            self._facts = _facts(name, path, self._facts.began, stamp)
-            facts = encode_json(self._facts)
-            atomic_write(self.folder / FACTS, lambda file: file.write(facts))
-            self._rebase(document)
-
-    def close(self) -> None:
-        """The person closed the document and knows what happened to it: forget all this.
-
-        Calls that come later, from a thread that has not heard of it, do nothing.
-        """
-        with self._guard:
-            if self._closed:
-                return
-            self._closed = True
-            self._stop()
-            with contextlib.suppress(OSError):  # then it is offered once more
-                _delete(self.folder, self._lock)
-
-    def set_aside(self) -> None:
-        """Leave all this to be offered again: nobody has said that it may go."""
-        with self._guard:
-            if not self._closed:
-                self._closed = True
-                self._stop()
-                self._lock.release()
-
-    def _rebase(self, document: Document) -> None:
-        """Begin a new pair of base and journal; the old one goes when the new one is safe."""
-        self._stop()
-        self._generation += 1
-        base = self.folder / f"base-{self._generation}.bozz"
-        written = write_document(document, base, backups=0)
-        self._changes = ChangeWriter(document)
-        self._journal = JournalWriter(self.folder / f"journal-{self._generation}.bin")
-        self._longest = max(REBASE_BYTES, 4 * written.stamp.size)
-        with contextlib.suppress(OSError):  # older ones do no harm
-            for old in _generations(self.folder):
-                if old < self._generation:
-                    (self.folder / f"journal-{old}.bin").unlink(missing_ok=True)
-                    (self.folder / f"base-{old}.bozz").unlink(missing_ok=True)
-
-    def _stop(self) -> None:
-        if self._journal is not None:
-            self._journal.close()
-            self._journal = None
-
-
 class RecoveryStore:
     """The folder with the recovery data of all documents that are, or were, open.
 
@@ -261,7 +143,7 @@ class RecoveryStore:
             raise UserError(explain(problem, str(self.folder))) from problem
         lock = FileLock.acquire(folder / LOCK, name)
         try:
-            facts = _facts(name, path, time.time(), stamp)
+            facts = facts_of(name, path, time.time(), stamp)
             return RecoverySession(folder, lock, facts, document)
         except BaseException:  # nothing of the document's is in there yet
             lock.release()
@@ -356,7 +238,7 @@ class RecoveryStore:
             if session.id not in self._claims:
                 self._claim(session)
             try:
-                _delete(folder, self._claims[session.id])
+                delete(folder, self._claims[session.id])
             finally:
                 self.keep(session)
 
@@ -446,38 +328,15 @@ def _recovered(
     )
 
 
-def _delete(folder: Path, lock: FileLock) -> None:
-    """Delete a session that this process holds: all of it at once, as others see it."""
-    if os.name == "nt":  # where a folder with an open file cannot be renamed
-        lock.release()
-    gone = folder.with_name(DISCARDED + folder.name)
-    folder.rename(gone)
-    lock.release()
-    shutil.rmtree(gone, ignore_errors=True)
-
-
-def _facts(
-    name: str, path: str | os.PathLike[str] | None, began: float, stamp: FileStamp | None
-) -> _Facts:
-    """Facts as JSON can hold them: file names need not be text on every system."""
-    shown = None if path is None else _as_text(os.fspath(path))
-    raw = None if path is None or shown == os.fspath(path) else os.fsencode(path)
-    return _Facts(_as_text(name), shown, began, raw, stamp)
-
-
-def _as_text(name: str) -> str:
-    return name.encode("utf-8", "replace").decode()
-
-
-def _read_facts(folder: Path) -> _Facts:
+def _read_facts(folder: Path) -> Facts:
     """What a session says of itself; a drawing without a name where that cannot be read."""
     try:
-        return decode_json((folder / FACTS).read_bytes(), _Facts)
+        return decode_json((folder / FACTS).read_bytes(), Facts)
     except (OSError, DocumentError):
         began = 0.0
         with contextlib.suppress(OSError):
             began = folder.stat().st_mtime
-        return _Facts(UNNAMED, None, began)
+        return Facts(UNNAMED, None, began)
 
 
 def _generations(folder: Path) -> list[int]:

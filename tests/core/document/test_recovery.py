@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.document import edit, recovery
+from bozzetto.document import edit, recovery_session
 from bozzetto.document.changes import ChangeWriter, Replay
 from bozzetto.document.codec import OpaqueState
 from bozzetto.document.file import encode_document, open_document, parse_document
@@ -220,7 +220,7 @@ def test_a_save_starts_afresh(tmp_path):
 
 
 def test_a_long_journal_makes_room_for_a_new_base(tmp_path, monkeypatch):
-    monkeypatch.setattr(recovery, "REBASE_BYTES", 20_000)
+    monkeypatch.setattr(recovery_session, "REBASE_BYTES", 20_000)
     session = RecoveryStore(tmp_path).begin("A", None, Document())
     document = Document()
     for n in range(60):
@@ -244,7 +244,7 @@ def test_a_full_disk_is_said_and_the_next_record_starts_over(tmp_path, monkeypat
         raise UserError("no room")
 
     with monkeypatch.context() as patch:
-        patch.setattr(recovery.JournalWriter, "append", full)
+        patch.setattr(recovery_session.JournalWriter, "append", full)
         with pytest.raises(UserError):
             session.record(first)
     second = first.without_model("m3")
@@ -259,7 +259,7 @@ def test_a_session_that_cannot_begin_leaves_nothing(tmp_path, monkeypatch):
     def full(*_, **__):
         raise UserError("no room")
 
-    monkeypatch.setattr(recovery, "write_document", full)
+    monkeypatch.setattr(recovery_session, "write_document", full)
     with pytest.raises(UserError):
         RecoveryStore(tmp_path).begin("A", None, Document())
     assert os.listdir(tmp_path) == []
@@ -373,7 +373,7 @@ def test_a_damaged_journal_is_told_and_a_torn_one_is_not(tmp_path):
 def test_a_clock_that_goes_backwards_loses_nothing(tmp_path, monkeypatch):
     clock = iter(range(10**9, 0, -(10**6)))
     monkeypatch.setattr(time, "time", lambda: float(next(clock)))
-    monkeypatch.setattr(recovery, "REBASE_BYTES", 20_000)
+    monkeypatch.setattr(recovery_session, "REBASE_BYTES", 20_000)
     document = rich_document()
     session = RecoveryStore(tmp_path).begin("A", None, document)
     for n in range(40):

@@ -1,0 +1,101 @@
+"""The questions about files, in the window: what is asked, and that each answer is done."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtWidgets import QFileDialog, QMessageBox
+
+from bozzetto.document.lock import FileLock, document_lock_path
+from tests.app.tablet import circle, stroke_of
+from tests.app.troublemaker import MODELER
+
+
+@pytest.fixture
+def window(make_window, boxes, settle):
+    made = make_window(MODELER, extra=[boxes.package])
+    made.session.pen_lifted(stroke_of(circle(), made.session.camera))
+    settle(made.session, made.keeper)
+    return made
+
+
+@pytest.fixture
+def saved(window, settle, tmp_path):
+    """Where the window's document was saved; it was changed since, here and there."""
+    window.session.files.save(tmp_path / "a.bozz")
+    settle(window.session, window.keeper)
+    window.session.rename(window.session.selected, "Later")
+    (tmp_path / "a.bozz").write_bytes(b"theirs")
+    return tmp_path / "a.bozz"
+
+
+def asked(window, qtbot, name):
+    qtbot.waitUntil(lambda: window.findChild(QMessageBox, name) is not None, timeout=10_000)
+    return window.findChild(QMessageBox, name)
+
+
+def press(box, words):
+    next(button for button in box.buttons() if button.text() == words).click()
+
+
+@pytest.mark.parametrize("answer", ["Keep both", "Overwrite", "Cancel"])
+def test_a_changed_file_is_shown_and_the_answer_done(window, saved, settle, qtbot, answer):
+    window.files.ask_save()
+    box = asked(window, qtbot, "hindered")
+    assert "changed by another program" in box.text()
+    assert " 6 bytes" in box.informativeText()
+    assert "As you had it" in box.informativeText()
+    assert box.defaultButton().text() == "Keep both"
+    press(box, answer)
+    settle(window.session, window.keeper)
+    assert (saved.read_bytes() == b"theirs") is (answer != "Overwrite")
+    assert window.session.is_modified is (answer == "Cancel")
+    assert saved.with_name("a 2.bozz").exists() is (answer == "Keep both")
+
+
+def test_who_closes_the_window_and_cancels_the_save_stays(window, saved, settle, qtbot):
+    window.close()
+    press(asked(window, qtbot, "unsaved"), "Save")
+    press(asked(window, qtbot, "hindered"), "Cancel")
+    settle(window.session, window.keeper)
+    assert window.isVisible()
+    assert window.session.is_modified
+
+
+def test_a_name_that_the_dialog_did_not_ask_about_is_asked_about(
+    window, settle, qtbot, tmp_path, monkeypatch
+):
+    (tmp_path / "b.bozz").write_bytes(b"theirs")
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "b"), ""))
+    window.files.ask_save_as()
+    box = asked(window, qtbot, "hindered")
+    assert "already" in box.text()
+    box.reject()
+    assert (tmp_path / "b.bozz").read_bytes() == b"theirs"
+
+    (tmp_path / "b.stl").write_bytes(b"theirs")
+    monkeypatch.setattr(
+        QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "b"), "STL (*.stl)")
+    )
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.No)
+    window.files.ask_export()
+    settle(window.session, window.keeper)
+    assert (tmp_path / "b.stl").read_bytes() == b"theirs"
+
+
+def test_a_document_that_is_open_elsewhere_can_be_taken_over(
+    window, settle, qtbot, tmp_path, monkeypatch
+):
+    path = tmp_path / "a.bozz"
+    window.session.files.save(path)
+    settle(window.session, window.keeper)
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    theirs = FileLock.acquire(document_lock_path(path), "a.bozz")
+    window.open(path)
+    box = asked(window, qtbot, "locked")
+    assert window.session.read_only
+    assert box.defaultButton().text() == "Look at it"
+    press(box, "Take over")
+    settle(window.session, window.keeper)
+    assert not window.session.read_only
+    assert not theirs.is_held

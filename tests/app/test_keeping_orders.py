@@ -1,0 +1,373 @@
+"""Whatever is done in whatever order, no stroke goes without an answer.
+
+The keeper runs on a pretended session whose disk and whose loads take their turn only when
+the test says so: crashes, loads, questions, saves and failures come in any order.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from unittest import mock
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+from PySide6.QtCore import QObject, Signal
+
+from bozzetto.document.history import History
+from bozzetto.document.model import Document, Model
+from bozzetto.document.recovery import RecoveryStore
+from bozzetto.errors import UserError
+from bozzetto.ink.stroke import Strokes
+from bozzetto.plugin.job import Job
+from bozzetto_app import keeping
+from bozzetto_app.claims import Claim
+from bozzetto_app.keeping import Keeper
+from tests.disk_faults import watch
+from tests.document_kit import FakeRegistry, Ink, stroke
+
+INK = [stroke(number, 2) for number in range(200)]
+NUMBER = {id(one): number for number, one in enumerate(INK)}
+
+
+def document_of(strokes):
+    return Document((Model("m", "Ink", "test.ink", Ink(Strokes(strokes))),))
+
+
+def numbers(document, pending=()):
+    """Which strokes a drawing has."""
+    found = set()
+    for one in [*(s for m in document for s in m.state.strokes), *pending]:
+        found.add(NUMBER[id(one)] if id(one) in NUMBER else INK.index(one))
+    return found
+
+
+class Thread:
+    """A thread that does nothing by itself."""
+
+    def __init__(self, **_):
+        pass
+
+    def start(self):
+        pass
+
+    def join(self, _=None):
+        pass
+
+
+class Loads:
+    """A channel whose requests are done when the test says so."""
+
+    def __init__(self, *_, **__):
+        self.waiting = []
+
+    def submit(self, request):
+        self.waiting.append(request)
+
+    def turn(self):
+        request = self.waiting.pop(0)
+        try:
+            answer = request.work(Job())
+        except UserError as problem:
+            request.failed(problem)
+        else:
+            request.done(answer)
+
+
+class FakeFiles(QObject):
+    saved = Signal(object)
+    given_up = Signal()
+
+    def __init__(self, session):
+        super().__init__(session)
+        self.session, self.stamp = session, None
+
+    def claim(self, path):
+        return Claim(None)
+
+    def leave(self, claim):
+        pass
+
+    def show(self, claim, document, path, *, saved=True, pending=(), stamp=None):
+        self.session.replace(document, path, saved=saved, pending=pending)
+
+
+class FakeSession(QObject):
+    """A session without a window; its questions wait for an answer of the test's."""
+
+    document_changed = Signal()
+    pending_changed = Signal()
+
+    def __init__(self):
+        super().__init__()
+        self.registry = FakeRegistry()
+        self.files = FakeFiles(self)
+        self.history = History(Document())
+        self.path = None
+        self.pending = ()
+        self.recovered = False
+        self.question = None
+        self.saving = None
+
+    title = "Drawing"
+
+    @property
+    def document(self):
+        return self.history.document
+
+    @property
+    def is_modified(self):
+        return self.recovered or self.history.is_modified or bool(self.pending)
+
+    def replace(self, document, path, *, saved=True, pending=()):
+        self.history, self.path = History(document), path
+        self.recovered, self.pending = not saved, pending
+        self.pending_changed.emit()
+        self.document_changed.emit()
+
+    def draw(self, one, waits):
+        if waits:
+            self.pending = (*self.pending, one)
+            self.pending_changed.emit()
+            return
+        strokes = [s for m in self.document for s in m.state.strokes]
+        waiting, self.pending = self.pending, ()
+        self.history.apply("Draw", document_of([*strokes, *waiting, one]))
+        self.document_changed.emit()
+
+    def when_safe(self, then, refused=None):
+        if not self.is_modified:
+            then()
+        elif self.question is not None or self.saving is not None:
+            (refused or (lambda: None))()
+        else:
+            self.question = then, refused or (lambda: None)
+
+    def tell(self, text):
+        pass
+
+    complain = tell
+
+
+class Orders(RuleBasedStateMachine):
+    """All strokes that reached the disk are found until they are saved or given up."""
+
+    def __init__(self):
+        super().__init__()
+        self.folder = Path(tempfile.mkdtemp(prefix="bozzetto-orders-"))
+        self.patches = [
+            mock.patch.object(os, "fsync", return_value=None),
+            mock.patch.object(keeping.threading, "Thread", Thread),
+            mock.patch.object(keeping, "Channel", Loads),
+        ]
+        for patch in self.patches:
+            patch.start()
+        self.drawn = self.on_disk = self.answered = self.in_files = self.excused = frozenset()
+        self.next = 0
+        self.start()
+
+    def start(self):
+        self.session = FakeSession()
+        self.keeper = Keeper(self.session, self.folder)
+        self.sheets = []
+
+    def sheet(self):
+        return frozenset(numbers(self.session.document, self.session.pending))
+
+    # -- the disk --
+
+    def turn(self):
+        task = self.keeper._tasks.get_nowait()
+        try:
+            if task is not None:
+                task()
+        except UserError:
+            pass
+        finally:
+            self.keeper._tasks.task_done()
+        self.sheets = [*{id(s): s for s in (*self.sheets, self.keeper._sheet)}.values()]
+        for sheet in self.sheets:
+            if sheet.written is not None:
+                found = numbers(sheet.written.document, sheet.written.pending)
+                self.on_disk |= frozenset(found)
+
+    def drain(self):
+        while not self.keeper._tasks.empty():
+            self.turn()
+
+    @precondition(lambda self: not self.keeper._tasks.empty())
+    @rule()
+    def disk_has_a_turn(self):
+        self.turn()
+
+    @precondition(lambda self: not self.keeper._tasks.empty())
+    @rule(number=st.sampled_from([errno.EIO, errno.ENOSPC]), after=st.integers(0, 30))
+    def disk_fails(self, number, after):
+        left = [after]
+
+        def before(name, size):
+            left[0] -= 1
+            if left[0] < 0 and name not in ("close", "unlink", "rmdir"):
+                raise OSError(number, os.strerror(number))
+
+        with watch(self.folder, before):
+            self.turn()
+
+    # -- the person --
+
+    @precondition(lambda self: self.next < len(INK))
+    @rule(waits=st.booleans())
+    def draw(self, waits):
+        self.drawn |= {self.next}
+        self.session.draw(INK[self.next], waits)
+        self.next += 1
+
+    @rule()
+    def new(self):
+        self.session.when_safe(lambda: self.session.replace(Document(), None))
+
+    @rule()
+    def replaced_without_a_question(self):
+        self.session.replace(Document(), None)
+
+    @rule(which=st.integers(0, 5))
+    def open_crashed(self, which):
+        offered = RecoveryStore(self.folder).crashed_sessions()
+        if offered:
+            self.keeper.recover(offered[which % len(offered)])
+
+    @precondition(lambda self: self.keeper._reads.waiting)
+    @rule()
+    def load_ends(self):
+        self.keeper._reads.turn()
+
+    @precondition(lambda self: self.session.question is not None)
+    @rule(answer=st.sampled_from(["cancel", "give up", "save"]))
+    def answer(self, answer):
+        (then, refused), self.session.question = self.session.question, None
+        if answer == "give up":
+            self.answered |= self.sheet()
+            self.session.files.given_up.emit()
+            then()
+        elif answer == "cancel" or self.session.pending:
+            refused()
+        else:
+            self.begin_save(lambda: self.session.when_safe(then, refused), refused)
+
+    @precondition(lambda self: self.session.saving is None and self.session.question is None)
+    @rule()
+    def save(self):
+        self.begin_save(lambda: None, lambda: None)
+
+    def begin_save(self, then, failed):
+        self.session.saving = self.session.history, self.session.document, then, failed
+
+    @precondition(lambda self: self.session.saving is not None)
+    @rule(works=st.booleans())
+    def save_ends(self, works):
+        (history, snapshot, then, failed), self.session.saving = self.session.saving, None
+        if not works:
+            failed()
+            return
+        self.in_files |= frozenset(numbers(snapshot))
+        if self.session.history is history:
+            self.session.path = Path("/drawings/a.bozz")
+            self.session.history.mark_saved(snapshot)
+            self.session.recovered = False
+            self.session.document_changed.emit()
+            self.session.files.saved.emit(self.session.path)
+        then()
+
+    # -- the end --
+
+    @rule(at_once=st.booleans())
+    def crash(self, at_once):
+        if not at_once:
+            self.drain()
+        self.excused |= self.drawn - self.on_disk
+        self.release_everything()
+        self.start()
+
+    def release_everything(self):
+        """The system gives back what a dead process held; its lock files stay."""
+        self.sheets = [*{id(s): s for s in (*self.sheets, self.keeper._sheet)}.values()]
+        owns = [sheet.record._own for sheet in self.sheets if sheet.record._own is not None]
+        locks = [own._lock for own in owns] + list(self.keeper._store._claims.values())
+        for own in owns:
+            own._stop()
+        for lock in locks:
+            if lock._handle >= 0:
+                os.close(lock._handle)
+                lock._handle = -1
+
+    @rule()
+    def close(self):
+        self.keeper.close()
+        self.drain()
+        self.excused |= self.drawn - self.on_disk
+        self.release_everything()
+        self.start()
+
+    @invariant()
+    def nothing_is_lost(self):
+        """Look as a new process would, with the disk as it is at this moment."""
+        expected = self.on_disk - self.answered - self.in_files - self.excused
+        with tempfile.TemporaryDirectory(prefix="bozzetto-orders-") as place:
+            copy = Path(place, "copy")
+            if self.folder.exists():
+                shutil.copytree(self.folder, copy)
+            for lock in copy.glob("*/lock"):
+                lock.unlink()
+            store = RecoveryStore(copy)
+            found = set()
+            for session in store.crashed_sessions():
+                back = store.recover(session, FakeRegistry())
+                found |= numbers(back.document, back.pending)
+        assert expected <= found, (expected - found, sorted(os.listdir(self.folder)))
+
+    def teardown(self):
+        self.drain()
+        self.keeper.close()
+        self.drain()
+        if not self.keeper._unwritten:
+            self.on_disk |= self.drawn - self.excused
+            self.nothing_is_lost()
+        self.release_everything()
+        for patch in reversed(self.patches):
+            patch.stop()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def explore(examples):
+    """Try orders of thirty steps; the same ones every time."""
+    run_state_machine_as_test(
+        Orders,
+        settings=settings(
+            max_examples=examples,
+            stateful_step_count=30,
+            deadline=None,
+            derandomize=True,
+            database=None,
+            suppress_health_check=list(HealthCheck),
+        ),
+    )
+
+
+def test_some_orders_lose_nothing():
+    explore(6)
+
+
+@pytest.mark.slow
+def test_many_orders_lose_nothing():
+    explore(200)
