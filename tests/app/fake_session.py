@@ -159,7 +159,7 @@ class _Calls:
 
 
 RECORDED = frozenset(
-    "undo redo go_to select activate_modeler activate_tool end_drag rename set_visible "
+    "tell undo redo go_to select activate_modeler activate_tool end_drag rename set_visible "
     "set_locked set_color delete duplicate move_to set_underlay_opacity set_underlay_visible "
     "select_part rename_part set_part_visible delete_part duplicate_part move_part group_parts "
     "ungroup_part delete_several delete_underlay cancel_work commit_pending clear_pending "

@@ -278,7 +278,8 @@ class CommandPalette(QFrame):
         if item is None:
             return
         entry: Entry = item.data(FOUND).entry
-        used = [entry.id, *(one for one in _used() if one != entry.id)]
-        settings().setValue(USED, used[:MOST_USED])
+        if entry.enabled:
+            used = [entry.id, *(one for one in _used() if one != entry.id)]
+            settings().setValue(USED, used[:MOST_USED])
         self.close()
-        entry.run()
+        entry.run()  # what cannot be done says why

@@ -93,12 +93,15 @@ def test_the_kind_can_be_typed_too(palette):
     assert titles(palette)[0] == "Horse"
 
 
-def test_what_cannot_be_done_is_shown_last_and_not_run(palette, done):
+def test_what_cannot_be_done_is_shown_last_not_run_and_says_why(palette, registry, done):
+    said = []
+    registry.refused.connect(said.append)
     QTest.keyClicks(palette.field, "undo")
     assert titles(palette) == ["Undo"]
     QTest.keyClick(palette.field, Qt.Key.Key_Return)
     assert done == []
-    assert palette.isVisible()
+    assert said == ["“Undo” cannot be done now."]
+    assert not palette.isVisible()
 
 
 def test_what_was_used_comes_first_even_after_a_restart(

@@ -128,6 +128,7 @@ def test_the_current_step_is_said(shown, fake_session):
     place = panel.visualItemRect(panel.item(2)).center()
     QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
     assert fake_session.calls.named("go_to") == []
+    assert fake_session.calls.named("tell"), "and that it is shown already"
 
 
 def test_history_follows_the_document(shown, fake_session):
