@@ -137,7 +137,9 @@ def _path(monkey: Monkey) -> Points:
         places = [(x, y)]
         for _ in range(count):
             last = places[-1]
-            places.append((last[0] + chance.gauss(0, size / 4), last[1] + chance.gauss(0, size / 4)))
+            places.append(
+                (last[0] + chance.gauss(0, size / 4), last[1] + chance.gauss(0, size / 4))
+            )
         return places
     wave = chance.choice((0.0, 0.0, 0.3))
     share = chance.choice((1.0, 1.0, 0.97, 0.5))
@@ -266,14 +268,18 @@ def touch(monkey: Monkey) -> None:
     if QApplication.activeModalWidget() or QApplication.activePopupWidget():
         return
     chance, canvas = monkey.chance, monkey.window.canvas
-    fingers = [QPoint(*map(int, _place_in(monkey, canvas))) for _ in range(chance.choice((1, 2, 2, 3)))]
+    fingers = [
+        QPoint(*map(int, _place_in(monkey, canvas))) for _ in range(chance.choice((1, 2, 2, 3)))
+    ]
     begin = QTest.touchEvent(canvas, monkey.screen, False)
     for number, place in enumerate(fingers):
         begin.press(number, place, canvas)
     begin.commit(False)
     for _ in range(chance.randrange(6)):
         step = QTest.touchEvent(canvas, monkey.screen, False)
-        fingers = [place + QPoint(chance.randint(-60, 60), chance.randint(-60, 60)) for place in fingers]
+        fingers = [
+            place + QPoint(chance.randint(-60, 60), chance.randint(-60, 60)) for place in fingers
+        ]
         for number, place in enumerate(fingers):
             step.move(number, place, canvas)
         step.commit(False)
@@ -323,6 +329,11 @@ def _key(target: QObject, key: Qt.Key, keys: Qt.KeyboardModifier, text: str = ""
             QApplication.sendEvent(target, QKeyEvent(kind, key, keys, text))
 
 
+def _type(target: QObject, text: str) -> None:
+    for letter in text:
+        _key(target, Qt.Key.Key_unknown, KEYS[0], letter)
+
+
 NAMED_KEYS: Final = (
     Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Tab, Qt.Key.Key_Backtab, Qt.Key.Key_Space,
     Qt.Key.Key_Backspace, Qt.Key.Key_Delete, Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_Left,
@@ -345,7 +356,7 @@ def press_keys(monkey: Monkey) -> None:
             _key(target, chance.choice(NAMED_KEYS), chance.choice(KEYS))
         else:
             letter = chance.choice(string.ascii_lowercase + string.digits + "+-*/(). ")
-            QTest.keyClicks(target, letter)
+            _type(target, letter)
 
 
 def shortcut(monkey: Monkey) -> None:
@@ -419,7 +430,7 @@ def use_widget(monkey: Monkey) -> None:
             field.setFocus()
             if isinstance(field, QLineEdit):
                 field.selectAll()
-            QTest.keyClicks(field, chance.choice(JUNK))
+            _type(field, chance.choice(JUNK))
             if isValid(field):
                 _key(field, chance.choice(NAMED_KEYS[:4]), KEYS[0])
     elif how == 1:
@@ -436,13 +447,18 @@ def use_widget(monkey: Monkey) -> None:
         widget.setFocus()
         _key(widget, chance.choice(NAMED_KEYS), chance.choice(KEYS))
     else:
-        for kind, buttons in ((QEvent.Type.MouseButtonPress, LEFT), (QEvent.Type.MouseButtonRelease, NONE)):
+        for kind, buttons in (
+            (QEvent.Type.MouseButtonPress, LEFT),
+            (QEvent.Type.MouseButtonRelease, NONE),
+        ):
             _mouse(monkey, front, kind, inside, LEFT, buttons, KEYS[0])
 
 
 def press_button(monkey: Monkey) -> None:
     """Press a button in the window in front."""
-    buttons = [w for w in _widgets(_front(monkey), QAbstractButton) if isinstance(w, QAbstractButton)]
+    buttons = [
+        w for w in _widgets(_front(monkey), QAbstractButton) if isinstance(w, QAbstractButton)
+    ]
     if buttons:
         monkey.chance.choice(buttons).click()
 
@@ -453,7 +469,9 @@ def answer_dialog(monkey: Monkey) -> None:
     if popup is not None:
         popup.close()
         return
-    dialogs = [w for w in QApplication.topLevelWidgets() if isinstance(w, QDialog) and w.isVisible()]
+    dialogs = [
+        w for w in QApplication.topLevelWidgets() if isinstance(w, QDialog) and w.isVisible()
+    ]
     for dialog in sorted(dialogs, key=lambda one: (type(one).__name__, one.objectName())):
         buttons = [w for w in _widgets(dialog, QAbstractButton) if isinstance(w, QAbstractButton)]
         if buttons and monkey.chance.random() < 0.7:
@@ -619,7 +637,10 @@ def radial_menu(monkey: Monkey) -> None:
     if monkey.chance.random() < 0.7:
         away = QPointF(monkey.chance.gauss(0, 60), monkey.chance.gauss(0, 60))
         there = QPointF(canvas.mapTo(monkey.window, place + away))
-        for kind, buttons in ((QEvent.Type.MouseButtonPress, LEFT), (QEvent.Type.MouseButtonRelease, NONE)):
+        for kind, buttons in (
+            (QEvent.Type.MouseButtonPress, LEFT),
+            (QEvent.Type.MouseButtonRelease, NONE),
+        ):
             _mouse(monkey, monkey.window, kind, there, LEFT, buttons, KEYS[0])
 
 

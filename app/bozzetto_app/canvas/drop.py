@@ -29,14 +29,15 @@ def carries_something(data: QMimeData) -> bool:
     return bool(dropped_files(data)) or data.hasImage()
 
 
-def take(session: Session, data: QMimeData, *, under: bool = False) -> bool:
+def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bool:
     """Take what was dropped or pasted.
 
     Parameters
     ----------
     session : Session
-    data : QMimeData
-        A drag out of a browser may carry the picture itself and no file.
+    data : QMimeData, optional
+        A drag out of a browser may carry the picture itself and no file; a clipboard that
+        nothing was ever copied to gives None.
     under : bool
         Whether pictures are to lie under the sheet in any case.
 
@@ -45,6 +46,8 @@ def take(session: Session, data: QMimeData, *, under: bool = False) -> bool:
     bool
         Whether there was anything to take.
     """
+    if data is None:
+        return False
     paths = dropped_files(data)
     for path in paths:
         if under and is_picture(path):
