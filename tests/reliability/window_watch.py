@@ -24,6 +24,8 @@ __all__ = ["Figures", "Problem", "Watch", "figures_now"]
 HANG: Final = 2.0
 """Seconds without a turn of the event loop that count as a hang."""
 
+CORES: Final = os.cpu_count() or 1
+
 LOOK: Final = 0.1
 """Seconds between two looks at the window's thread."""
 
@@ -62,9 +64,12 @@ class Problem:
 
     @property
     def headline(self) -> str:
-        """The last line, which names it."""
-        lines = [line for line in self.text.strip().splitlines() if line.strip()]
-        return lines[-1].strip() if lines else ""
+        """The last line, which names it; of a hang the innermost place in the program, too."""
+        lines = [line.strip() for line in self.text.splitlines() if line.strip()]
+        if self.kind == "hang":
+            own = [line for line in lines if "bozzetto" in line and line.startswith("File")]
+            return f"{own[-1] if own else ''} {lines[-1]}"
+        return lines[-1] if lines else ""
 
 
 @dataclass(frozen=True)
@@ -181,19 +186,20 @@ class Watch:
     def _look(self) -> None:
         """Count the time in which the window's thread could have turned its loop.
 
-        A machine that has no time for this process delays this thread as well: of a long gap
-        between two looks only what the process computed counts.
+        On a machine that has more to do than it has cores for, a second of the clock counts
+        as the part of it that this process can have had, but never as less than the window's
+        thread computed.
         """
         waited, stood, told = 0.0, self._beat, False
-        last, computed = time.monotonic(), time.process_time()
+        last, computed = time.monotonic(), self._window_time()
         while not self._ended.wait(LOOK):
-            now, used = time.monotonic(), time.process_time()
+            now, used = time.monotonic(), self._window_time()
             gap, last = now - last, now
             worked, computed = used - computed, used
             if self._beat != stood:
                 waited, stood, told = 0.0, self._beat, False
                 continue
-            waited += min(gap, max(2.0 * LOOK, worked))
+            waited += max(worked, gap * min(1.0, CORES / max(os.getloadavg()[0], 0.01)))
             self.longest = max(self.longest, waited)
             if waited > HANG and not told:
                 told = True
@@ -201,6 +207,10 @@ class Watch:
             if waited > LONGEST:
                 self.note("hang", f"{_stacks()}\ngiven up after {LONGEST:g} s")
                 os._exit(GIVEN_UP)
+
+    def _window_time(self) -> float:
+        """Processor time of the window's thread, seconds."""
+        return time.clock_gettime(time.pthread_getcpuclockid(self._window_thread))
 
 
 class _Listener(logging.Handler):
