@@ -50,8 +50,7 @@ class Person:
         for number, info in enumerate(itertools.cycle(infos), 1):
             if number > 2 and time.monotonic() > self._end:
                 return
-            for wait in self._document(info, number):
-                yield wait
+            yield from self._document(info, number)
             self.stage.clear()
             yield PATIENCE
             self.stage.measure(number)
@@ -76,8 +75,7 @@ class Person:
         for _ in range(3):
             yield self._do("undo", session.undo)
             yield self._do("redo", session.redo)
-        for step in self._sliders():
-            yield step
+        yield from self._sliders()
         for view in ("front", "right", "three-quarter"):
             yield self._do("look", lambda view=view: window.canvas.look(view))
         yield self._do("turn", self._turn)

@@ -57,7 +57,7 @@ class Stage:
         self.watch = Watch()
         self.window: Any = None
         self.figures: list[dict[str, float]] = []
-        self._log = open(log, "w", encoding="utf-8")  # noqa: SIM115
+        self._log = open(log, "w", encoding="utf-8")
         self._began = self._calm_by = 0.0
         self._turns = QTimer(interval=TURN)
         self._turns.timeout.connect(self._turned)
