@@ -336,6 +336,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             Ink that was waiting to be committed.
         """
         self.showing.forget()
+        self.workbench.forget_results()
         self.history = History(document)
         self._recovered = not saved
         self.path = path
