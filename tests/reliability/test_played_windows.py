@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.reliability import suite_monkey, suite_soak
-from tests.reliability.children import Outcome, play
+from tests.reliability.children import Outcome
 from tests.reliability.growth import has_grown, spread
 
 
@@ -22,15 +22,6 @@ def test_a_monkey_for_a_moment() -> None:
 @pytest.mark.slow
 def test_a_day_for_a_moment() -> None:
     kept(suite_soak.rows(0.008))
-
-
-@pytest.mark.slow
-def test_the_same_seed_does_the_same() -> None:
-    """Played again, a run comes to the same end with the same number of actions."""
-    runs = [play("monkey", ("--seed", "7", "--actions", "25"), "offscreen", 200, "s") for _ in "ab"]
-    assert all(run.result is not None for run in runs)
-    assert runs[0].last == runs[1].last
-    assert runs[0].last.startswith("25 ")
 
 
 def test_shares_of_the_actions() -> None:

@@ -132,10 +132,10 @@ def test_a_loop_is_closed_without_a_corner() -> None:
 
 @pytest.mark.parametrize("radius", [0.3, 1.0, 2.0, 3.0, 5.0])
 def test_a_tiny_loop_is_a_line_of_places_that_differ_or_a_dot(radius: float) -> None:
-    loop = arc(radius, 90, 2.0 * np.pi)
+    said = ""
+    line = np.zeros((0, 2))
     try:
-        line = smoothed_line(loop)
+        line = smoothed_line(arc(radius, 90, 2.0 * np.pi))
     except UserError as problem:
-        assert "is a dot" in problem.message
-    else:
-        assert (np.diff(arc_length(line)) > 0.0).all()
+        said = problem.message
+    assert "is a dot" in said if said else (np.diff(arc_length(line)) > 0.0).all()
