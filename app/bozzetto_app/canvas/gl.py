@@ -192,6 +192,14 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         """Who draws."""
         return f"OpenGL ({self._renderer})" if self._renderer else "OpenGL"
 
+    def release(self) -> None:
+        """Give back what lies on the card; contexts share it, so it outlives this one."""
+        self._drop(list(self._shown))
+        if self.isValid():
+            self.makeCurrent()
+            self.programs.free()
+            self.doneCurrent()
+
     # -- the layers on the card -----------------------------------------------------------------
 
     def _seen(self) -> Camera:
