@@ -194,11 +194,14 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
 
     def release(self) -> None:
         """Give back what lies on the card; contexts share it, so it outlives this one."""
-        self._drop(list(self._shown))
-        if self.isValid():
-            self.makeCurrent()
-            self.programs.free()
-            self.doneCurrent()
+        if not self.isValid():
+            return
+        self.makeCurrent()
+        for items in self._shown.values():
+            for item in items:
+                item.free()
+        self.programs.free()
+        self.doneCurrent()
 
     # -- the layers on the card -----------------------------------------------------------------
 
