@@ -17,7 +17,7 @@ from typing import Any, Final
 
 from tests.reliability.stage import Script, Stage, perform
 
-PATIENCE: Final = 30.0
+PATIENCE: Final = 10.0
 """Seconds that the person waits for the shape at most."""
 
 DRAG: Final = 12

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.reliability import suite_monkey, suite_soak
-from tests.reliability.children import Outcome
+from tests.reliability.children import Outcome, play
 from tests.reliability.growth import has_grown, spread
 
 
@@ -16,12 +16,13 @@ def kept(rows) -> None:
 
 @pytest.mark.slow
 def test_a_monkey_for_a_moment() -> None:
-    kept(suite_monkey.rows(0.0012))
+    kept(suite_monkey.rows(1e-9))
 
 
 @pytest.mark.slow
 def test_a_day_for_a_moment() -> None:
-    kept(suite_soak.rows(0.008))
+    outcome = play("soak", ("--seconds", "5"), "offscreen", 300.0, "offscreen")
+    kept(suite_soak._told("offscreen", 5.0, outcome))
 
 
 def test_shares_of_the_actions() -> None:
