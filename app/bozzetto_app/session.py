@@ -377,6 +377,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             more = tuple(map(WaitingStroke, pending))
             document = document.with_waiting((*document.waiting, *more))
         self.showing.forget()
+        self.workbench.forget_results()
         self.history = History(document)
         self._recovered = not saved
         self.path = path

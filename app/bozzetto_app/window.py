@@ -296,6 +296,7 @@ class Window(QMainWindow):
         self._stop_replay()
         self.session.cancel_all()
         self.session.files.close()
+        self.canvas.viewports.release()
         self.keeper.close()
 
     def _saving_ended(self) -> None:

@@ -290,6 +290,11 @@ class Workbench(ModelSources):
             self._results.move_to_end((id(model.state), quality))
             return entry[1]
 
+    def forget_results(self) -> None:
+        """Drop all results: the documents that they belong to are closed."""
+        with self._lock:
+            self._results.clear()
+
     def best_result(self, model: Model) -> Any | None:
         """The final result where it is known, else the preview's, else None."""
         final = self.result(model, "final")

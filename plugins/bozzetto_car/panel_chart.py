@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QHelpEvent,
@@ -75,6 +75,8 @@ class NodeChart(QWidget):
         self._guide: Guide | None = None
         self._chart: Chart | None = None
         self._pointed = ""
+        # Not by overriding `event`: PySide cannot take every exception through that.
+        self.installEventFilter(self)
 
     def show_guide(self, guide: Guide) -> None:
         """Show another state of the marks."""
@@ -171,12 +173,12 @@ class NodeChart(QWidget):
 
     # -- the hand ----------------------------------------------------------------------------------
 
-    def event(self, event: QEvent) -> bool:
-        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is self and isinstance(event, QHelpEvent):
             row = self._row_at(QPointF(event.pos()))
             QToolTip.showText(event.globalPos(), "" if row is None else told(row), self)
             return True
-        return super().event(event)
+        return False
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         self._point_at(self._row_at(event.position()))

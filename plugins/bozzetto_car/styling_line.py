@@ -56,6 +56,8 @@ turn it is 0.11, and that is open."""
 SHORTEST: Final = 6.0
 """Length, px, below which a stroke is a dot."""
 
+DOT: Final = "The stroke is a dot. Draw the whole line on the body."
+
 
 def one_stroke(strokes: Sequence[Stroke]) -> Array:
     """The strokes of a gesture as one; several are settled, older ones fading.
@@ -104,7 +106,7 @@ def smoothed_line(points: ArrayLike) -> Array:
     place = place[distinct(place)]
     length = float(arc_length(place)[-1])
     if length < SHORTEST:
-        raise UserError("The stroke is a dot. Draw the whole line on the body.")
+        raise UserError(DOT)
     ring = _ring(place)
     spacing = max(FINE, length / MOST)
     fine = resample(place, spacing=spacing) if ring is None else _closed(ring, spacing)
@@ -118,7 +120,10 @@ def smoothed_line(points: ArrayLike) -> Array:
                 before, after = 2.0 * fine[0] - after[::-1], 2.0 * fine[-1] - before[::-1]
             whole = np.vstack((before, fine, after))
             fine = np.column_stack([np.convolve(c, weights, "valid") for c in whole.T])
-    return resample(fine, spacing=max(STEP, length / MOST_PLACES))
+    smooth = resample(fine, spacing=max(STEP, length / MOST_PLACES))
+    if float(arc_length(smooth)[-1]) < SHORTEST:  # a loop of a few pixels, back where it began
+        raise UserError(DOT)
+    return smooth
 
 
 def _ring(points: Array) -> Array | None:

@@ -536,3 +536,25 @@ def test_what_redo_brings_back_is_selected_again(make_session, boxes, settle):
     session.redo()
     settle(session)
     assert session.selected == drawn
+
+
+# -- what a closed document leaves behind --------------------------------------------------------
+
+
+def test_the_shapes_of_a_closed_document_are_forgotten(session, draw, settle):
+    """However many documents a day has, the process holds the one that is open."""
+    for _ in range(3):
+        draw(session, circle())
+        model = session.document.models[-1]
+        assert session.workbench.best_result(model) is not None
+        session.files.new()
+        settle(session)
+        assert session.workbench.best_result(model) is None
+
+
+def test_shapes_that_undo_may_bring_back_are_kept(session, draw, settle):
+    draw(session, circle())
+    model = session.document.models[-1]
+    session.undo()
+    settle(session)
+    assert session.workbench.best_result(model) is not None

@@ -79,6 +79,10 @@ class ViewportBackend(Protocol):
         """Who draws, for the About dialog."""
         ...
 
+    def release(self) -> None:
+        """Give back what would outlive the widget; it can still paint, and takes it anew."""
+        ...
+
 
 def may_use_gl() -> bool:
     """Whether OpenGL is worth a try, judged without making a context."""

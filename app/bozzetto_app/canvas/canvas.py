@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QCursor,
     QDragEnterEvent,
@@ -170,6 +170,7 @@ class Canvas(QWidget):
         self._show_camera()
         self._show_scene()
         self._show_pending()
+        self.installEventFilter(self)
 
     # -- theme, settings, words -----------------------------------------------------------------
 
@@ -454,11 +455,16 @@ class Canvas(QWidget):
     def wheelEvent(self, event: QWheelEvent) -> None:
         self.hand.wheel(event)
 
-    def event(self, event: QEvent) -> bool:
-        if isinstance(event, QTouchEvent):
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take touches, for which Qt has no handler of their own.
+
+        Not in `event`: an exception in a handler that was called through an override of it is
+        taken apart by PySide, and some exceptions cannot be; see `screen_limits`.
+        """
+        if watched is self and isinstance(event, QTouchEvent):
             self.hand.touch(event)
             return True
-        return super().event(event)
+        return False
 
     def leaveEvent(self, event: QEvent) -> None:
         self.hand.leave()

@@ -192,6 +192,17 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         """Who draws."""
         return f"OpenGL ({self._renderer})" if self._renderer else "OpenGL"
 
+    def release(self) -> None:
+        """Give back what lies on the card; contexts share it, so it outlives this one."""
+        if not self.isValid():
+            return
+        self.makeCurrent()
+        for items in self._shown.values():
+            for item in items:
+                item.free()
+        self.programs.free()
+        self.doneCurrent()
+
     # -- the layers on the card -----------------------------------------------------------------
 
     def _seen(self) -> Camera:

@@ -62,6 +62,14 @@ class Programs:
             GL.glUniform2f(self.place(program, "u_size"), *frame.size)
         return program
 
+    def free(self) -> None:
+        """Give programs and pictures back; the context must be current."""
+        for program in self._programs.values():
+            GL.glDeleteProgram(program)
+        self._programs.clear()
+        self._places.clear()
+        self.textures.free()
+
     def place(self, program: int, uniform: str) -> int:
         """Where a uniform lives."""
         key = (program, uniform)

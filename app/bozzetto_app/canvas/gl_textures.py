@@ -48,6 +48,12 @@ class Textures:
             pixels,
         )  # fmt: skip
 
+    def free(self) -> None:
+        """Give all pictures back; the context must be current."""
+        for _, texture in self._held.values():
+            GL.glDeleteTextures([texture])
+        self._held.clear()
+
     def _make_room(self) -> None:
         """Give back what nobody holds any more, and the oldest of too many."""
         gone = [key for key, (pixels, _) in self._held.items() if pixels() is None]

@@ -26,6 +26,12 @@ from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.lit_places import LitPlaces
 from bozzetto_app.canvas.marked_line import MarkedLine
 from bozzetto_app.canvas.ribbon import InkPoint, Smoother, ribbon_path, smoothed
+from bozzetto_app.canvas.screen_limits import (
+    inside_runs,
+    limited_place,
+    rect_about,
+    rect_around,
+)
 from bozzetto_app.theme import qcolor
 
 __all__ = ["InkOverlay", "Tip"]
@@ -126,7 +132,7 @@ class InkOverlay(QWidget):
             The part of the sheet that must be painted again.
         """
         for x, y, pressure in samples:
-            point = (x, y, self._tip.width(pressure))
+            point = (*limited_place(x, y), self._tip.width(pressure))
             self._samples.append(point)
             self._loose += self._smoother.push(point)
         if len(self._loose) > LOOSE_POINTS:
@@ -171,8 +177,8 @@ class InkOverlay(QWidget):
             widths = PEN_TIP.width(1.0) * (
                 PEN_TIP.least + (1.0 - PEN_TIP.least) * stroke.pressure[seen].astype(float)
             )
-            if seen.any():
-                ink.append(smoothed(np.column_stack((places[seen], widths)).tolist()))
+            line = np.column_stack((places[seen], widths)).tolist()
+            ink += [smoothed((x, y, width) for x, y, width in run) for run in inside_runs(line)]
         marked = tuple(marked)
         if ink or self._pending_ink or marked != self._marked:
             self._pending_ink, self._marked = ink, marked
@@ -193,16 +199,16 @@ class InkOverlay(QWidget):
             self._ring = None
         else:
             radius = 0.5 * (ERASER_TIP.size if erasing else max(PEN_TIP.size, 7.0))
-            self._ring = (place[0], place[1], radius)
+            self._ring = (*limited_place(*place), radius)
         self.update(before.united(self._ring_area()))
 
     def set_hot_handle(self, place: tuple[float, float] | None, paint: Paint = "accent") -> None:
         """Show which handle a press would take."""
-        hot = None if place is None else (place[0], place[1], self._palette.color(paint))
+        hot = None if place is None else (*limited_place(*place), self._palette.color(paint))
         if hot != self._hot:
             for mark in (self._hot, hot):
                 if mark is not None:
-                    self.update(_around(mark[0], mark[1], HOT_RADIUS + RING_MARGIN))
+                    self.update(rect_around(mark[0], mark[1], HOT_RADIUS + RING_MARGIN))
             self._hot = hot
 
     def light_up(self, places: Sequence[tuple[float, float]], words: str = "") -> None:
@@ -303,7 +309,7 @@ class InkOverlay(QWidget):
         if self._ring is None:
             return QRect()
         x, y, radius = self._ring
-        return _around(x, y, radius + RING_MARGIN)
+        return rect_around(x, y, radius + RING_MARGIN)
 
     def _blank(self) -> QImage:
         scale = self.devicePixelRatioF()
@@ -354,15 +360,4 @@ class InkOverlay(QWidget):
         if not line:
             return QRect()
         margin = 0.5 * max(point[2] for point in line) + 2.0
-        xs = [point[0] for point in line]
-        ys = [point[1] for point in line]
-        left, top = math.floor(min(xs) - margin), math.floor(min(ys) - margin)
-        return QRect(
-            left, top, math.ceil(max(xs) + margin) - left, math.ceil(max(ys) + margin) - top
-        )
-
-
-def _around(x: float, y: float, radius: float) -> QRect:
-    left, top = math.floor(x - radius), math.floor(y - radius)
-    size = math.ceil(2.0 * radius) + 2
-    return QRect(left, top, size, size)
+        return rect_about([point[0] for point in line], [point[1] for point in line], margin)

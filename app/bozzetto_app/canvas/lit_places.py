@@ -11,6 +11,7 @@ from PySide6.QtGui import QPainter, QPen
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.palette import Palette
+from bozzetto_app.canvas.screen_limits import limited_place, rect_around
 from bozzetto_app.theme import qcolor
 from bozzetto_app.tones import tones_of
 
@@ -54,7 +55,8 @@ class LitPlaces:
     def light_up(self, places: Sequence[tuple[float, float]], words: str = "") -> None:
         """Light these and no others."""
         self._update()
-        self.places, self.words, self._age = tuple(places), words, 0
+        self.places = tuple(limited_place(x, y) for x, y in places)
+        self.words, self._age = words, 0
         if self.places:
             self._timer.start()
         else:
@@ -117,7 +119,5 @@ class LitPlaces:
 
     def _update(self) -> None:
         for x, y in self.places:
-            self._sheet.update(
-                QRect(math.floor(x) - REACH, math.floor(y) - REACH, 2 * REACH + 2, 2 * REACH + 2)
-            )
+            self._sheet.update(rect_around(x, y, REACH))
         self._sheet.update(self.words_area)

@@ -28,6 +28,7 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.scene.display_list import EMPTY, Handle, Image, Lines, Points, Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.screen_limits import limited_place, whole_point
 from bozzetto_app.theme import qcolor
 
 __all__ = ["DIAMETER", "MAGNIFICATION", "Loupe", "place_beside"]
@@ -115,11 +116,11 @@ class Loupe(QWidget):
 
     def point(self, x: float, y: float) -> None:
         """Show what is at a place of the sheet."""
-        self._pen = (x, y)
+        x, y = self._pen = limited_place(x, y)
         self._sides = place_beside((x, y), (self._sheet.width(), self._sheet.height()), self._sides)
         half = 0.5 * self.width()
         across, along = self._sides
-        self.move(round(x + across * AWAY - half), round(y + along * AWAY - half))
+        self.move(whole_point(x + across * AWAY - half, y + along * AWAY - half))
         if not self.isVisible():
             self.show()
             self.raise_()

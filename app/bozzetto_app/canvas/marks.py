@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QFont, QFontMetricsF, QPainter, QPainterPath, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
@@ -12,6 +11,7 @@ from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.software.frame import HANDLE_RADIUS, HANDLE_RIM
 from bozzetto.scene.software.labels import HALO, OFFSET, beginning
 from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.screen_limits import is_inside, point_at
 from bozzetto_app.theme import qcolor
 
 __all__ = ["MarksSheet", "paint_marks"]
@@ -25,15 +25,15 @@ def paint_marks(painter: QPainter, scene: Scene, camera: Camera, palette: Palett
     places, _ = camera.project([mark.point for mark in marks])
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for mark, (x, y) in zip(marks, places.tolist(), strict=True):
-        if not np.isfinite((x, y)).all():
+        if not is_inside(x, y):
             continue
         if isinstance(mark, Handle):
             painter.setPen(QPen(qcolor(min(palette.ink, palette.paper, key=sum)), HANDLE_RIM))
             painter.setBrush(qcolor(palette.color(mark.color)))
             radius = HANDLE_RADIUS - 0.5 * HANDLE_RIM
-            painter.drawEllipse(QPointF(x, y), radius, radius)
+            painter.drawEllipse(point_at(x, y), radius, radius)
         else:
-            _paint_label(painter, mark, QPointF(x, y), palette)
+            _paint_label(painter, mark, point_at(x, y), palette)
 
 
 def _paint_label(painter: QPainter, label: Label, place: QPointF, palette: Palette) -> None:

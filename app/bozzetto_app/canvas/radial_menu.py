@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, QSizeF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import (
     QFont,
     QFontMetricsF,
@@ -25,6 +25,7 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto_app.canvas.gestures import FLICK_TRAVEL
+from bozzetto_app.canvas.screen_limits import whole_point
 from bozzetto_app.theme import qcolor, small_font
 from bozzetto_app.tones import tones_of
 from bozzetto_app.words import tr
@@ -137,7 +138,7 @@ class RadialMenu(QWidget):
         x = min(max(place.x(), half), max(room.width() - half, half))
         y = min(max(place.y(), half), max(room.height() - half, half))
         self._origin = QPointF(place)
-        self.move(QPoint(round(x - half), round(y - half)))
+        self.move(whole_point(x - half, y - half))
         self.show()
         self.raise_()
         self.setFocus(Qt.FocusReason.PopupFocusReason)

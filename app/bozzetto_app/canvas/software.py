@@ -131,6 +131,9 @@ class SoftwareViewport(QWidget):
         """Who draws."""
         return "Software renderer (NumPy)"
 
+    def release(self) -> None:
+        """Nothing outlives it."""
+
     # -- frames -------------------------------------------------------------------------------
 
     @property

@@ -123,6 +123,11 @@ class Viewports(QObject):
         for viewport in self._both():
             viewport.widget.setGeometry(area)
 
+    def release(self) -> None:
+        """Give back what would outlive the window."""
+        for viewport in self._both():
+            viewport.release()
+
     def _both(self) -> list[ViewportBackend]:
         return [self.current] if self._rising is None else [self.current, self._rising]
 
@@ -163,11 +168,13 @@ class Viewports(QObject):
         """Go (back) to the software viewport."""
         log.warning("the OpenGL viewport failed: %s", reason)
         if self._rising is not None:
+            self._rising.release()
             failed: QWidget = self._rising
             self._rising = None
         elif isinstance(self.current, SoftwareViewport):
             return
         else:
+            self.current.release()
             failed = self.current.widget
             software = SoftwareViewport(self._canvas)
             software.setGeometry(failed.geometry())

@@ -91,7 +91,7 @@ def _build(mesh: Mesh) -> BoundingTree:
             break
         group = FAN
     return BoundingTree(
-        corners[:, 0],
+        corners[:, 0].copy(),  # a view would keep the two other corners, too
         corners[:, 1] - corners[:, 0],
         corners[:, 2] - corners[:, 0],
         order,

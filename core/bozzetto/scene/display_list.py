@@ -119,7 +119,8 @@ class Lines:
     def pieces(self) -> Iterator[slice]:
         """The index range of every polyline."""
         begins = [0] if self.starts is None else [int(i) for i in self.starts]
-        for begin, end in zip(begins, [*begins[1:], len(self.points)], strict=True):
+        ends = [*begins[1:], len(self.points)]
+        for begin, end in zip(begins, ends, strict=False):  # no beginning, no polyline
             if end > begin:
                 yield slice(begin, end)
 

@@ -30,6 +30,9 @@ LIVE_WIDTH: Final = 2.5
 RUNGS: Final = 16
 """Rungs over a curve that is as long as the box's diagonal."""
 
+MOST_RUNGS: Final = 2000
+"""Rungs of a curve that leaves the box by far, as the pen may at an extreme zoom."""
+
 RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
 """px, and a share: they are seen over the grid of the centre plane."""
 
@@ -110,7 +113,7 @@ def rungs(points: Array, step: float) -> Array:
     (k, 2, 3) float
     """
     along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
-    marks = np.linspace(0.0, along[-1], max(2, int(along[-1] / step) + 1))
+    marks = np.linspace(0.0, along[-1], max(2, int(min(along[-1] / step, MOST_RUNGS)) + 1))
     ends = points[np.unique(np.searchsorted(along, marks).clip(max=len(points) - 1))]
     return np.stack((ends, ends * MIRROR), axis=1)
 

@@ -19,7 +19,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.standard import standard_view
 from bozzetto_app.canvas.backends import choose_backend
 from bozzetto_app.canvas.software import SoftwareViewport
-from tests.core.scene.shapes import sphere
+from tests.core.scene.shapes import scene_of, sphere
 
 SIZE = (400, 300)
 
@@ -421,3 +421,38 @@ def test_the_choice_can_be_made_by_hand(qapp, monkeypatch, asked):
 def test_without_a_screen_the_software_draws(qapp, monkeypatch):
     monkeypatch.delenv("BOZZETTO_VIEWPORT", raising=False)
     assert choose_backend() == "software"
+
+
+def test_a_viewport_that_was_released_still_paints(make):
+    viewport = make()
+    viewport.set_scene(scene_of(Shaded(sphere(30.0))))
+    before = viewport.grab()
+    viewport.release()
+    assert viewport.grab() == before
+
+
+@pytest.mark.gl
+def test_what_lies_on_the_card_is_given_back(qtbot):
+    """Contexts share programs, buffers and pictures: closing one of them frees nothing."""
+    if choose_backend() != "gl":
+        pytest.skip("no OpenGL here")
+    from OpenGL import GL
+
+    viewport = gl_viewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.set_palette(LIGHT)
+    viewport.set_camera(CAMERA)
+    viewport.show()
+    qtbot.waitExposed(viewport)
+    viewport.set_scene(scene_of(Shaded(sphere(30.0))))
+    viewport.grab()
+    programs = list(viewport.programs._programs.values())
+    buffers = [b for items in viewport._shown.values() for i in items for b in i._buffers or ()]
+    assert programs
+    assert buffers
+    viewport.release()
+    viewport.makeCurrent()
+    assert not any(GL.glIsProgram(program) for program in programs)
+    assert not any(GL.glIsBuffer(buffer) for buffer in buffers)
+    viewport.doneCurrent()

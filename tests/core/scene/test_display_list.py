@@ -16,3 +16,10 @@ def test_a_picture_behind_things_is_not_framed_with_them():
     assert np.ptp(alone.points(), axis=0).tolist() == [1800.0, 0.0, 1800.0]
     both = alone + Scene((Layer("curve", (line,)), Layer("marks", (handle,), tool="mark")))
     assert np.ptp(both.points(), axis=0).tolist() == [10.0, 0.0, 5.0]
+
+
+def test_lines_may_be_none_at_all():
+    """As a modeler makes them that has nothing to show: no points, and no beginnings."""
+    nothing = Lines(np.zeros((0, 3), np.float32), np.zeros(0, np.int32))
+    assert list(nothing.pieces()) == []
+    assert list(Lines(np.zeros((0, 3), np.float32)).pieces()) == []

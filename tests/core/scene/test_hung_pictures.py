@@ -12,6 +12,7 @@ from bozzetto.scene import LIGHT, Image, Lines, Shaded
 from bozzetto.scene.software import render
 from bozzetto.scene.software.pictures import hang, lay_pictures
 from bozzetto.scene.software.sight import sight_of
+from bozzetto.scene.software.warping import _interpolated
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import box, scene_of, sphere
 
@@ -361,3 +362,16 @@ def test_a_picture_can_be_given_up_between_stages():
     with pytest.raises(Enough):
         render(scene, FRONT, LIGHT, checkpoint=stop)
     assert len(calls) == 2
+
+
+@pytest.mark.parametrize("slant", [(-1e-9, 0.0), (0.0, -1e-9), (1e-9, 0.0), (0.0, 0.0)])
+def test_a_picture_square_on_fills_its_box_wherever_the_horizon_lies(slant):
+    """Its first row or column is left out where the middle of the matrix was moved."""
+    matrix = np.array([(1 / 96, 0.0, 0.0), (0.0, 1 / 64, 0.0), (*slant, 1.0)])
+    box = (10, 8, 40, 30)
+    straight = np.array([(1 / 96, 0.0, 0.0), (0.0, 1 / 64, 0.0), (0.0, 0.0, 1.0)])
+    values = _interpolated(slopes(), (1, 1), matrix, box)
+    assert values.shape == (22, 30)
+    expected = _interpolated(slopes(), (1, 1), straight, box)
+    gaps = values.view(np.uint8).astype(int) - expected.view(np.uint8)
+    assert np.abs(gaps).max() <= 2

@@ -205,3 +205,14 @@ def test_nothing_behind_the_eye_is_found():
     camera = Camera(eye=(0, -100, 0), viewport=(500, 400))
     scene = scene_of(Handle("h", (0, -200, 0)), Points([(0, -200, 0)]))
     assert nearest_item(scene, camera, 250, 200) is None
+
+
+def test_the_tree_of_a_mesh_holds_each_corner_once():
+    """Trees are kept with every mesh that is shown: they are not to hold what they do not use."""
+    from bozzetto.scene.bounding_tree import tree_of
+
+    mesh = sphere()
+    tree = tree_of(mesh)
+    for part in (tree.corner, tree.edge1, tree.edge2):
+        owner = part if part.base is None else part.base
+        assert owner.nbytes == 24 * len(mesh.faces)

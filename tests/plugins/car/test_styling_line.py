@@ -128,3 +128,14 @@ def test_a_loop_is_closed_without_a_corner() -> None:
     turns = np.degrees(np.diff(np.unwrap(np.arctan2(way[:, 1], way[:, 0]))))
     assert np.abs(turns).max() < 12.0  # the ellipse itself turns by 11° in a step at its ends
     assert distances_to_polyline(line, stroke).max() < 0.7
+
+
+@pytest.mark.parametrize("radius", [0.3, 1.0, 2.0, 3.0, 5.0])
+def test_a_tiny_loop_is_a_line_of_places_that_differ_or_a_dot(radius: float) -> None:
+    said = ""
+    line = np.zeros((0, 2))
+    try:
+        line = smoothed_line(arc(radius, 90, 2.0 * np.pi))
+    except UserError as problem:
+        said = problem.message
+    assert "is a dot" in said if said else (np.diff(arc_length(line)) > 0.0).all()

@@ -173,3 +173,9 @@ def test_what_cannot_be_is_said_with_what_to_do_instead() -> None:
     with pytest.raises(UserError) as refused:
         traced(wrong.curves[0], wrong)
     assert said(wrong) == refused.value.message
+
+
+def test_rungs_of_a_curve_beyond_all_bounds_are_not_beyond_number() -> None:
+    """What is drawn at an extreme zoom may be as long as the way to the sun."""
+    line = np.column_stack((np.linspace(0.0, 1.5e14, 60), np.full(60, 3.0), np.zeros(60)))
+    assert 2 <= len(rungs(line, 20.0)) <= 60

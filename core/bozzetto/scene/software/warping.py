@@ -140,7 +140,7 @@ def _interpolated(
     moved /= moved[2, 2]
     size = (right - left, bottom - top)
     if _is_square_on(moved, size, (width, height)):
-        return _scaled(texels, moved, size)
+        return _scaled(texels, moved, size)[box[1] - top :, box[0] - left :]
     image = as_pillow(texels).transform(
         size,
         Image.Transform.PERSPECTIVE,
