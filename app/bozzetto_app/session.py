@@ -252,7 +252,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def commit(self, label: str, document: Document, merge_key: str | None = None) -> None:
         """Make a new snapshot the document, as one undo step."""
         self.history.apply(label, document, merge_key)
-        self._document_replaced()
+        self._document_replaced(dragging=merge_key is not None)
 
     def amend(self, document: Document) -> None:
         """Put another snapshot in the place of the document, without an undo step."""
@@ -359,7 +359,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._recovered = False
         self.document_changed.emit()
 
-    def _document_replaced(self) -> None:
+    def _document_replaced(self, *, dragging: bool = False) -> None:
         if self._selected is not None and self.selected_model is None:
             self._selected = None
             self.report = {}
@@ -368,7 +368,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._scene = None
         self.document_changed.emit()
         self.parameters_changed.emit()
-        self.showing.show(self.document, self.selected_model)
+        self.showing.show(self.document, self.selected_model, dragging=dragging)
         self.scene_changed.emit()
 
     # -- files --
