@@ -10,15 +10,18 @@ life even then: the window never waits.
 
 from __future__ import annotations
 
+import atexit
 import itertools
 import logging
 import sys
 import threading
 import time
 import traceback
+import weakref
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -41,6 +44,9 @@ GRACE = 1.0
 
 PATIENCE = 60.0
 """Seconds until work that was left behind is interrupted, where it has no time limit."""
+
+IDLE = 1.0
+"""Seconds that a thread waits for more work before it ends."""
 
 _tickets = itertools.count(1)
 
@@ -96,6 +102,71 @@ class Request:
             self.abandoned_at = time.monotonic()
 
 
+class _Worker:
+    """A thread that does one request after another, and ends when it has been idle for long.
+
+    Starting a thread means waiting for it, and a busy worker of another channel may hold
+    the interpreter meanwhile: too dear for each tick of a slider.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._waiting: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        self._is_idle = False
+        self._lock = threading.Lock()
+        self._is_open = True
+        self.thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self.thread.start()
+        _workers.add(self)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether it waits for work."""
+        return self._is_idle
+
+    def take(self, work: Callable[[], None]) -> bool:
+        """Do this next; False where the thread has ended meanwhile."""
+        with self._lock:
+            if self._is_open:
+                self._waiting.put(work)
+            return self._is_open
+
+    def retire(self) -> None:
+        """Take nothing more, and end when what is being done has ended."""
+        with self._lock:
+            self._is_open = False
+            self._waiting.put(None)
+
+    def _run(self) -> None:
+        while True:
+            self._is_idle = True
+            try:
+                work = self._waiting.get(timeout=IDLE)
+            except Empty:
+                with self._lock:
+                    if not self._waiting.empty():
+                        continue
+                    self._is_open = False
+                return
+            if work is None:
+                return
+            self._is_idle = False
+            work()
+            del work  # what it holds must not live on in an idle thread
+
+
+_workers: weakref.WeakSet[_Worker] = weakref.WeakSet()
+
+
+@atexit.register
+def _end_idle_workers() -> None:
+    """Let no thread wait for work while the interpreter is taken apart."""
+    for worker in tuple(_workers):
+        idle = worker.is_idle
+        worker.retire()
+        if idle:
+            worker.thread.join(IDLE)
+
+
 class Channel(QObject):
     """A queue of requests with one worker thread at a time.
 
@@ -127,6 +198,7 @@ class Channel(QObject):
         self.time_limit = time_limit
         self._waiting: deque[Request] = deque()
         self._running: Request | None = None
+        self._worker: _Worker | None = None
         self._last_progress = 0.0
         self._left_behind: list[Request] = []
         hang_up()
@@ -164,12 +236,23 @@ class Channel(QObject):
         request = self._waiting.popleft()
         self._running = request
         request.seen_alive = time.monotonic()
-        request.thread = threading.Thread(
-            target=self._work, args=(request,), name=f"bozzetto-{self.name}", daemon=True
-        )
         self._watch.start()
         self.busy_changed.emit(True)
-        request.thread.start()
+        self._hand_over(request)
+
+    def _hand_over(self, request: Request) -> None:
+        """Have the worker do it, or a new one where there is none."""
+
+        def work() -> None:
+            self._work(request)
+
+        if self._worker is not None:
+            request.thread = self._worker.thread
+            if self._worker.take(work):
+                return
+        self._worker = _Worker(f"bozzetto-{self.name}")
+        request.thread = self._worker.thread
+        self._worker.take(work)
 
     def _work(self, request: Request) -> None:
         def progress(fraction: float, step: str) -> None:
@@ -224,6 +307,9 @@ class Channel(QObject):
         request.abandon()
         self._finish()
         self._left_behind.append(request)
+        if self._worker is not None:
+            self._worker.retire()
+            self._worker = None
         if wanted and self.time_limit is not None and request.thread is not None:
             # Told before it is interrupted, while it can still be seen where it hangs.
             request.failed(Hung(self.time_limit, request.thread))

@@ -12,9 +12,9 @@ new. A revision goes through the stages ``INK < PREVIEW < FINAL < REPORT``. The 
 1. The worker takes the preview of the newest revision of a model, models without a picture
    and those that have waited longest first; then finals; then the figures of the selected
    model. It never begins work on a revision that is not the newest.
-2. A preview that was begun may end, also if its revision has been replaced meanwhile. A
-   final, or a report, of a replaced revision is abandoned at once, and so is any while
-   some model waits for its preview.
+2. A preview that was begun may end, also if its revision has been replaced meanwhile; it
+   only gives way to a model that has no picture at all. A final, or a report, of a replaced
+   revision is abandoned at once, and so is any while some model waits for its preview.
 3. An answer is shown if its model is still asked for and nothing newer of it, or of the
    same revision and further, was shown.
 4. While a drag goes on no final is begun: it would be abandoned at the next tick.
@@ -71,6 +71,11 @@ class _Course:
     made: tuple[int, Stage] = (0, Stage.NOTHING)
     shown: tuple[int, Stage] = (0, Stage.NOTHING)
     served: int = 0
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether the worker has answered at all."""
+        return self.made[1] is not Stage.NOTHING
 
     def lacks(self, stage: Stage) -> bool:
         """Whether the newest revision has not come as far as a stage."""
@@ -182,7 +187,7 @@ class Revisions:
         """Whether anything of the task's model was made before."""
         with self._lock:
             course = self._courses.get(task.model.id)
-            return course is not None and course.made[1] is not Stage.NOTHING
+            return course is not None and course.has_picture
 
     def made(self, task: Task, stage: Stage | None = None) -> None:
         """Note that a task is done, and how far, where that is further than it asked for."""
@@ -216,7 +221,7 @@ class Revisions:
         courses = self._courses.values()
         waiting = [course for course in courses if course.lacks(Stage.PREVIEW)]
         if waiting:
-            first = min(waiting, key=lambda c: (c.made[1] is not Stage.NOTHING, c.served))
+            first = min(waiting, key=lambda c: (c.has_picture, c.served))
             return Task(first.model, first.asked, Stage.PREVIEW)
         if self._dragging:
             return None
@@ -232,7 +237,9 @@ class Revisions:
         course = self._courses.get(task.model.id)
         if course is None:
             return True
+        others = [other for other in self._courses.values() if other is not course]
         if task.stage is Stage.PREVIEW:
-            return False
-        previews_wait = any(other.lacks(Stage.PREVIEW) for other in self._courses.values())
+            bare = any(not other.has_picture for other in others)
+            return course.has_picture and bare
+        previews_wait = any(other.lacks(Stage.PREVIEW) for other in others)
         return course.asked != task.revision or previews_wait

@@ -60,6 +60,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     ----------
     when_safe : callable
         Called with what would lose unsaved work; the window asks the person first.
+    is_dragging : bool
+        Whether a value is being dragged, so that the document is another one in a moment.
     facts, pictures : mapping
         What the drawing that is being watched says beyond its strokes, and the pictures that
         it names; see `Context.facts`.
@@ -84,6 +86,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         A model (id) that was just drawn has its first final shape.
     opened
         Another document is here.
+    rested
+        A drag of a value has ended, or rests.
     """
 
     document_changed = Signal()
@@ -100,6 +104,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     report_changed = Signal()
     settled = Signal(str)
     opened = Signal()
+    rested = Signal()
 
     def __init__(self, registry: Registry, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -116,6 +121,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._selected: str | None = None
         self._recovered = False
         self._was_busy = False
+        self.is_dragging = False
         self._scene: Scene | None = None
         self._ghosts_in_scene = True
         self.toolbox = Toolbox(self)
@@ -129,6 +135,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing = Showing(self.workbench, self)
         self.showing.changed.connect(self._model_shown)
         self.showing.settled.connect(self.settled)
+        self.showing.rested.connect(self._rest)
         self.showing.reported.connect(self._take_report)
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
@@ -366,6 +373,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
             self.selection_changed.emit()
             self.report_changed.emit()
         self._scene = None
+        self.is_dragging = dragging
         self.document_changed.emit()
         self.parameters_changed.emit()
         self.showing.show(self.document, self.selected_model, dragging=dragging)
@@ -405,6 +413,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)
+
+    def _rest(self) -> None:
+        self.is_dragging = False
+        self.rested.emit()
 
     def _model_shown(self, model_id: str, solved: bool) -> None:
         self._scene = None

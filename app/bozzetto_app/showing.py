@@ -48,6 +48,8 @@ class Showing(QObject):
         Figures of the model asked for.
     failed : object
         The exception with which a model refused to be solved or shown.
+    rested
+        A drag has ended or rests.
     progressed : float, str; busy_changed : bool
     """
 
@@ -55,6 +57,7 @@ class Showing(QObject):
     settled = Signal(str)
     reported = Signal(object, object)
     failed = Signal(object)
+    rested = Signal()
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
 
@@ -139,6 +142,7 @@ class Showing(QObject):
         self._rest.stop()
         if self._revisions.let_go():
             self._channel.submit(Request(self._work, lambda _: None, self._failed))
+            self.rested.emit()
 
     def _soluble(self, document: Document) -> list[Model]:
         """The models to be solved: those that can be seen and whose plugin is here."""

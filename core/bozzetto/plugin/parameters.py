@@ -7,6 +7,7 @@ the form, the ``--set`` option of the command line and the checks on both come f
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
@@ -132,6 +133,7 @@ class Field:
         return int(value) if self.kind == "integer" else float(value)
 
 
+@functools.cache
 def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
     """The parameters of a state type, in the order of its fields."""
     hints = get_type_hints(state_type, include_extras=True)
