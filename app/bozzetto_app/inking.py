@@ -68,7 +68,10 @@ class Inking(QObject):
         self._pen_is_down = False
         self._awaited = ""
         self._unpreviewable: set[tuple[str, str]] = set()
-        self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
+        self._edits = Channel(
+            "apply", keep_all=True, time_limit=APPLY_LIMIT, is_patient=True, parent=self
+        )
+        self._edits.slow.connect(session.tell_slow)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
 
     @property
@@ -110,6 +113,11 @@ class Inking(QObject):
         self._edits.cancel()
         self._await_ink(pending)
         self.cancelled()
+
+    def stop(self) -> None:
+        """Stop working on gestures; ink that was not understood yet waits on."""
+        self._edits.cancel()
+        self._show_nothing()
 
     def go_on(self) -> None:
         """The person jumped in the history: only the ink that waits is still meant."""

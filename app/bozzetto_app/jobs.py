@@ -3,9 +3,10 @@
 A channel carries one kind of work ("preview", "solve", "apply"). At most one request of a
 channel runs; while it runs only the newest waiting request is kept (or all of them, in
 order, where a channel says so). An answer is delivered on the window's thread, and only if
-its request was not overtaken. A request that overruns its time limit, or does not listen
-when it is cancelled, is left behind with its thread, and interrupted if it shows no sign of
-life even then: the window never waits.
+its request was not overtaken. A request that overruns its time limit is left behind with its
+thread, unless its channel is patient: then it is told that it is slow, and goes on until it
+answers or a person stops it. Work that does not listen when it is cancelled is left behind as
+well, and interrupted if it shows no sign of life even then: the window never waits.
 """
 
 from __future__ import annotations
@@ -56,6 +57,8 @@ class Hung(TimeoutError):
 
     Attributes
     ----------
+    limit : float
+        Seconds.
     thread : Thread
         Where it went on when this was noticed.
     stack : str
@@ -64,6 +67,7 @@ class Hung(TimeoutError):
 
     def __init__(self, limit: float, thread: threading.Thread) -> None:
         super().__init__(f"no answer within {limit:g} s")
+        self.limit = limit
         self.thread = thread
         frame = sys._current_frames().get(thread.ident or 0)
         self.stack = "".join(traceback.format_stack(frame)) if frame is not None else ""
@@ -89,6 +93,7 @@ class Request:
     ticket: int = field(default_factory=lambda: next(_tickets))
     seen_alive: float = 0.0
     abandoned_at: float | None = None
+    is_told_slow: bool = False
     thread: threading.Thread | None = None
 
     @property
@@ -179,10 +184,19 @@ class Channel(QObject):
     time_limit : float, optional
         Seconds without progress after which a running request counts as hung: it fails
         with `Hung` and its thread is left behind.
+    is_patient : bool
+        Tell that it is slow instead, and wait.
+
+    Signals
+    -------
+    progressed : float, str; busy_changed : bool
+    slow : Hung
+        What runs has overrun the time limit of a patient channel.
     """
 
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
+    slow = Signal(object)
 
     def __init__(
         self,
@@ -190,12 +204,14 @@ class Channel(QObject):
         *,
         keep_all: bool = False,
         time_limit: float | None = None,
+        is_patient: bool = False,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
         self.name = name
         self.keep_all = keep_all
         self.time_limit = time_limit
+        self.is_patient = is_patient
         self._waiting: deque[Request] = deque()
         self._running: Request | None = None
         self._worker: _Worker | None = None
@@ -300,6 +316,9 @@ class Channel(QObject):
             return
         late = self.time_limit is not None and now - request.seen_alive > self.time_limit
         deaf = request.abandoned_at is not None and now - request.abandoned_at > GRACE
+        if late and self.is_patient and not deaf:
+            self._tell_slow(request)
+            return
         if not (deaf or late):
             return
         log.warning("%s did not stop or answer in time; its thread is left behind", self.name)
@@ -317,6 +336,15 @@ class Channel(QObject):
         self._start_next()
         if not self.busy:
             self.busy_changed.emit(False)
+
+    def _tell_slow(self, request: Request) -> None:
+        """Say once that work goes on for long; whoever waits may stop it."""
+        if request.is_told_slow or request.abandoned:
+            return
+        request.is_told_slow = True
+        assert self.time_limit is not None
+        assert request.thread is not None
+        self.slow.emit(Hung(self.time_limit, request.thread))
 
     def _interrupt_the_hung(self, now: float) -> None:
         """Stop work that was left behind, once it has shown no sign of life for long.

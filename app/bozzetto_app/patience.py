@@ -113,4 +113,4 @@ def in_time(guard: Guard, modeler_id: str, what: str, call: Callable[[], Answer]
         if not watched.late:
             raise
         details = fault.details
-    raise guard.blame(modeler_id, f"{what} gave no answer within {PATIENCE:g} s", details)
+    raise guard.suspect(modeler_id, f"{what} gave no answer within {PATIENCE:g} s", details)

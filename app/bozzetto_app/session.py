@@ -33,11 +33,12 @@ from bozzetto_app.editing import ObjectEdits
 from bozzetto_app.expecting import Expecting
 from bozzetto_app.files import Files
 from bozzetto_app.inking import Inking
+from bozzetto_app.jobs import Hung
 from bozzetto_app.looking import Looking, Shading
 from bozzetto_app.part_editing import PartEditing
 from bozzetto_app.pen_calls import PenCalls
 from bozzetto_app.picturing import Picturing
-from bozzetto_app.saying import Notice, notice_of
+from bozzetto_app.saying import Notice, notice_of, slow_notice
 from bozzetto_app.showing import Showing
 from bozzetto_app.toolbox import Toolbox, ToolInfo
 from bozzetto_app.using import Using
@@ -136,6 +137,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing.changed.connect(self._model_shown)
         self.showing.settled.connect(self.settled)
         self.showing.rested.connect(self._rest)
+        self.showing.slow.connect(self.tell_slow)
         self.showing.reported.connect(self._take_report)
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
@@ -392,8 +394,9 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     # -- work under way --
 
     def cancel_work(self) -> None:
-        """Stop what is being solved, read or exported; what was shown stays."""
+        """Stop what is being solved, read, drawn or exported; what was shown stays."""
         self.showing.cancel()
+        self.inking.stop()
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
@@ -453,6 +456,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def tell(self, text: str) -> None:
         """Say that something went well."""
         self.noticed.emit(Notice("info", text))
+
+    def tell_slow(self, problem: Hung) -> None:
+        """Say that work goes on for long, and that it can be stopped."""
+        self.noticed.emit(slow_notice(problem, self.registry.guard))
 
     def complain(self, problem: BaseException) -> None:
         """Tell the person about a problem, each kind in its own way."""

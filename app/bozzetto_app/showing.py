@@ -48,6 +48,8 @@ class Showing(QObject):
         Figures of the model asked for.
     failed : object
         The exception with which a model refused to be solved or shown.
+    slow : Hung
+        A solve goes on for long.
     rested
         A drag has ended or rests.
     progressed : float, str; busy_changed : bool
@@ -58,6 +60,7 @@ class Showing(QObject):
     reported = Signal(object, object)
     failed = Signal(object)
     rested = Signal()
+    slow = Signal(object)
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
 
@@ -70,7 +73,8 @@ class Showing(QObject):
         self._revisions = Revisions()
         self._last_report: tuple[Any, dict[str, Any]] | None = None
         self._awaited: set[str] = set()
-        self._channel = Channel("solve", time_limit=SOLVE_LIMIT, parent=self)
+        self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
+        self._channel.slow.connect(self.slow)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)
         self._rest = QTimer(self, singleShot=True, interval=REST)
@@ -105,8 +109,14 @@ class Showing(QObject):
         self._last_report = None
 
     def cancel(self) -> None:
-        """Stop solving; what is shown stays."""
+        """Stop solving; what is shown stays.
+
+        What had been told as slow is not tried again until it is another.
+        """
         self._rest.stop()
+        running, task = self._channel.running, self._revisions.running
+        if running is not None and running.is_told_slow and task is not None:
+            self._revisions.give_up(task.model)
         self._channel.cancel()
         self._revisions.stop()
 
@@ -227,7 +237,7 @@ class Showing(QObject):
             self.failed.emit(problem)
 
     def _failed(self, problem: BaseException) -> None:
-        """A plugin hangs: the others' models get their turn."""
+        """A mistake of the program itself: the model is not tried again."""
         stuck = self._revisions.running
         if stuck is not None:
             self._revisions.give_up(stuck.model)
