@@ -69,10 +69,10 @@ def slow_notice(problem: Hung, guard: Guard) -> Notice:
     if caught is None:
         return Notice("slow", tr("Session", "Still working. Esc stops it."))
     modeler, what = caught
-    log.warning("%s of %s gave %s\n%s", what, modeler, problem, problem.stack)
+    found = guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
     words = tr(
         "Session",
-        "Still working on {what} of {modeler}, for {seconds:g} s without a sign. Esc stops it.",
-        what=what, modeler=modeler, seconds=problem.limit,
+        "Still working: {plugin} ({what}), for {seconds:g} s without a sign. Esc stops it.",
+        plugin=found.plugin, what=what, seconds=problem.limit,
     )  # fmt: skip
-    return Notice("slow", words, plugin=guard.plugin_of(modeler), details=problem.stack)
+    return Notice("slow", words, plugin=found.plugin, details=found.details)

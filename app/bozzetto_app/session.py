@@ -397,6 +397,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Stop what is being solved, read, drawn or exported; what was shown stays."""
         self.showing.cancel()
         self.inking.stop()
+        self.toolbox.stop()
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()

@@ -120,9 +120,7 @@ class Showing(QObject):
         self._channel.cancel()
         self._revisions.stop()
 
-    def show(
-        self, document: Document, selected: Model | None, *, dragging: bool = False
-    ) -> None:
+    def show(self, document: Document, selected: Model | None, *, dragging: bool = False) -> None:
         """Bring the pictures up to date with a document, and report on the selected model.
 
         Parameters

@@ -110,7 +110,7 @@ def thinned(points: Array) -> Array:
     step = np.floor(along * (MOST_SAMPLES / max(float(along[-1]), 1e-300)))
     kept = np.append(np.diff(step) > 0, True)
     kept[0] = True
-    return points[kept]
+    return np.asarray(points[kept])
 
 
 def drawn_line(points: Array) -> Line:

@@ -281,9 +281,7 @@ def _tree(points: Array) -> cKDTree:
     return cKDTree(points)
 
 
-def _remembered_fit(
-    views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve
-) -> Fit:
+def _remembered_fit(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Fit:
     """The spline through the ink of all views, and how sure it is.
 
     Remembered by what the views were read as: a box of another size is asked for at every

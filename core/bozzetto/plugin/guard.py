@@ -141,10 +141,6 @@ class Guard:
         self._put_back(plugin, what, before)
         return answer
 
-    def plugin_of(self, modeler_id: str) -> str:
-        """Id of the plugin that a modeler belongs to."""
-        return self._plugin_of(modeler_id)
-
     def caught_in(self, thread: threading.Thread) -> tuple[str, str] | None:
         """Which modeler's function a thread is in, as given to `call`; None if in none."""
         return self._inside.get(thread)

@@ -133,9 +133,13 @@ class Field:
         return int(value) if self.kind == "integer" else float(value)
 
 
-@functools.cache
 def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
-    """The parameters of a state type, in the order of its fields."""
+    """The parameters of a state type, in the order of its fields; remembered."""
+    return _parameter_fields(state_type)  # type: ignore[arg-type]  # types are hashable
+
+
+@functools.cache
+def _parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
     hints = get_type_hints(state_type, include_extras=True)
     found = []
     for entry in dataclasses.fields(state_type):
