@@ -73,6 +73,8 @@ class Advising(QObject):
         for signal in (session.camera_changed, session.selection_changed, session.modeler_changed):
             signal.connect(self.look)
         session.document_changed.connect(self._look_at_change)
+        session.scene_changed.connect(self._look_at_frame)
+        session.rested.connect(self.look)
         session.tool_changed.connect(self._other_tool)
 
     @property
@@ -117,6 +119,15 @@ class Advising(QObject):
 
     def _look_at_change(self) -> None:
         """A picture may have another camera now: its view should go along with it at once."""
+        if not self._session.is_dragging:
+            self._look_soon()
+
+    def _look_at_frame(self) -> None:
+        """While a value is dragged the view goes along with what is shown of it."""
+        if self._session.is_dragging:
+            self._look_soon()
+
+    def _look_soon(self) -> None:
         if self.advice is not None and self.advice.pinned:
             self.look()
         else:
@@ -136,7 +147,11 @@ class Advising(QObject):
         # Without tools nothing can be drawn, or the plugin is still being imported.
         if modeler in self._silent or not session.tools:
             return None
-        return modeler, session.inking.target(modeler), session.camera
+        model = session.inking.target(modeler)
+        if model is not None and session.is_dragging:
+            # What is shown has been solved; the newest value is not worth another solve.
+            model = session.showing.shown(model.id) or model
+        return modeler, model, session.camera
 
     def _ask(self) -> None:
         question = self._question()

@@ -56,6 +56,7 @@ class Commanding(QObject):
         self._channel = Channel("commands", time_limit=COMMANDS_LIMIT, parent=self)
         session.document_changed.connect(self.look)
         session.selection_changed.connect(self.look)
+        session.rested.connect(self.look)
 
     @property
     def busy(self) -> bool:
@@ -67,8 +68,13 @@ class Commanding(QObject):
         return command_id in self._enabled
 
     def look(self) -> None:
-        """See whether another model is selected, or the same one has another state."""
+        """See whether another model is selected, or the same one has another state.
+
+        Not while a value is dragged: the answer would be overtaken by the next tick.
+        """
         session = self._session
+        if session.is_dragging:
+            return
         model = session.selected_model
         if model is self._asked:
             return

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from bozzetto.document.history import History
     from bozzetto.document.model import Model
     from bozzetto.workbench import Workbench
+    from bozzetto_app.showing import Showing
 
 __all__ = ["ObjectEdits"]
 
@@ -31,6 +32,7 @@ class ObjectEdits:
 
     if TYPE_CHECKING:
         history: History
+        showing: Showing
         workbench: Workbench
 
         @property
@@ -90,6 +92,7 @@ class ObjectEdits:
     def end_drag(self) -> None:
         """A slider was let go: the next change is a step of its own."""
         self.history.end_merge()
+        self.showing.let_go()
 
     # -- objects --
 

@@ -34,7 +34,12 @@ class Expecting(QObject):
         self._asked: Question = None
         self._failed: set[str] = set()
         self._channel = Channel("hint", time_limit=HINT_LIMIT, parent=self)
-        for signal in (session.document_changed, session.selection_changed, session.tool_changed):
+        for signal in (
+            session.document_changed,
+            session.selection_changed,
+            session.tool_changed,
+            session.rested,
+        ):
             signal.connect(self.look)
 
     @property
@@ -43,7 +48,12 @@ class Expecting(QObject):
         return self._channel.busy
 
     def look(self) -> None:
-        """See whether there is another model, another state of it, or another tool."""
+        """See whether there is another model, another state of it, or another tool.
+
+        Not while a value is dragged: the answer would be overtaken by the next tick.
+        """
+        if self._session.is_dragging:
+            return
         question = self._question()
         if _same(question, self._asked):
             return

@@ -106,7 +106,10 @@ class Inking(QObject):
         self._pen_is_down = False
         self._awaited = ""
         self._unpreviewable: set[tuple[str, str]] = set()
-        self._edits = Channel("apply", keep_all=True, time_limit=APPLY_LIMIT, parent=self)
+        self._edits = Channel(
+            "apply", keep_all=True, time_limit=APPLY_LIMIT, is_patient=True, parent=self
+        )
+        self._edits.slow.connect(session.tell_slow)
         self._previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
         self._edits.progressed.connect(self.progressed)
         self._edits.busy_changed.connect(self.busy_changed)

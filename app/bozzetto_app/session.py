@@ -36,11 +36,12 @@ from bozzetto_app.editing import ObjectEdits
 from bozzetto_app.expecting import Expecting
 from bozzetto_app.files import Files
 from bozzetto_app.inking import Inking
+from bozzetto_app.jobs import Hung
 from bozzetto_app.looking import Looking, Shading
 from bozzetto_app.part_editing import PartEditing
 from bozzetto_app.pen_calls import PenCalls
 from bozzetto_app.picturing import Picturing
-from bozzetto_app.saying import Notice, notice_of
+from bozzetto_app.saying import Notice, notice_of, slow_notice
 from bozzetto_app.showing import Showing
 from bozzetto_app.toolbox import Toolbox, ToolInfo
 from bozzetto_app.using import Using
@@ -70,6 +71,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     when_safe : callable
         Called with what would lose unsaved work, and with what to do if the person would
         rather stay; the window asks them first.
+    is_dragging : bool
+        Whether a value is being dragged, so that the document is another one in a moment.
     facts, pictures : mapping
         What the drawing that is being watched says beyond its strokes, and the pictures that
         it names; see `Context.facts`.
@@ -94,6 +97,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         A model (id) that was just drawn has its first final shape.
     opened
         Another document is here.
+    rested
+        A drag of a value has ended, or rests.
     """
 
     document_changed = Signal()
@@ -110,6 +115,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     report_changed = Signal()
     settled = Signal(str)
     opened = Signal()
+    rested = Signal()
 
     def __init__(self, registry: Registry, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -126,6 +132,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._selected: str | None = None
         self._recovered = False
         self._was_busy = False
+        self.is_dragging = False
         self._scene: Scene | None = None
         self._ghosts_in_scene = True
         self._waiting_told: Waiting = ()
@@ -140,6 +147,8 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.showing = Showing(self.workbench, self)
         self.showing.changed.connect(self._model_shown)
         self.showing.settled.connect(self.settled)
+        self.showing.rested.connect(self._rest)
+        self.showing.slow.connect(self.tell_slow)
         self.showing.reported.connect(self._take_report)
         self.showing.failed.connect(self._unsolved)
         self.showing.progressed.connect(self.progressed)
@@ -267,7 +276,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def commit(self, label: str, document: Document, merge_key: str | None = None) -> None:
         """Make a new snapshot the document, as one undo step."""
         self.history.apply(label, document, merge_key)
-        self._document_replaced()
+        self._document_replaced(dragging=merge_key is not None)
 
     def amend(self, document: Document) -> None:
         """Put another snapshot in the place of the document, without an undo step."""
@@ -410,16 +419,17 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.read_only = False
         self.document_changed.emit()
 
-    def _document_replaced(self) -> None:
+    def _document_replaced(self, *, dragging: bool = False) -> None:
         if self._selected is not None and self.selected_model is None:
             self._selected = None
             self.report = {}
             self.selection_changed.emit()
             self.report_changed.emit()
         self._scene = None
+        self.is_dragging = dragging
         self._ink_replaced()
         self.parameters_changed.emit()
-        self.showing.show(self.document, self.selected_model)
+        self.showing.show(self.document, self.selected_model, dragging=dragging)
         self.scene_changed.emit()
 
     def _ink_replaced(self) -> None:
@@ -448,6 +458,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         """Stop what is being drawn, solved, read or exported; what was shown stays."""
         waits = self.inking.stop()
         self.showing.cancel()
+        self.toolbox.stop()
         self.files.cancel()
         self.using.cancel()
         self.picturing.cancel()
@@ -470,6 +481,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         if busy != self._was_busy:
             self._was_busy = busy
             self.busy_changed.emit(busy)
+
+    def _rest(self) -> None:
+        self.is_dragging = False
+        self.rested.emit()
 
     def _model_shown(self, model_id: str, solved: bool) -> None:
         self._scene = None
@@ -510,6 +525,10 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
     def say_nothing_changed(self, why: str) -> None:
         """Say that what was just asked for changed nothing, and why or what to do instead."""
         self.complain(UserError(tr("Session", "Nothing changed. {why}", why=why).strip()))
+
+    def tell_slow(self, problem: Hung) -> None:
+        """Say that work goes on for long, and that it can be stopped."""
+        self.noticed.emit(slow_notice(problem, self.registry.guard))
 
     def complain(self, problem: BaseException) -> None:
         """Tell the person about a problem, each kind in its own way."""

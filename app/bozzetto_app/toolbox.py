@@ -57,12 +57,20 @@ class Toolbox(QObject):
         self.modeler = ""
         self.tool = ""
         self.tools: tuple[ToolInfo, ...] = ()
-        self._channel = Channel("tools", time_limit=TOOLS_LIMIT, parent=self)
+        self._channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
+        self._channel.slow.connect(session.tell_slow)
 
     @property
     def busy(self) -> bool:
         """Whether the tools are still being asked for."""
         return self._channel.busy
+
+    def stop(self) -> None:
+        """Wait no longer for tools; to choose the modeler again asks again."""
+        if self._channel.busy:
+            self._channel.cancel()
+            self.modeler = ""
+            self._session.modeler_changed.emit()
 
     def take_modeler(self, modeler_id: str) -> None:
         """Draw with another modeler."""

@@ -274,7 +274,9 @@ class Workbench(ModelSources):
             return known
         modeler = self._modeler_of(model)
         result = self.registry.guard.call(model.modeler, "solve", modeler.solve, model.state, job)
-        self.curves.try_to_learn(model, result)
+        if job.quality == "final":
+            # A preview has some milliseconds, and its curves would be exchanged in a moment.
+            self.curves.try_to_learn(model, result)
         with self._lock:
             self._results[id(model.state), job.quality] = (model.state, result)
             while len(self._results) > KEPT_RESULTS:

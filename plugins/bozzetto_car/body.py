@@ -31,7 +31,10 @@ from bozzetto_car.stretching import brought_back, reshaping_of, stretched
 from bozzetto_car.template import Template
 from bozzetto_car.tracing import traced
 
-__all__ = ["Body", "Trouble", "body_of", "drawn_through", "in_world_of", "unstretched_body_of"]
+__all__ = [
+    "Body", "Trouble", "body_of", "drawn_through", "in_world_of", "preview_of",
+    "unstretched_body_of",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
@@ -150,6 +153,22 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     if not wanted.given() or body.dimensions_problem:
         return body
     return _bodies.recall((body, wanted), partial(_finished, body, wanted))
+
+
+def preview_of(state: CarState) -> Body:
+    """The body of a car, quickly: brought to its dimensions, not solved for them.
+
+    While a dimension is dragged the solve without dimensions stays the same and is remembered;
+    to stretch its body takes a hundredth of what another solve does.
+
+    Raises
+    ------
+    UserError
+        As of `body_of`.
+    """
+    if state.lock and state.dimensions.given():
+        return body_of(replace(state, lock=False))
+    return body_of(state)
 
 
 def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.plugin import Memory
 from bozzetto.view.calibration import Places
 from bozzetto_car.deformation import robust_weights
 from bozzetto_car.joint import Joint
@@ -27,8 +28,11 @@ OPEN: Final = 1e-12
 """Share of the largest part of a form below which it says nothing of a number of the camera."""
 
 
+_known: Memory[Places | None] = Memory(64)
+
+
 def expected(solved: Solved, sketch: str, node: int) -> Places | None:
-    """Where a sketch is expected to show a node.
+    """Where a sketch is expected to show a node; remembered.
 
     Parameters
     ----------
@@ -43,6 +47,10 @@ def expected(solved: Solved, sketch: str, node: int) -> Places | None:
         One place, with its covariance; None while the sketch has no camera, or where the node is
         not before it.
     """
+    return _known.recall((solved, sketch, node), lambda: _expected(solved, sketch, node))
+
+
+def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     joint = solved.joint
     if joint is None or sketch not in solved.solid:
         return None

@@ -12,7 +12,7 @@ from bozzetto.ink import Drawing
 from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
-from bozzetto_car.body import Body, body_of
+from bozzetto_car.body import Body, body_of, preview_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.handing_over import curves_of, shapes_of
 from bozzetto_car.looking import advice_on, view_after
@@ -82,7 +82,7 @@ class Car:
     def solve(self, state: CarState, job: Job) -> Body:
         """Cameras, shape and surfaces: see `solving` and `body`."""
         job.checkpoint(0.0, "Cameras and shape")
-        return body_of(state)
+        return preview_of(state) if job.quality == "preview" else body_of(state)
 
     def scene(self, state: CarState, result: Body | None) -> Scene:
         """The sketch, the body over it, and what can be taken hold of."""

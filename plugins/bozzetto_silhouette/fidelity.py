@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.outline import Outline
 from bozzetto_silhouette.shadow import shadow_of
 from bozzetto_silhouette.solid import SilhouetteSolid
 from bozzetto_silhouette.soundness import soundness_of
 
 __all__ = ["Fidelity", "area_of", "deviation_along", "measure"]
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
 
 DENSIFY = 2.5e-3
 """Spacing of the Hausdorff distance's samples, as a share of the diagonal."""
@@ -80,7 +85,7 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
     outline = solid.outline if outline is None else outline
     sound = soundness_of(solid.vertices, solid.faces, outline)
     drawn = outline.polygon()
-    shadow = shadow_of(solid.vertices, solid.faces)
+    shadow = _shadow(solid)
     if not drawn.is_valid:
         drawn = drawn.buffer(0)
     union = drawn.union(shadow).area
@@ -121,7 +126,7 @@ def deviation_along(
     """
     import shapely
 
-    border = shadow_of(solid.vertices, solid.faces).boundary
+    border = _shadow(solid).boundary
     spacing = DENSIFY * solid.outline.diagonal
     points = shapely.get_coordinates(shapely.segmentize(shapely.LinearRing(ring), spacing))
     if shapely.is_empty(border):
@@ -129,6 +134,14 @@ def deviation_along(
     tree = shapely.STRtree(_pieces(border))
     _, gap = tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
     return points, np.asarray(gap, np.float64)
+
+
+_shadows: Memory[BaseGeometry] = Memory(limit=8)
+
+
+def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
+    """The projection of a solid; every ring of its outline is compared with the same."""
+    return _shadows.recall(solid, lambda: shadow_of(solid.vertices, solid.faces))
 
 
 def area_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:

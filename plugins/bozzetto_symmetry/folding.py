@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.resample import resample
+from bozzetto.plugin import Memory
 from bozzetto_symmetry.matching import Pairing, paired
 from bozzetto_symmetry.signals import Signal, differences, spread
 from bozzetto_symmetry.stereo import Stereo
@@ -77,8 +78,11 @@ class Folding:
     first: bool
 
 
+_known: Memory[tuple[Folding, ...]] = Memory(limit=64)
+
+
 def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tuple[Folding, ...]:
-    """Fold one stroke that crosses the plane.
+    """Fold one stroke that crosses the plane; remembered.
 
     Parameters
     ----------
@@ -93,6 +97,12 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
     tuple of Folding
         The best first; none where the stroke has no place to fold.
     """
+    drawn = np.asarray(pixels, float)
+    question = (stereo, drawn.shape, drawn.tobytes(), closed)
+    return _known.recall(question, lambda: _folded(stereo, drawn, closed))
+
+
+def _folded(stereo: Stereo, pixels: Array, closed: bool) -> tuple[Folding, ...]:
     stroke = resample(pixels, count=SAMPLES, closed=closed)
     if not np.ptp(stroke, axis=0).any():
         return ()

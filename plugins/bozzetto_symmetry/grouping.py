@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.resample import arc_length, resample
 
-__all__ = ["Bond", "bonds_between", "grouped"]
+__all__ = ["Bond", "any_over", "bonds_between", "grouped"]
 
 Array = NDArray[np.float64]
 
@@ -126,53 +127,72 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     if count == 1:
         return [[0]]
     bonds = bonds_between(lines)
-    groups = [{k} for k in range(count)]
+    groups = {k: {k} for k in range(count)}
     least = 1 if not apart else 2
     sizes = [float(arc_length(line)[-1]) for line in lines]
+    links = _Links(bonds, sizes)
     while len(groups) > least:
-        first, second, bond = _nearest(groups, bonds, sizes)
-        if len(groups) == 2 and not _one_side(groups, bonds, bond, sizes):
+        first, second, bond = links.nearest()
+        last_two = len(groups) == 2
+        if last_two and not _one_side(list(groups.values()), bonds, bond, sizes):
             break
-        groups[first] |= groups[second]
-        del groups[second]
-    return [sorted(group) for group in sorted(groups, key=min)]
+        groups[first] |= groups.pop(second)
+        links.unite(first, second)
+    return [sorted(group) for group in sorted(groups.values(), key=min)]
 
 
-def _nearest(
-    groups: Sequence[set[int]], bonds: Sequence[Sequence[Bond]], sizes: Sequence[float]
-) -> tuple[int, int, Bond]:
-    """The two groups that hang together best: surely so, then by their distance."""
-    best: tuple[tuple[bool, float], int, int, Bond] | None = None
-    for second in range(1, len(groups)):
-        for first in range(second):
-            bond = _bond(groups[first], groups[second], bonds, sizes)
-            rank = (not bond.sure, bond.distance)
-            if best is None or rank < best[0]:
-                best = (rank, first, second, bond)
-    assert best is not None
-    return best[1:]
-
-
-def _bond(
-    one: set[int], other: set[int], bonds: Sequence[Sequence[Bond]], sizes: Sequence[float]
-) -> Bond:
-    """How two groups hang together.
+class _Links:
+    """How all groups hang together; uniting two of them costs one row.
 
     Where several strokes run alongside, the mean of their distances counts, as in average
     linkage: one stroke that strays towards the other side does not unite the sides.
+
+    Parameters
+    ----------
+    bonds : list of list of Bond
+        Of each stroke with each other one.
+    sizes : sequence of float
+        Lengths of the strokes, px.
     """
-    pairs = [bonds[i][j] for i in one for j in other]
-    over = [bond for bond in pairs if bond.over and bond.sure]
-    if over:
-        weights = [
-            min(sizes[i], sizes[j])
-            for i in one
-            for j in other
-            if bonds[i][j].over and bonds[i][j].sure
-        ]
-        mean = float(np.average([bond.distance for bond in over], weights=weights))
-        return Bond(mean, True, True)
-    return min(pairs, key=lambda bond: (not bond.sure, bond.distance))
+
+    def __init__(self, bonds: Sequence[Sequence[Bond]], sizes: Sequence[float]) -> None:
+        count = len(bonds)
+        over = np.array([[bond.over and bond.sure for bond in row] for row in bonds])
+        sure = np.array([[bond.sure for bond in row] for row in bonds])
+        distance = np.array([[bond.distance for bond in row] for row in bonds])
+        shorter = np.minimum.outer(np.asarray(sizes), np.asarray(sizes))
+        self._weight = np.where(over, shorter, 0.0)
+        self._total = np.where(over, shorter * np.where(over, distance, 0.0), 0.0)
+        self._over = over
+        self._sure = np.where(sure, distance, np.inf)
+        self._loose = np.where(sure, np.inf, distance)
+        self._gone = ~np.tri(count, k=-1, dtype=bool)
+
+    def nearest(self) -> tuple[int, int, Bond]:
+        """The two groups that hang together best: surely so, then by their distance."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            along = np.where(self._over, self._total / self._weight, np.inf)
+        surely = np.where(self._over, along, self._sure)
+        surely[self._gone] = np.inf
+        loosely = np.where(np.isfinite(surely) | self._gone, np.inf, self._loose)
+        sure = bool(np.isfinite(surely).any())
+        found = surely if sure else loosely
+        second, first = np.unravel_index(int(found.argmin()), found.shape)
+        over = sure and bool(self._over[second, first])
+        return int(first), int(second), Bond(float(found[second, first]), over, sure)
+
+    def unite(self, first: int, second: int) -> None:
+        """Put the second group into the first."""
+        for table, together in (
+            (self._weight, np.add),
+            (self._total, np.add),
+            (self._over, np.logical_or),
+            (self._sure, np.minimum),
+            (self._loose, np.minimum),
+        ):
+            row = together(table[first], table[second])
+            table[first], table[:, first] = row, row
+        self._gone[second], self._gone[:, second] = True, True
 
 
 def _one_side(
@@ -205,6 +225,12 @@ def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
         for i in range(j):
             made[i][j] = made[j][i] = _between(trails[i], trails[j])
     return made
+
+
+def any_over(lines: Sequence[Array]) -> bool:
+    """Whether any two strokes were drawn over one another."""
+    trails = [_Trail.of(line) for line in lines]
+    return any(_between(one, other).over for one, other in combinations(trails, 2))
 
 
 def _between(one: _Trail, other: _Trail) -> Bond:

@@ -34,6 +34,9 @@ GRID: Final = (1.0, 4.0)
 """Least and greatest spacing on which a stroke is smoothed, px; between them that of its samples.
 Sparser samples are taken as they are: what lies between them cannot be told from noise."""
 
+MOST_SAMPLES: Final = 10_000
+"""Most samples of one stroke: a hand that draws for a minute gives fewer."""
+
 LIFT: Final = 0.05
 """Share of the greatest pressure below which the pen is leaving the sheet."""
 
@@ -92,7 +95,22 @@ def pen_down(stroke: Stroke) -> Array:
     if stroke.has_pressure:
         firm = np.flatnonzero(stroke.pressure >= LIFT * stroke.pressure.max())
         points = points[: firm[-1] + 1]
-    return points[distinct(points)]
+    return thinned(points[distinct(points)])
+
+
+def thinned(points: Array) -> Array:
+    """Samples of a line without those that no hand can have meant, (m, 2) px.
+
+    A pen gives some hundred samples in a second; of what comes denser than that only the first
+    in each of `MOST_SAMPLES` equal steps is kept, and the last.
+    """
+    if len(points) <= MOST_SAMPLES:
+        return points
+    along = arc_length(points)
+    step = np.floor(along * (MOST_SAMPLES / max(float(along[-1]), 1e-300)))
+    kept = np.append(np.diff(step) > 0, True)
+    kept[0] = True
+    return np.asarray(points[kept])
 
 
 def drawn_line(points: Array) -> Line:
@@ -113,7 +131,7 @@ def drawn_line(points: Array) -> Line:
         If the stroke is a dot.
     """
     points = np.round(points, DECIMALS)
-    points = points[distinct(points)]
+    points = thinned(points[distinct(points)])
     if len(points) < 2:
         raise UserError("The stroke is a dot. Draw the whole curve.")
     loop = _loop(points)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.resample import resample
+from bozzetto.plugin import Memory
 from bozzetto_symmetry.folding import Folding, foldings
 from bozzetto_symmetry.matching import Pairing, paired
 from bozzetto_symmetry.signals import Signal, differences, spread
@@ -39,10 +40,13 @@ FLATTEST: Final = 0.05
 """Least roundness that counts, so that no loop is without end the worse."""
 
 
+_known: Memory[tuple[Pairing, ...]] = Memory(limit=64)
+
+
 def pairings(
     stereo: Stereo, near: ArrayLike, far: ArrayLike, *, closed: bool = False
 ) -> tuple[Pairing, ...]:
-    """Match the two sides of a pair.
+    """Match the two sides of a pair; remembered.
 
     Parameters
     ----------
@@ -57,6 +61,13 @@ def pairings(
     tuple of Pairing
         The best first, both senses where both are possible; none where nothing matches.
     """
+    first, second = np.asarray(near, float), np.asarray(far, float)
+    told = (first.shape, first.tobytes(), second.tobytes())
+    question = (stereo, *told, closed)
+    return _known.recall(question, lambda: _paired(stereo, first, second, closed))
+
+
+def _paired(stereo: Stereo, near: Array, far: Array, closed: bool) -> tuple[Pairing, ...]:
     one = resample(near, count=SAMPLES, closed=closed)
     other = resample(far, count=SAMPLES, closed=closed)
     if not (np.ptp(one, axis=0).any() and np.ptp(other, axis=0).any()):

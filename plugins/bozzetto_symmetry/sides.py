@@ -14,7 +14,7 @@ from bozzetto.ink import Stroke
 from bozzetto.ink.nearest import distances_to_polyline
 from bozzetto.ink.resample import arc_length, resample
 from bozzetto.ink.settle import fading, settle
-from bozzetto_symmetry.grouping import bonds_between, grouped
+from bozzetto_symmetry.grouping import any_over, bonds_between, grouped
 from bozzetto_symmetry.line import CLOSING, SPACING, Line, drawn_line, evenly_spaced, pen_down
 
 __all__ = ["Side", "drawn_twice", "gap_between", "joined", "sides_of"]
@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 
 DOT: Final = 1e-3
 """Extent of a stroke that is none, px."""
+
+MOST_STROKES: Final = 150
+"""Most strokes of one curve in one view: each is compared with each, some seconds' work."""
 
 MEETING: Final = 0.08
 """Widest gap between the halves of one curve across the plane, as a share of the shorter one."""
@@ -94,6 +97,11 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     }
     if not drawn:
         raise UserError("There is only a dot. Draw the whole curve.")
+    if len(drawn) > MOST_STROKES:
+        raise UserError(
+            f"{len(drawn)} strokes are too many for one curve; it can have {MOST_STROKES}. Take "
+            "some back, and press Enter after each curve."
+        )
     numbers = list(drawn)
     lines = [drawn_line(drawn[k]) for k in numbers]
     # A closed line is compared with its gap, as the pen went.
@@ -112,8 +120,7 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
 def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
     """One side of several strokes: pieces one after the other, or all settled together."""
     places = [pen_down(stroke) for stroke in strokes.values()]
-    bonds = bonds_between([line.pixels for line in lines])
-    if not any(bond.over for row in bonds for bond in row):
+    if not any_over([line.pixels for line in lines]):
         line = drawn_line(_chained(places))
         return Side(line.pixels, line.closed, line.noise, tuple(strokes))
     return _settled(places, fading(list(strokes.values())), tuple(strokes))

@@ -114,8 +114,12 @@ runs over both halves is farther from each."""
 EVIDENCE: Final = ("pair", "self", "plane")
 """Readings, the one first that is least likely to be a mistake of a view with little ink."""
 
+Fit = tuple[Bundled, Array, Array]
+"""A spline with what was found of it, places along it, and their uncertainty."""
+
 _traces: Memory[Trace] = Memory(limit=256)
 _views: Memory[tuple[View, ...]] = Memory(limit=256)
+_fits: Memory[Fit] = Memory(limit=256)
 
 AMBIGUOUS: Final = 1.5
 """Margin below which the other reading is shown as well (wrong senses are 1.2 % above it)."""
@@ -132,7 +136,8 @@ def traced(curve: Curve, state: SymmetryState) -> Trace:
     question = (
         replace(curve, id="", name="", visible=True, within="", color=None),
         state.plane, state.centre, state.size,
-        state.restitution, state.location, state.pressure,
+        # Only what was drawn over is moulded.
+        (state.restitution, state.location, state.pressure) if curve.edits else (),
     )  # fmt: skip
     return _traces.recall(question, lambda: _traced(curve, state))
 
@@ -198,14 +203,13 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         same = [r for r in (_facing(r, first) for r in alike_here) if _agree(r, first)]
         if number != main and same:
             alike[number] = same[0]
-    fit, sights = _fitted(views, alike, main, curve)
+    fit, points, sigma = _remembered_fit(views, alike, main, curve)
     rest = [r for r in readings[main] if r is not first and r.reading != "half"]
     # What is taken to be in the plane may as well wait for its other side.
     against = [r for r in readings[main] if r is not first] if first.reading == "plane" else rest
     margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
-    points = sampled(fit.curve.spline)
     return Trace(
-        first.reading, fit.curve, points, _uncertainty(fit.curve, points, sights),
+        first.reading, fit.curve, points, sigma,
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
         ghost=_ghost(views[main], rest, margin, curve),
         choices=1 + len(rest), views=views, warnings=_warnings(alike, main, fit, views),
@@ -275,6 +279,31 @@ def _tree(points: Array) -> cKDTree:
     from scipy.spatial import cKDTree
 
     return cKDTree(points)
+
+
+def _remembered_fit(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Fit:
+    """The spline through the ink of all views, and how sure it is.
+
+    Remembered by what the views were read as: a box of another size is asked for at every
+    tick of a slider, and seldom makes another reading of the same ink.
+    """
+
+    def made() -> Fit:
+        fit, sights = _fitted(views, alike, main, curve)
+        points = sampled(fit.curve.spline)
+        return fit, points, _uncertainty(fit.curve, points, sights)
+
+    told = tuple((number, *_content(read)) for number, read in alike.items())
+    return _fits.recall((tuple(views), main, curve.detail, told), made)
+
+
+def _content(read: Read) -> tuple[object, ...]:
+    """All of a reading that a fit depends on, to be compared by value."""
+    arrays = (read.points, read.covariances, *read.near, *read.far)
+    return (
+        read.reading, read.closed, read.ring, len(read.near), read.crossings.tobytes(),
+        *(array.tobytes() for array in arrays),
+    )  # fmt: skip
 
 
 def _fitted(

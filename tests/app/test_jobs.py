@@ -131,3 +131,44 @@ def test_progress_of_the_running_request_is_heard(qtbot, heard):
     channel.submit(heard.request(lambda job: job.checkpoint(0.25, "a quarter")))
     qtbot.waitUntil(lambda: not channel.busy)
     assert seen == [(0.25, "a quarter")]
+
+
+def test_a_patient_channel_tells_that_work_is_slow_and_waits_for_it(qtbot, heard):
+    channel = Channel("test", time_limit=0.2, is_patient=True)
+    gate, told = threading.Event(), []
+    channel.slow.connect(told.append)
+    channel.submit(heard.request(lambda job: gate.wait(20) and "late, but here"))
+    qtbot.waitUntil(lambda: bool(told), timeout=10_000)
+    assert [type(problem) for problem in told] == [Hung]
+    assert channel.busy
+    gate.set()
+    qtbot.waitUntil(lambda: not channel.busy, timeout=10_000)
+    assert heard.answers == ["late, but here"]
+    assert heard.problems == []
+    assert len(told) == 1
+
+
+def test_slow_work_that_does_not_listen_can_be_stopped(qtbot, heard, monkeypatch):
+    monkeypatch.setattr("bozzetto_app.jobs.GRACE", 0.1)
+    channel = Channel("test", time_limit=0.2, is_patient=True)
+    gate, told = threading.Event(), []
+    channel.slow.connect(told.append)
+    channel.submit(heard.request(lambda job: gate.wait(20)))
+    qtbot.waitUntil(lambda: bool(told), timeout=10_000)
+    channel.cancel()
+    qtbot.waitUntil(lambda: not channel.busy, timeout=10_000)
+    channel.submit(heard.request(lambda job: "the next"))
+    qtbot.waitUntil(lambda: heard.answers == ["the next"], timeout=10_000)
+    gate.set()
+
+
+def test_a_thread_does_one_request_after_another_and_ends_when_idle(qtbot, heard, monkeypatch):
+    monkeypatch.setattr("bozzetto_app.jobs.IDLE", 0.1)
+    channel = Channel("test", keep_all=True)
+    for _ in range(5):
+        channel.submit(heard.request(lambda job: threading.current_thread()))
+    qtbot.waitUntil(lambda: len(heard.answers) == 5, timeout=10_000)
+    assert len(set(heard.answers)) == 1
+    qtbot.waitUntil(lambda: not heard.answers[0].is_alive(), timeout=10_000)
+    channel.submit(heard.request(lambda job: "again"))
+    qtbot.waitUntil(lambda: heard.answers[-1] == "again", timeout=10_000)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QObject, QRectF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtGui import QHideEvent, QKeySequence, QPainter, QPaintEvent, QShortcut
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from bozzetto_app.icons import paint_icon
@@ -70,10 +70,13 @@ class FaultBar(QFrame):
     details_wanted : Notice
     switch_off_wanted : str
         The plugin's id.
+    stop_wanted
+        Slow work is not to be waited for.
     """
 
     details_wanted = Signal(object)
     switch_off_wanted = Signal(str)
+    stop_wanted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -87,6 +90,13 @@ class FaultBar(QFrame):
         self._words.setTextFormat(Qt.TextFormat.PlainText)
         self._details = QPushButton(tr("FaultBar", "Details"))
         self._switch_off = QPushButton(tr("FaultBar", "Switch off"))
+        self._wait = QPushButton(tr("FaultBar", "Wait"))
+        self._stop = QPushButton(tr("FaultBar", "Stop"))
+        self._wait.clicked.connect(self.hide)
+        self._stop.clicked.connect(self._ask_stop)
+        self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self)
+        self._escape.setEnabled(False)
+        self._escape.activated.connect(self._ask_stop)
         close = IconButton("cross", tr("FaultBar", "Close"), side=24, glyph=16, faint=True)
         self._details.clicked.connect(lambda: self.details_wanted.emit(self._notice))
         self._switch_off.clicked.connect(self._ask_switch_off)
@@ -96,9 +106,12 @@ class FaultBar(QFrame):
         row.setSpacing(8)
         row.addWidget(sign)
         row.addWidget(self._words, 1)
-        for button in (self._details, self._switch_off, close):
+        for button in (self._details, self._switch_off, self._wait, self._stop, close):
             row.addWidget(button)
         self.hide()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        self._escape.setEnabled(False)
 
     def lie_over(self, sheet: QWidget) -> None:
         """Lie over the lower edge of a sheet, which must not move under the pen."""
@@ -126,9 +139,22 @@ class FaultBar(QFrame):
         self._words.setText(notice.text)
         self._words.setAccessibleName(notice.text)
         self._details.setVisible(bool(notice.details))
-        self._switch_off.setVisible(bool(notice.plugin))
+        slow = notice.kind == "slow"
+        self._switch_off.setVisible(bool(notice.plugin) and not slow)
+        self._wait.setVisible(slow)
+        self._stop.setVisible(slow)
+        self._escape.setEnabled(slow)
         self._settle_down()
         self.show()
+
+    def work_ended(self) -> None:
+        """Take away what was said of slow work: it has ended."""
+        if self._notice is not None and self._notice.kind == "slow":
+            self.hide()
+
+    def _ask_stop(self) -> None:
+        self.hide()
+        self.stop_wanted.emit()
 
     def _ask_switch_off(self) -> None:
         if self._notice is not None:
@@ -178,6 +204,7 @@ class StatusLine(QWidget):
         self.faults = FaultBar()
         self.faults.details_wanted.connect(self.details_wanted)
         self.faults.switch_off_wanted.connect(self._switch_off)
+        self.faults.stop_wanted.connect(session.cancel_work)
         self._progress = _Progress()
         # A line that takes its room along would resize the sheet whenever work begins.
         room = self._progress.sizePolicy()
@@ -220,12 +247,13 @@ class StatusLine(QWidget):
         session.busy_changed.connect(self._busy)
         session.document_changed.connect(self.went_on)
         session.tool_changed.connect(self.went_on)
+        session.document_changed.connect(self.faults.work_ended)
         self._show_work(False)
         self._show_hint()
 
     def show_notice(self, notice: Notice) -> None:
         """Say something in the way that its kind asks for."""
-        if notice.kind == "fault":
+        if notice.kind in ("fault", "slow"):
             self.faults.show_fault(notice)
         elif notice.kind == "hint":
             # What was said before it is read first, unless the person goes on.
@@ -261,6 +289,7 @@ class StatusLine(QWidget):
         else:
             self._patience.stop()
             self._show_work(False)
+            self.faults.work_ended()
 
     def _advance(self, fraction: float, step: str) -> None:
         self._progress.fraction = fraction

@@ -126,9 +126,10 @@ def _best_joint(place: Array, along: Array, length: float) -> tuple[float, float
     begin, end, least = heads[best[0]], tails[best[1]], float(cost[best])
 
     met = self_crossings(place)
-    for first, second in zip(met.first, met.second, strict=True):
-        at, to = np.interp((first, second), np.arange(len(place)), along)
-        trimmed = TRIM_COST * (at + length - to)
-        if at <= reach and to >= length - reach and trimmed <= least:
-            begin, end, least = at, to, trimmed
+    at, to = (np.interp(k, np.arange(len(place)), along) for k in (met.first, met.second))
+    trimmed = TRIM_COST * (at + length - to)
+    good = np.flatnonzero((at <= reach) & (to >= length - reach) & (trimmed <= least))
+    if len(good):
+        cheapest = good[trimmed[good] == trimmed[good].min()][-1]
+        begin, end = at[cheapest], to[cheapest]
     return float(begin), float(end)

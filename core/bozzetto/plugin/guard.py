@@ -2,7 +2,7 @@
 
 Whatever goes wrong inside becomes a `PluginFault` that names the plugin and keeps the
 traceback; arguments that a plugin wrote to are put back; a plugin that failed three times
-is switched off until the program is started again.
+is switched off until the program is started again. To be slow is no fault.
 """
 
 from __future__ import annotations
@@ -291,6 +291,16 @@ class Guard:
         """Record a fault that was seen from outside, such as a call that never answers."""
         return self._fault(self._plugin_of(modeler_id), what.rstrip("."), details)
 
+    def suspect(self, modeler_id: str, what: str, details: str = "") -> PluginFault:
+        """Tell of a call that gave no answer in time, without counting it as a fault.
+
+        A slow machine is nobody's fault, and from outside it cannot be told from a plugin that
+        hangs; only what a plugin did counts towards switching it off.
+        """
+        found = PluginFault(self._plugin_of(modeler_id), what.rstrip("."), _last(details))
+        log.error("%s\n%s", found, found.details)
+        return found
+
     def on_fault(self, callback: Callable[[PluginFault], None]) -> Callable[[], None]:
         """Have a function called with every fault, on the thread where it happened.
 
@@ -324,7 +334,7 @@ class Guard:
             )
 
     def _fault(self, plugin: str, what: str, details: str = "") -> PluginFault:
-        fault = PluginFault(plugin, what, details[-LONGEST_DETAILS:])
+        fault = PluginFault(plugin, what, _last(details))
         with self._lock:
             self._faults[plugin] += 1
             listeners: Sequence[Callable[[PluginFault], None]] = tuple(self._listeners)
@@ -332,6 +342,10 @@ class Guard:
         for listener in listeners:
             listener(fault)
         return fault
+
+
+def _last(details: str) -> str:
+    return details[-LONGEST_DETAILS:]
 
 
 def _told(problem: BaseException) -> str:

@@ -7,6 +7,7 @@ the form, the ``--set`` option of the command line and the checks on both come f
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
@@ -133,7 +134,12 @@ class Field:
 
 
 def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
-    """The parameters of a state type, in the order of its fields."""
+    """The parameters of a state type, in the order of its fields; remembered."""
+    return _parameter_fields(state_type)  # type: ignore[arg-type]  # types are hashable
+
+
+@functools.cache
+def _parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
     hints = get_type_hints(state_type, include_extras=True)
     found = []
     for entry in dataclasses.fields(state_type):

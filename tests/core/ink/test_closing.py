@@ -102,3 +102,27 @@ def test_outlines_drawn_in_one_stroke_are_seen_as_closed():
             stroke = np.column_stack((strokes[0]["x"], strokes[0]["y"]))
             assert is_closed_gesture(stroke), path.stem
     assert single >= 8
+
+
+def test_the_cheapest_crossing_is_found_among_many():
+    """Against the plain way: one crossing after the other."""
+    from bozzetto.ink.closing import END_SHARE, SEARCH_POINTS, TRIM_COST, _best_joint
+    from bozzetto.ink.crossings import self_crossings
+    from bozzetto.ink.resample import arc_length
+
+    assert SEARCH_POINTS > 1
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        place = rng.uniform(0.0, 100.0, (40, 2))
+        along = arc_length(place)
+        length = float(along[-1])
+        begin, end = _best_joint(place, along, length)
+        met = self_crossings(place)
+        at = np.interp(met.first, np.arange(len(place)), along)
+        to = np.interp(met.second, np.arange(len(place)), along)
+        good = (at <= END_SHARE * length) & (to >= length - END_SHARE * length)
+        trimmed = TRIM_COST * (at + length - to)[good]
+        taken = TRIM_COST * (begin + length - end)
+        ends = np.array([np.interp((begin, end), along, column) for column in place.T])
+        cost = taken + float(np.linalg.norm(ends[:, 0] - ends[:, 1]))
+        assert cost <= min(trimmed, default=np.inf) + 1e-9

@@ -361,3 +361,13 @@ def test_a_guard_without_a_registry_blames_the_modeler():
     with pytest.raises(PluginFault) as caught:
         Guard().call("a.b", "solve", lambda: 1 / 0)
     assert caught.value.plugin == "a.b"
+
+
+def test_to_be_slow_is_told_and_does_not_count():
+    guard = Guard()
+    for _ in range(5):
+        found = guard.suspect("slow.modeler", "solve gave no answer within 60 s", "its stack")
+    assert "slow.modeler" in str(found)
+    assert found.details == "its stack"
+    assert guard.faults("slow.modeler") == 0
+    assert not guard.is_off("slow.modeler")

@@ -1,0 +1,245 @@
+"""Which picture of which model is made next, and which answers may still be shown.
+
+Every model that the window asks for is a small state machine of three numbers:
+
+* **asked**: the revision asked for last. Each other model object is a new revision.
+* **made**: the newest revision, and how far its stages got, that the worker has answered.
+* **shown**: the same of what is on the sheet.
+
+Revisions count upwards and are never used twice, so that what was taken back counts as
+new. A revision goes through the stages ``INK < PREVIEW < FINAL < REPORT``. The rules:
+
+1. The worker takes the preview of the newest revision of a model, models without a picture
+   and those that have waited longest first; then finals; then the figures of the selected
+   model. It never begins work on a revision that is not the newest.
+2. A preview that was begun may end, also if its revision has been replaced meanwhile; it
+   only gives way to a model that has no picture at all. A final, or a report, of a replaced
+   revision is abandoned at once, and so is any while some model waits for its preview.
+3. An answer is shown if its model is still asked for and nothing newer of it, or of the
+   same revision and further, was shown.
+4. While a drag goes on no final is begun: it would be abandoned at the next tick.
+
+So what is shown never goes back, what is shown last is the last value, and a drag shows a
+frame for each preview that the worker can make. One lock guards the numbers: the window
+asks and shows, the worker takes and makes.
+"""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import Any
+
+from bozzetto.document.model import Model
+
+__all__ = ["Revisions", "Stage", "Task"]
+
+
+class Stage(IntEnum):
+    """How far the work on a revision is."""
+
+    NOTHING = 0
+    INK = 1
+    PREVIEW = 2
+    FINAL = 3
+    REPORT = 4
+
+
+@dataclass(frozen=True)
+class Task:
+    """One stage of one revision of a model."""
+
+    model: Model
+    revision: int
+    stage: Stage
+
+    @property
+    def progress(self) -> tuple[int, Stage]:
+        """What is compared: a newer revision is further than any stage of an older one."""
+        return self.revision, self.stage
+
+
+@dataclass
+class _Course:
+    """The three numbers of one model, and when it was served last."""
+
+    model: Model
+    asked: int
+    made: tuple[int, Stage] = (0, Stage.NOTHING)
+    shown: tuple[int, Stage] = (0, Stage.NOTHING)
+    served: int = 0
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether the worker has answered at all."""
+        return self.made[1] is not Stage.NOTHING
+
+    def lacks(self, stage: Stage) -> bool:
+        """Whether the newest revision has not come as far as a stage."""
+        return self.made < (self.asked, stage)
+
+    def tell_again(self) -> None:
+        """Have the figures told once more: it was chosen again."""
+        self.made = min(self.made, (self.asked, Stage.FINAL))
+        self.shown = min(self.shown, (self.asked, Stage.FINAL))
+
+
+class Revisions:
+    """The revisions of all models of a document."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._numbers = itertools.count(1)
+        self._turns = itertools.count(1)
+        self._courses: dict[str, _Course] = {}
+        self._hopeless: dict[str, Any] = {}
+        self._selected = ""
+        self._running: Task | None = None
+        self._dragging = False
+
+    # -- the window --
+
+    def ask(self, models: Iterable[Model], selected: str = "", *, dragging: bool = False) -> bool:
+        """Say which models are to be shown now.
+
+        Parameters
+        ----------
+        models : iterable of Model
+        selected : str
+            Id of the one whose figures are wanted.
+        dragging : bool
+            Whether more of the same comes in a moment.
+
+        Returns
+        -------
+        bool
+            Whether the task that runs is to be abandoned; it then counts as not running.
+        """
+        with self._lock:
+            old, self._courses = self._courses, {}
+            if selected != self._selected and selected in old:
+                old[selected].tell_again()
+            self._selected, self._dragging = selected, dragging
+            for model in models:
+                course = old.get(model.id)
+                if course is None:
+                    course = _Course(model, next(self._numbers))
+                elif course.model is not model:
+                    course.model, course.asked = model, next(self._numbers)
+                if model.id in self._hopeless and self._hopeless[model.id] is model.state:
+                    course.made = (course.asked, Stage.REPORT)
+                self._courses[model.id] = course
+            unwanted = self._running is not None and self._is_unwanted(self._running)
+            if unwanted:
+                self._running = None
+            return unwanted
+
+    def let_go(self) -> bool:
+        """Say that a drag has ended; whether it was under way."""
+        with self._lock:
+            was, self._dragging = self._dragging, False
+            return was
+
+    def stop(self) -> None:
+        """Note that what runs was abandoned."""
+        with self._lock:
+            self._running = None
+
+    def forget(self) -> None:
+        """Forget everything but the count: another document comes."""
+        with self._lock:
+            self._courses.clear()
+            self._hopeless.clear()
+            self._running = None
+            self._dragging = False
+
+    def show(self, task: Task) -> bool:
+        """Whether an answer may be shown; it then counts as shown."""
+        with self._lock:
+            course = self._courses.get(task.model.id)
+            if course is None or task.progress <= course.shown:
+                return False
+            if task.stage is Stage.INK and course.shown[1] is not Stage.NOTHING:
+                return False
+            course.shown = task.progress
+            return True
+
+    def is_newest(self, task: Task) -> bool:
+        """Whether a task is about the revision asked for last."""
+        with self._lock:
+            course = self._courses.get(task.model.id)
+            return course is not None and course.asked == task.revision
+
+    # -- the worker --
+
+    def next(self) -> Task | None:
+        """The task to be done now, which then counts as running; None where nothing is left."""
+        with self._lock:
+            self._running = task = self._most_urgent()
+            if task is not None:
+                self._courses[task.model.id].served = next(self._turns)
+            return task
+
+    def has_picture(self, task: Task) -> bool:
+        """Whether anything of the task's model was made before."""
+        with self._lock:
+            course = self._courses.get(task.model.id)
+            return course is not None and course.has_picture
+
+    def made(self, task: Task, stage: Stage | None = None) -> None:
+        """Note that a task is done, and how far, where that is further than it asked for."""
+        with self._lock:
+            if self._running is task:
+                self._running = None
+            course = self._courses.get(task.model.id)
+            if course is not None:
+                done = replace(task, stage=task.stage if stage is None else stage)
+                course.made = max(course.made, done.progress)
+
+    def give_up(self, model: Model) -> None:
+        """Do not try this state again."""
+        with self._lock:
+            self._hopeless[model.id] = model.state
+            if self._running is not None and self._running.model.state is model.state:
+                self._running = None
+            course = self._courses.get(model.id)
+            if course is not None and course.model.state is model.state:
+                course.made = (course.asked, Stage.REPORT)
+
+    @property
+    def running(self) -> Task | None:
+        """The task that was taken last and has not ended."""
+        with self._lock:
+            return self._running
+
+    # -- the rules; the lock is held --
+
+    def _most_urgent(self) -> Task | None:
+        courses = self._courses.values()
+        waiting = [course for course in courses if course.lacks(Stage.PREVIEW)]
+        if waiting:
+            first = min(waiting, key=lambda c: (c.has_picture, c.served))
+            return Task(first.model, first.asked, Stage.PREVIEW)
+        if self._dragging:
+            return None
+        for course in courses:
+            if course.lacks(Stage.FINAL):
+                return Task(course.model, course.asked, Stage.FINAL)
+        chosen = self._courses.get(self._selected)
+        if chosen is not None and chosen.lacks(Stage.REPORT):
+            return Task(chosen.model, chosen.asked, Stage.REPORT)
+        return None
+
+    def _is_unwanted(self, task: Task) -> bool:
+        course = self._courses.get(task.model.id)
+        if course is None:
+            return True
+        others = [other for other in self._courses.values() if other is not course]
+        if task.stage is Stage.PREVIEW:
+            bare = any(not other.has_picture for other in others)
+            return course.has_picture and bare
+        previews_wait = any(other.lacks(Stage.PREVIEW) for other in others)
+        return course.asked != task.revision or previews_wait
