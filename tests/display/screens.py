@@ -59,6 +59,18 @@ class Screen:
             timeout=PATIENCE,
         ).stdout
 
+    def draw(self, points: Sequence[tuple[float, float]], pace: float = 0.01) -> None:
+        """Draw with the left button through places of the screen, `pace` seconds between them.
+
+        It begins in the corner: nested compositors take the pointer's steps and not its places,
+        and every pointer stops at the corner.
+        """
+        (x, y), *rest = points
+        words: list[object] = ["mousemove", 0, 0, "mousemove", round(x), round(y), "mousedown", 1]
+        for x, y in rest:
+            words += ["mousemove", round(x), round(y), "sleep", pace]
+        self.xdotool(*words, "mouseup", 1)
+
 
 def absent(*programs: str) -> str:
     """Return why a test cannot run here; "" if all programs are there."""
