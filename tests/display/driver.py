@@ -15,14 +15,16 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QEvent, QMimeData, QObject, QPoint, QPointF, QSocketNotifier
 from PySide6.QtCore import Qt, QTimer, QUrl
 from PySide6.QtGui import QColor, QDropEvent, QGuiApplication, QImage, QInputDevice
 from PySide6.QtGui import QPointingDevice, QTabletEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMessageBox
 
-from bozzetto.document.file import write_document
 from bozzetto.ink.stroke import Stroke
+from bozzetto.plugin.job import Job
+from bozzetto_app.canvas.gestures import Mode
 from bozzetto_app.start import application, start
 from bozzetto_app.window import Window
 
@@ -118,6 +120,12 @@ class Driver(QObject):
             "tablet": QApplication.testAttribute(Qt.ApplicationAttribute.AA_CompressTabletEvents),
         }
 
+    def do_lifted(self) -> bool:
+        """Whether no gesture is under way, and a stroke has come since `strokes` was asked."""
+        sending = self._sending is not None and self._sending.is_alive()
+        idle = self.window.canvas.hand.machine.mode is Mode.IDLE
+        return bool(self._strokes) and idle and not sending
+
     def do_strokes(self) -> list[list[tuple[float, float, float]]]:
         """The strokes that were handed to the session: x, y, t of every sample."""
         made = [
@@ -165,9 +173,23 @@ class Driver(QObject):
         """Run a command of the window by its name, once this answer is given."""
         QTimer.singleShot(0, lambda: self.window.actions_.run(action))
 
-    def do_save(self, path: str) -> None:
-        """Write the document as it is."""
-        write_document(path, self.window.session.document)
+    def do_volume(self) -> float:
+        """The volume of the newest model's solids, mm³."""
+        session = self.window.session
+        model = list(session.document)[-1]
+        solids = session.workbench.shapes([model], Job()).solids
+        corners = [s.mesh.vertices.astype(float)[s.mesh.faces] for s in solids]
+        return sum(float(np.linalg.det(c).sum()) / 6.0 for c in corners)
+
+    def do_ask(self) -> None:
+        """Open a question over the window, as programs do in the middle of something."""
+        self._question = QMessageBox(self.window)
+        self._question.setText("Is this a question?")
+        self._question.open()
+
+    def do_answer(self) -> None:
+        """Close the question."""
+        self._question.close()
 
     def do_copy_picture(self) -> None:
         """Put a picture on the clipboard."""

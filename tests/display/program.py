@@ -28,16 +28,24 @@ class Program:
     screen : Screen
     words : str
         Arguments of the program.
+    module : str
+        What is run; only the driver answers questions.
     variables : str
         More of its environment.
     """
 
-    def __init__(self, screen: Screen, *words: str, **variables: str) -> None:
+    def __init__(
+        self,
+        screen: Screen,
+        *words: str,
+        module: str = "tests.display.driver",
+        **variables: str,
+    ) -> None:
         self.screen = screen
         self._log = screen.home / "program.log"
         with open(self._log, "ab") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "tests.display.driver", *words],
+                [sys.executable, "-m", module, *words],
                 cwd=ROOT,
                 env={**screen.environment, **variables},
                 stdin=subprocess.PIPE,

@@ -15,8 +15,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.conftest import move_home
-
 __all__ = ["Screen", "absent", "headless_weston", "nested_weston", "wait_until", "xvfb"]
 
 PATIENCE = 60.0
@@ -25,7 +23,10 @@ PATIENCE = 60.0
 KEPT = ("PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH", "OPENBLAS_NUM_THREADS")
 """The only variables that are taken from outside."""
 
-SIZE = (1600, 1200)
+FOLDERS = ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME")
+
+SIZE = (2720, 1760)
+"""Of the screens, pixels: room for the window at twice the usual scale."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def wait_until(holds: Callable[[], object], what: str, patience: float = PATIENC
 
 @contextmanager
 def xvfb(folder: Path) -> Iterator[Screen]:
-    """An X server of 1600 × 1200 pixels with Openbox, a window manager."""
+    """An X server with Openbox, a window manager."""
     environment = _clean(folder)
     with ExitStack() as stack:
         read, write = os.pipe()
@@ -156,10 +157,9 @@ def _weston(
 def _clean(folder: Path) -> dict[str, str]:
     """A small environment whose folders are all below `folder`."""
     made = {name: os.environ[name] for name in KEPT if name in os.environ}
-    made |= move_home(folder)
-    for name in ("XDG_RUNTIME_DIR", "XDG_CACHE_HOME"):
-        place = folder / name.split("_")[1].lower()
-        place.mkdir(mode=0o700, exist_ok=True)
+    for name in (*FOLDERS, "XDG_RUNTIME_DIR"):
+        place = folder / name.lower()
+        place.mkdir(mode=0o700)
         made[name] = str(place)
     made["LIBGL_ALWAYS_SOFTWARE"] = "1"
     return made
