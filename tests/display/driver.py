@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QEvent, QMimeData, QObject, QPoint, QPointF, QSocketNotifier
 from PySide6.QtCore import Qt, QTimer, QUrl
-from PySide6.QtGui import QColor, QDropEvent, QGuiApplication, QImage, QInputDevice
+from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QGuiApplication, QImage, QInputDevice
 from PySide6.QtGui import QPointingDevice, QTabletEvent
 from PySide6.QtWidgets import QApplication, QMessageBox
 
@@ -209,6 +209,8 @@ class Driver(QObject):
         data.setUrls([QUrl.fromLocalFile(path)])
         canvas = self.window.canvas
         place = QPointF(canvas.rect().center())
+        enters = QDragEnterEvent(place.toPoint(), Qt.DropAction.CopyAction, data, LEFT, NO_KEY)
+        QApplication.sendEvent(canvas, enters)
         event = QDropEvent(place, Qt.DropAction.CopyAction, data, LEFT, NO_KEY)
         QApplication.sendEvent(canvas, event)
 

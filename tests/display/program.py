@@ -7,11 +7,12 @@ import os
 import selectors
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any, Final
 
-from tests.display.screens import Screen, wait_until
+from tests.display.screens import Screen, folders_below, wait_until
 
 __all__ = ["Program"]
 
@@ -42,7 +43,10 @@ class Program:
         **variables: str,
     ) -> None:
         self.screen = screen
-        self._log = screen.home / "program.log"
+        # A home of its own: a program that is killed leaves something to recover.
+        home = Path(tempfile.mkdtemp(prefix="program-", dir=screen.home))
+        variables |= folders_below(home)
+        self._log = home / "stderr.txt"
         with open(self._log, "ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", module, *words],

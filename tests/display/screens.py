@@ -15,7 +15,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Screen", "absent", "headless_weston", "nested_weston", "wait_until", "xvfb"]
+__all__ = ["Screen", "absent", "folders_below", "headless_weston", "nested_weston", "wait_until", "xvfb"]
 
 PATIENCE = 60.0
 """How long a program may take to come up on a loaded machine, seconds."""
@@ -68,6 +68,8 @@ class Screen:
         """
         (x, y), *rest = points
         words: list[object] = ["mousemove", 0, 0, "mousemove", round(x), round(y), "mousedown", 1]
+        # The server drops movements until the window manager has let the press through.
+        words += ["sleep", 0.05]
         for x, y in rest:
             words += ["mousemove", round(x), round(y), "sleep", pace]
         self.xdotool(*words, "mouseup", 1)
@@ -92,6 +94,14 @@ def wait_until(holds: Callable[[], object], what: str, patience: float = PATIENC
         if time.monotonic() > end:
             raise TimeoutError(f"waited {patience:.0f} s in vain for {what}")
         time.sleep(0.02)
+
+
+def folders_below(home: Path) -> dict[str, str]:
+    """The variables that keep a program's files below a folder; what they name exists then."""
+    made = {name: home / name.lower() for name in FOLDERS}
+    for place in made.values():
+        place.mkdir(mode=0o700)
+    return {name: str(place) for name, place in made.items()}
 
 
 @contextmanager
@@ -157,10 +167,10 @@ def _weston(
 def _clean(folder: Path) -> dict[str, str]:
     """A small environment whose folders are all below `folder`."""
     made = {name: os.environ[name] for name in KEPT if name in os.environ}
-    for name in (*FOLDERS, "XDG_RUNTIME_DIR"):
-        place = folder / name.lower()
-        place.mkdir(mode=0o700)
-        made[name] = str(place)
+    made |= folders_below(folder)
+    runtime = folder / "xdg_runtime_dir"
+    runtime.mkdir(mode=0o700)
+    made["XDG_RUNTIME_DIR"] = str(runtime)
     made["LIBGL_ALWAYS_SOFTWARE"] = "1"
     return made
 

@@ -76,8 +76,14 @@ def test_a_stroke_drawn_fast_makes_the_solid_of_one_drawn_slowly(x_program: Prog
     (slow, slow_places), (fast, fast_places) = made
     assert slow > 0
     assert fast == pytest.approx(slow, rel=0.005)
-    assert len(slow_places) == len(fast_places)
-    assert fast_places == pytest.approx(slow_places, abs=1.0)
+    assert min(len(slow_places), len(fast_places)) >= ENOUGH
+    assert distances(fast_places, slow_places).max() <= 1.0
+    assert distances(slow_places, fast_places).max() <= 1.0
+
+
+def distances(places: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """How far every place is from the nearest of others, pixels."""
+    return np.linalg.norm(places[:, None] - others, axis=2).min(1)
 
 
 @pytest.mark.parametrize("scale", ["1.25", "2"])
@@ -87,8 +93,8 @@ def test_ink_is_under_the_pointer_on_a_scaled_screen(x_screen: Screen, scale: st
         assert program.ask("facts")["scale"] == float(scale)
         drawn = draw_with_mouse(program, busy=100, radius=120.0)
         stroke = np.array(only_stroke(program))
-        assert len(stroke) == len(drawn)
-        assert stroke[:, :2] == pytest.approx(np.array(drawn), abs=1.0)
+        assert len(stroke) >= ENOUGH
+        assert distances(stroke[:, :2], np.array(drawn)).max() <= 1.0
 
 
 # -- what can come between the press and the lift ------------------------------------------------
