@@ -16,10 +16,27 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QEvent, QMimeData, QObject, QPoint, QPointF, QSocketNotifier
-from PySide6.QtCore import Qt, QTimer, QUrl
-from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QGuiApplication, QImage, QInputDevice
-from PySide6.QtGui import QPointingDevice, QTabletEvent
+from PySide6.QtCore import (
+    QEvent,
+    QMimeData,
+    QObject,
+    QPoint,
+    QPointF,
+    QSocketNotifier,
+    Qt,
+    QTimer,
+    QUrl,
+)
+from PySide6.QtGui import (
+    QColor,
+    QDragEnterEvent,
+    QDropEvent,
+    QGuiApplication,
+    QImage,
+    QInputDevice,
+    QPointingDevice,
+    QTabletEvent,
+)
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from bozzetto.ink.stroke import Stroke
@@ -116,7 +133,9 @@ class Driver(QObject):
             "models": len(window.session.document),
             "pending": len(window.session.pending),
             "underlays": len(window.session.document.underlays),
-            "high": QApplication.testAttribute(Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents),
+            "high": QApplication.testAttribute(
+                Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents
+            ),
             "tablet": QApplication.testAttribute(Qt.ApplicationAttribute.AA_CompressTabletEvents),
         }
 

@@ -15,7 +15,15 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Screen", "absent", "folders_below", "headless_weston", "nested_weston", "wait_until", "xvfb"]
+__all__ = [
+    "Screen",
+    "absent",
+    "folders_below",
+    "headless_weston",
+    "nested_weston",
+    "wait_until",
+    "xvfb",
+]
 
 PATIENCE = 60.0
 """How long a program may take to come up on a loaded machine, seconds."""
@@ -25,8 +33,9 @@ KEPT = ("PATH", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH", "OPENBLAS_NUM
 
 FOLDERS = ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME")
 
-SIZE = (2720, 1760)
-"""Of the screens, pixels: room for the window at twice the usual scale."""
+SIZE = (1600, 1200)
+LARGE = (2720, 1760)
+"""Of a screen with room for the window at twice the usual scale, pixels."""
 
 
 @dataclass(frozen=True)
@@ -60,19 +69,25 @@ class Screen:
             timeout=PATIENCE,
         ).stdout
 
-    def draw(self, points: Sequence[tuple[float, float]], pace: float = 0.01) -> None:
-        """Draw with the left button through places of the screen, `pace` seconds between them.
+    def press(self, place: tuple[float, float]) -> None:
+        """Put the left button down at a place of the screen.
 
-        It begins in the corner: nested compositors take the pointer's steps and not its places,
-        and every pointer stops at the corner.
+        The way there begins in the corner: nested compositors take the pointer's steps and not
+        its places, and every pointer stops at the corner.
         """
-        (x, y), *rest = points
-        words: list[object] = ["mousemove", 0, 0, "mousemove", round(x), round(y), "mousedown", 1]
-        # The server drops movements until the window manager has let the press through.
-        words += ["sleep", 0.05]
-        for x, y in rest:
+        x, y = map(round, place)
+        self.xdotool("mousemove", 0, 0, "mousemove", x, y, "mousedown", 1)
+
+    def move(self, places: Sequence[tuple[float, float]], pace: float = 0.01) -> None:
+        """Move the pointer through places of the screen, `pace` seconds between them."""
+        words: list[object] = []
+        for x, y in places:
             words += ["mousemove", round(x), round(y), "sleep", pace]
-        self.xdotool(*words, "mouseup", 1)
+        self.xdotool(*words)
+
+    def lift(self) -> None:
+        """Let the left button go."""
+        self.xdotool("mouseup", 1)
 
 
 def absent(*programs: str) -> str:
@@ -105,13 +120,13 @@ def folders_below(home: Path) -> dict[str, str]:
 
 
 @contextmanager
-def xvfb(folder: Path) -> Iterator[Screen]:
+def xvfb(folder: Path, size: tuple[int, int] = LARGE) -> Iterator[Screen]:
     """An X server with Openbox, a window manager."""
     environment = _clean(folder)
     with ExitStack() as stack:
         read, write = os.pipe()
         with open(read, encoding="ascii") as number:
-            words = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{SIZE[0]}x{SIZE[1]}x24"]
+            words = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{size[0]}x{size[1]}x24"]
             words += ["+extension", "GLX", "-nolisten", "tcp", "-noreset"]
             stack.enter_context(_running(words, environment, folder / "xvfb.log", (write,)))
             os.close(write)
@@ -139,9 +154,14 @@ def headless_weston(folder: Path) -> Iterator[Screen]:
 @contextmanager
 def nested_weston(folder: Path) -> Iterator[Screen]:
     """A Wayland compositor in a window of an X server, whose pointer and keys it has."""
-    with xvfb(folder) as outer:
+    with xvfb(folder, SIZE) as outer:
         words = ["--backend=x11-backend.so", "--use-pixman"]
-        words += [f"--width={SIZE[0]}", f"--height={SIZE[1]}", "--shell=kiosk-shell.so", "--fullscreen"]
+        words += [
+            f"--width={SIZE[0]}",
+            f"--height={SIZE[1]}",
+            "--shell=kiosk-shell.so",
+            "--fullscreen",
+        ]
         with _weston(words, dict(outer.environment), folder) as inside:
             yield Screen(inside, outer.home, outer.pointer)
 

@@ -22,7 +22,10 @@ def circle(middle: Place, radius: float = 150.0, samples: int = SAMPLES) -> list
     """Whole pixels on a closed circle: what a mouse on a screen can say."""
     turns = [2.0 * math.pi * k / (samples - 1) for k in range(samples)]
     return [
-        (float(round(middle[0] + radius * math.cos(a))), float(round(middle[1] + radius * math.sin(a))))
+        (
+            float(round(middle[0] + radius * math.cos(a))),
+            float(round(middle[1] + radius * math.sin(a))),
+        )
         for a in turns
     ]
 
@@ -46,10 +49,18 @@ def draw_with_mouse(
     """
     facts = program.ask("facts")
     scale = facts["scale"]
-    middle = tuple(scale * (c + 0.5 * s) for c, s in zip(facts["corner"], facts["size"], strict=True))
+    middle = tuple(
+        scale * (c + 0.5 * s) for c, s in zip(facts["corner"], facts["size"], strict=True)
+    )
     places = circle(middle, radius)
     program.ask("busy", milliseconds=busy)
-    program.screen.draw(places, pace)
+    first, *rest = places
+    program.screen.press(first)
+    # An X server holds movements back, and merges them, until the window manager has seen the
+    # press and let it through: what it merges never reaches any program.
+    wait_until(lambda: program.ask("facts")["mode"] == "INKING", "the press")
+    program.screen.move(rest, pace)
+    program.screen.lift()
     _settle(program)
     x, y = facts["corner"]
     return [(a / scale - x, b / scale - y) for a, b in places]

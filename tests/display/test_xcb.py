@@ -100,27 +100,26 @@ def test_ink_is_under_the_pointer_on_a_scaled_screen(x_screen: Screen, scale: st
 # -- what can come between the press and the lift ------------------------------------------------
 
 
-def halves(program: Program) -> tuple[list[object], list[object]]:
-    """Words for xdotool: a press and the first half of a circle, the other half without a lift."""
+def half_drawn(program: Program) -> list[tuple[float, float]]:
+    """Press and draw one half of a circle; the places of the other half."""
     facts = program.ask("facts")
-    middle = [c + 0.5 * s for c, s in zip(facts["corner"], facts["size"], strict=True)]
-    words: list[list[object]] = [[], []]
-    for k, (x, y) in enumerate(circle((middle[0], middle[1]))):
-        words[k > SAMPLES // 2] += ["mousemove", round(x), round(y), "sleep", 0.01]
-        if k == 0:
-            words[0] += ["mousedown", 1]
-    return words[0], words[1]
+    x, y = (c + 0.5 * s for c, s in zip(facts["corner"], facts["size"], strict=True))
+    places = circle((x, y))
+    program.screen.press(places[0])
+    wait_until(lambda: program.ask("facts")["mode"] == "INKING", "the press")
+    program.screen.move(places[1 : SAMPLES // 2 + 1])
+    return places[SAMPLES // 2 + 1 :]
 
 
 def test_losing_the_focus_loses_no_ink(x_screen: Screen, x_program: Program) -> None:
-    first, second = halves(x_program)
-    x_screen.xdotool(*first)
+    rest = half_drawn(x_program)
     with subprocess.Popen(
         [sys.executable, "-c", OTHER_WINDOW], env=dict(x_screen.environment)
     ) as other:
         try:
             wait_until(lambda: not x_program.ask("facts")["active"], "the other window")
-            x_screen.xdotool(*second, "mouseup", 1)
+            x_screen.move(rest)
+            x_screen.lift()
             wait_until(lambda: x_program.ask("lifted"), "the lift")
         finally:
             other.terminate()
@@ -141,11 +140,10 @@ app.exec()
 
 
 def test_putting_the_window_away_loses_no_ink(x_screen: Screen, x_program: Program) -> None:
-    first, _ = halves(x_program)
-    x_screen.xdotool(*first)
+    half_drawn(x_program)
     x_program.ask("minimise")
     wait_until(lambda: x_program.ask("lifted"), "the end of the stroke")
-    x_screen.xdotool("mouseup", 1)
+    x_screen.lift()
     assert x_program.ask("facts")["mode"] == "IDLE"
     (stroke,) = x_program.ask("strokes")
     assert len(stroke) >= SAMPLES // 2
@@ -160,10 +158,10 @@ def test_putting_the_window_away_loses_no_ink(x_screen: Screen, x_program: Progr
 def test_a_question_in_the_middle_of_a_stroke_loses_no_ink(
     x_screen: Screen, x_program: Program
 ) -> None:
-    first, second = halves(x_program)
-    x_screen.xdotool(*first)
+    rest = half_drawn(x_program)
     x_program.ask("ask")
-    x_screen.xdotool(*second, "mouseup", 1)
+    x_screen.move(rest)
+    x_screen.lift()
     x_program.ask("answer")
     x_screen.xdotool("mousemove_relative", "--", -5, -5, "sleep", 0.05)
     wait_until(lambda: x_program.ask("lifted"), "the end of the stroke")
@@ -179,10 +177,10 @@ def test_a_stroke_may_leave_the_window(x_screen: Screen, x_program: Program) -> 
     facts = x_program.ask("facts")
     x, y = facts["corner"][0] + 50, facts["corner"][1] + 300
     way = [*range(x, 5, -25), *range(5, x, 25)]
-    words: list[object] = ["mousemove", x, y, "mousedown", 1]
-    for k, place in enumerate(way):
-        words += ["mousemove", place, y + 3 * k, "sleep", 0.01]
-    x_screen.xdotool(*words, "mouseup", 1)
+    x_screen.press((x, y))
+    wait_until(lambda: x_program.ask("facts")["mode"] == "INKING", "the press")
+    x_screen.move([(place, y + 3.0 * k) for k, place in enumerate(way)])
+    x_screen.lift()
     wait_until(lambda: x_program.ask("lifted"), "the lift")
     stroke = np.array(only_stroke(x_program))
     assert len(stroke) >= len(way) - 2
