@@ -62,6 +62,7 @@ NOTCH: Final = 120.0
 """Qt's angle of one notch, eighths of a degree."""
 
 _MOVE: Final = QEvent.Type.TabletMove
+_TIP_ALONE: Final = Qt.MouseButton.LeftButton
 
 
 class Hand(QObject):
@@ -126,7 +127,8 @@ class Hand(QObject):
         event.accept()
         kind = event.type()
         if kind == _MOVE:
-            self._end_unseen("pen", event)
+            if event.buttons() != _TIP_ALONE:  # seldom, and dearer to look at
+                self._end_unseen("pen", event)
             if self._recording and self._tool != "mouse":
                 self._keep(tablet_sample(event))
                 return
