@@ -20,6 +20,12 @@ ROOT: Final = Path(__file__).parents[2]
 TICK: Final = os.sysconf("SC_CLK_TCK")
 PATIENCE: Final = 90.0
 
+STARTING: Final = 60.0
+"""How long a start may go on behind the first paint on a loaded machine, seconds."""
+
+QUIET: Final = 0.01
+"""Share of a processor below which the start is over."""
+
 
 class Program:
     """The real window on a screen; see `driver` for what can be asked.
@@ -121,7 +127,16 @@ class Program:
         return int(status.partition("\nvoluntary_ctxt_switches:")[2].split()[0])
 
     def idle_share(self, seconds: float) -> tuple[float, float]:
-        """Share of one processor (0 … 1) and wakeups per second while nobody touches it."""
+        """Share of one processor (0 … 1) and wakeups per second while nobody touches it.
+
+        What the start leaves to be done (libraries, OpenGL) is waited for, but not for ever.
+        """
+        end = time.monotonic() + STARTING
+        while self._used(1.0)[0] > QUIET and time.monotonic() < end:
+            pass
+        return self._used(seconds)
+
+    def _used(self, seconds: float) -> tuple[float, float]:
         spent, woken, begun = self.processor_seconds(), self.wakeups(), time.monotonic()
         time.sleep(seconds)
         passed = time.monotonic() - begun
