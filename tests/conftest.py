@@ -73,3 +73,11 @@ def home(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPat
 def outside() -> dict[str, str]:
     """Return the environment of the person who runs the tests, for children that install."""
     return dict(OUTSIDE)
+
+
+@pytest.fixture(scope="session")
+def qapp_cls() -> type:
+    """Return the class of the tests' application, which is the program's own."""
+    from bozzetto_app.application import Application
+
+    return Application

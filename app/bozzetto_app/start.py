@@ -6,8 +6,6 @@ import faulthandler
 import logging
 import logging.handlers
 import os
-import signal
-import socket
 import sys
 import threading
 from collections.abc import Callable
@@ -16,12 +14,13 @@ from pathlib import Path
 from time import monotonic
 from typing import Final, TextIO
 
-from PySide6.QtCore import QEvent, QObject, QSocketNotifier, QTimer
+from PySide6.QtCore import QEvent, QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin.registry import Registry
-from bozzetto_app.canvas.gl_setup import prepare
+from bozzetto_app.application import Application
 from bozzetto_app.doorbell import ring
+from bozzetto_app.interrupts import InterruptWatch
 from bozzetto_app.places import log_file, state_folder
 from bozzetto_app.session import Session
 from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
@@ -43,8 +42,7 @@ def application() -> QApplication:
     existing = QApplication.instance()
     if isinstance(existing, QApplication):
         return existing
-    prepare()
-    app = QApplication(sys.argv[:1])
+    app = Application(sys.argv[:1])
     app.setOrganizationName(ORGANISATION)
     app.setApplicationName(PROGRAM)
     app.setDesktopFileName("bozzetto")
@@ -77,8 +75,9 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier))
     window.installEventFilter(paint)
     window.show()
-    _listen_for_interrupts(window)
+    interrupts = InterruptWatch(window.close)
     code = app.exec()
+    interrupts.close()
     window.keeper.wait()
     _let_workers_end()
     faulthandler.disable()
@@ -96,21 +95,6 @@ def _let_workers_end() -> None:
     for thread in threading.enumerate():
         if thread.name.startswith("bozzetto-"):
             thread.join(max(0.0, end - monotonic()))
-
-
-def _listen_for_interrupts(window: Window) -> None:
-    """Ctrl+C in the terminal closes the window as its cross does.
-
-    Python looks at signals only between two of its own instructions, and the event loop
-    has none while nobody touches it: a socket wakes it up.
-    """
-    ear, mouth = socket.socketpair()
-    mouth.setblocking(False)
-    signal.set_wakeup_fd(mouth.fileno(), warn_on_full_buffer=False)
-    signal.signal(signal.SIGINT, lambda *_: window.close())
-    waker = QSocketNotifier(ear.fileno(), QSocketNotifier.Type.Read, window)
-    waker.activated.connect(lambda: ear.recv(64))
-    window.destroyed.connect(mouth.close)
 
 
 class _FirstPaint(QObject):

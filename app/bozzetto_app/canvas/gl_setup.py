@@ -24,8 +24,6 @@ def prepare() -> None:
     as a core profile; elsewhere the driver's default is the most compatible.
     """
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
-    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_CompressTabletEvents, False)
-    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents, False)
     wanted = QSurfaceFormat()
     wanted.setDepthBufferSize(DEPTH_BITS)
     wanted.setSamples(SAMPLES)

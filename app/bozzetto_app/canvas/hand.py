@@ -37,11 +37,12 @@ from bozzetto_app.canvas.pen import (
     button_of,
     is_echo,
     is_eraser,
+    is_held,
     keys_of,
     mouse_sample,
     tablet_sample,
 )
-from bozzetto_app.canvas.samples import PressureCurve, RawSample, SampleColumns
+from bozzetto_app.canvas.samples import Clock, PressureCurve, RawSample, SampleColumns
 
 if TYPE_CHECKING:
     from bozzetto_app.session import Session
@@ -62,6 +63,7 @@ NOTCH: Final = 120.0
 """Qt's angle of one notch, eighths of a degree."""
 
 _MOVE: Final = QEvent.Type.TabletMove
+_TIP_ALONE: Final = Qt.MouseButton.LeftButton
 
 
 class Hand(QObject):
@@ -110,6 +112,8 @@ class Hand(QObject):
         self._recording = False
         self._seeking = False
         self._fresh: list[RawSample] = []
+        self._newest: RawSample | None = None
+        self._lasting = Clock()
         self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
         self._tool: StrokeTool = "pen"
         self._fingers: Fingers | None = None
@@ -125,14 +129,14 @@ class Hand(QObject):
     def tablet(self, event: QTabletEvent) -> None:
         """Take a tablet event; it is always accepted, or Qt would send a mouse event too."""
         event.accept()
-        if self._recording and event.type() == _MOVE and self._tool != "mouse":
-            self._fresh.append(tablet_sample(event))
-            if not self._due:
-                self._due = True
-                self._soon.start()
-            return
-        self.machine.see_pen(perf_counter())
         kind = event.type()
+        if kind == _MOVE:
+            if event.buttons() != _TIP_ALONE:  # seldom, and dearer to look at
+                self._end_unseen("pen", event)
+            if self._recording and self._tool != "mouse":
+                self._keep(tablet_sample(event))
+                return
+        self.machine.see_pen(perf_counter())
         button = button_of(event.button())
         if kind == QEvent.Type.TabletPress and button is not None:
             self._press("pen", button, tablet_sample(event), event, eraser=is_eraser(event))
@@ -151,8 +155,8 @@ class Hand(QObject):
         """The pen has gone; a stroke that was not lifted ends here."""
         self.machine.lose_pen(perf_counter())
         self._overlay.set_hover(None)
-        if self.machine.owns("pen") and self.machine.press is not None:
-            self._conclude("pen", self.machine.press.button)
+        if self.machine.owns("pen"):
+            self.end()
 
     # -- mouse --------------------------------------------------------------------------------
 
@@ -168,12 +172,10 @@ class Hand(QObject):
         event.accept()
         if not self._is_mouse(event):
             return
+        self._end_unseen("mouse", event)
         if self._recording and self.machine.owns("mouse"):
-            self._fresh.append(mouse_sample(event))
             self._keys = keys_of(event.modifiers(), space=self.space_held)
-            if not self._due:
-                self._due = True
-                self._soon.start()
+            self._keep(mouse_sample(event))
             return
         self._move("mouse", event.position(), event)
 
@@ -244,6 +246,31 @@ class Hand(QObject):
         self.mode_changed.emit()
         return mode is not Mode.IDLE
 
+    def end(self) -> None:
+        """End the gesture under way as if its pointer had been lifted where it was seen last.
+
+        For when nobody will tell of the lift: the window was put away, the pen has left. What
+        was drawn is kept.
+        """
+        press = self.machine.press
+        if press is None:
+            return
+        if press.pointer == "touch":
+            self.machine.release("touch", press.button, perf_counter())
+            self.mode_changed.emit()
+        else:
+            self._conclude(press.pointer, press.button, perf_counter() - press.t)
+
+    def _end_unseen(self, pointer: Pointer, event: QTabletEvent | QMouseEvent) -> None:
+        """End a gesture whose button was let go while somebody else had the pointer.
+
+        Another program, or a window over this one, may have taken it; without this the stroke
+        would go on with no button down, and the next press would be taken for a second one.
+        """
+        press = self.machine.press
+        if press is not None and press.pointer == pointer and not is_held(press.button, event):
+            self.end()
+
     def scene_or_view_changed(self) -> None:
         """Handles may stand elsewhere now."""
         self._targets = None
@@ -262,6 +289,8 @@ class Hand(QObject):
         *,
         eraser: bool = False,
     ) -> None:
+        if self.machine.owns(pointer, button):
+            self.end()  # a button that goes down was up
         self.pressed.emit()
         takes, aims = self._takes(), self._aims()
         found = self._handle_under(sample.x, sample.y)
@@ -280,6 +309,8 @@ class Hand(QObject):
         if not self.machine.begin(press):
             return
         self._keys = press.keys
+        self._lasting = Clock()
+        self._lasting(sample.stamp, sample.received)
         self._camera = self._session.camera
         mode = self.machine.mode
         if mode.records:
@@ -291,7 +322,7 @@ class Hand(QObject):
             if mode is not Mode.DRAGGING:
                 self._overlay.begin(erasing=mode is Mode.ERASING)
                 self.ink_began.emit()
-            self._fresh.append(sample)
+            self._keep(sample)
             self._drain()
         elif mode is Mode.NAVIGATING:
             self._pivot = self._under(sample.x, sample.y)
@@ -338,21 +369,22 @@ class Hand(QObject):
             return
         if self._recording:
             self._keys = keys_of(event.modifiers(), space=self.space_held)
-            last = self._fresh[-1] if self._fresh else None
+            last = self._newest
             if last is None or (last.x, last.y) != (sample.x, sample.y):
-                self._fresh.append(self._as_lifted(sample))
+                self._keep(self._as_lifted(sample))
         else:
             self.machine.move(sample.x, sample.y)
             if self.machine.mode is Mode.NAVIGATING:
                 self._turn(sample.x, sample.y)
-        self._conclude(pointer, button)
+        self._conclude(pointer, button, self._lasting(sample.stamp, sample.received))
 
-    def _conclude(self, pointer: Pointer, button: Button) -> None:
+    def _conclude(self, pointer: Pointer, button: Button, lasted: float) -> None:
+        """End the gesture, which took so many seconds of the hand's time."""
         if self._recording:
             self._drain()
         press, columns, place = self.machine.press, self._columns, self.machine.place
         mode, travel = self.machine.mode, self.machine.travel
-        outcome = self.machine.release(pointer, button, perf_counter())
+        outcome = self.machine.release(pointer, button, press.t + lasted if press else 0.0)
         stroke = self._stroke(columns) if columns is not None and self._recording else None
         was_recording = self._recording
         self._forget(keep_wet=outcome is Outcome.STROKE)
@@ -377,6 +409,7 @@ class Hand(QObject):
     def _forget(self, *, keep_wet: bool = False) -> None:
         self._recording = False
         self._fresh.clear()
+        self._newest = None
         self._columns = None
         self._soon.stop()
         self._later.stop()
@@ -388,6 +421,14 @@ class Hand(QObject):
             self._overlay.clear_wet()
 
     # -- ink ----------------------------------------------------------------------------------
+
+    def _keep(self, sample: RawSample) -> None:
+        """Take a sample; what is done with it is done once a round of the event loop."""
+        self._fresh.append(sample)
+        self._newest = sample
+        if not self._due:
+            self._due = True
+            self._soon.start()
 
     def _drain(self) -> None:
         """Paint and keep the samples that came since the last round."""
@@ -445,9 +486,8 @@ class Hand(QObject):
 
     def _as_lifted(self, sample: RawSample) -> RawSample:
         """A release reports no pressure; the line ends as wide as it was."""
-        if self._fresh:
-            return sample._replace(pressure=self._fresh[-1].pressure)
-        return sample
+        last = self._newest
+        return sample if last is None else sample._replace(pressure=last.pressure)
 
     # -- view ---------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ __all__ = [
     "button_of",
     "is_echo",
     "is_eraser",
+    "is_held",
     "keys_of",
     "mouse_sample",
     "tablet_sample",
@@ -26,6 +27,8 @@ _BUTTONS: Final = {
     Qt.MouseButton.MiddleButton: Button.TURN,
     Qt.MouseButton.RightButton: Button.MENU,
 }
+
+_HELD: Final = {button: qt for qt, button in _BUTTONS.items()}
 
 _PENS: Final = (
     QInputDevice.DeviceType.Stylus,
@@ -58,6 +61,11 @@ def mouse_sample(event: QMouseEvent) -> RawSample:
 def button_of(button: Qt.MouseButton) -> Button | None:
     """What a button means here; None for those that mean nothing."""
     return _BUTTONS.get(button)
+
+
+def is_held(button: Button, event: QTabletEvent | QMouseEvent) -> bool:
+    """Whether a button is down during an event."""
+    return bool(event.buttons() & _HELD[button])
 
 
 def keys_of(modifiers: Qt.KeyboardModifier, *, space: bool) -> Keys:

@@ -1,9 +1,9 @@
 """Ribbons: how ink of varying width becomes an area without jags, gaps or seams.
 
-The sampled points are followed by a chain of parabolas (through the midpoints, with the
-samples as control points), fine enough that no corner shows; the outline at half the width
-on both sides is filled as one path. One filled path has clean edges; a row of thick lines
-would darken its own edges wherever two of them overlap.
+What is shown is what is kept: the straight pieces between the samples, with their corners
+rounded by less than the line is wide. A dense stroke looks smooth, and a sparse one sparse. The
+outline at half the width on both sides is filled as one path. One filled path has clean edges; a
+row of thick lines would darken its own edges wherever two of them overlap.
 """
 
 from __future__ import annotations
@@ -21,11 +21,14 @@ __all__ = ["InkPoint", "Smoother", "ribbon_path", "smoothed"]
 InkPoint = tuple[float, float, float]
 """x, y and width, pixels."""
 
-FINE_STEP: Final = 3.0
-"""Length of the straight pieces of a smooth line, pixels."""
+CORNER: Final = 2.0
+"""How far from a sample its rounded corner begins and ends at most, pixels.
 
-MOST_PIECES: Final = 24
-"""Straight pieces between two samples at most."""
+The line passes a sample at half of that at most, one pixel, a quarter of its full width.
+"""
+
+FINE_STEP: Final = 2.0
+"""Length of a rounded corner beyond which it is made of two pieces, pixels."""
 
 SHARP_CORNER: Final = math.cos(math.radians(50.0))
 """Cosine of the turn beyond which a line has a round corner instead of a mitre."""
@@ -45,40 +48,23 @@ SAME_PLACE: Final = 0.05
 
 
 class Smoother:
-    """Turns samples into a smooth line as they come."""
+    """Rounds the corners of the line through the samples as they come."""
 
     def __init__(self) -> None:
         self._last: InkPoint | None = None
-        self._middle: InkPoint | None = None
+        self._before: InkPoint | None = None
 
     def push(self, point: InkPoint) -> list[InkPoint]:
         """Add a sample; return the points that are now final, oldest first."""
-        last, start = self._last, self._middle
-        if last is None or start is None:
-            self._last = self._middle = point
+        before, last = self._before, self._last
+        if last is not None and math.dist(last[:2], point[:2]) < SAME_PLACE:
+            # A pause is no corner, and has no direction; it may be pressed harder.
+            self._last = (*last[:2], point[2])
+            return []
+        self._before, self._last = last, point
+        if last is None:
             return [point]
-        end = (
-            0.5 * (last[0] + point[0]),
-            0.5 * (last[1] + point[1]),
-            0.5 * (last[2] + point[2]),
-        )
-        length = math.hypot(last[0] - start[0], last[1] - start[1]) + math.hypot(
-            end[0] - last[0], end[1] - last[1]
-        )
-        pieces = min(max(int(length / FINE_STEP) + 1, 1), MOST_PIECES)
-        made = []
-        for i in range(1, pieces + 1):
-            s = i / pieces
-            a, b, c = (1 - s) * (1 - s), 2 * s * (1 - s), s * s
-            made.append(
-                (
-                    a * start[0] + b * last[0] + c * end[0],
-                    a * start[1] + b * last[1] + c * end[1],
-                    a * start[2] + b * last[2] + c * end[2],
-                )
-            )
-        self._last, self._middle = point, end
-        return made
+        return [] if before is None else _corner(before, last, point)
 
     @property
     def tip(self) -> InkPoint | None:
@@ -86,8 +72,29 @@ class Smoother:
         return self._last
 
 
+def _corner(before: InkPoint, at: InkPoint, after: InkPoint) -> list[InkPoint]:
+    """A parabola around a sample that ends on the straight lines to its neighbours."""
+    start, end = _towards(at, before), _towards(at, after)
+    length = math.dist(start[:2], at[:2]) + math.dist(at[:2], end[:2])
+    pieces = 1 if length <= FINE_STEP else 2  # never longer than twice CORNER
+    made = []
+    for i in range(pieces + 1):
+        s = i / pieces
+        a, b, c = (1 - s) * (1 - s), 2 * s * (1 - s), s * s
+        x, y, width = (a * p + b * q + c * r for p, q, r in zip(start, at, end, strict=True))
+        made.append((x, y, width))
+    return made
+
+
+def _towards(point: InkPoint, other: InkPoint) -> InkPoint:
+    """The place where a corner ends: half way to the next sample, or at `CORNER`."""
+    share = min(0.5, CORNER / math.dist(point[:2], other[:2]))
+    x, y, width = (p + share * (q - p) for p, q in zip(point, other, strict=True))
+    return x, y, width
+
+
 def smoothed(points: Iterable[InkPoint]) -> list[InkPoint]:
-    """The smooth line through a whole stroke, from its first to its last sample."""
+    """The line of a whole stroke with its corners rounded, from its first to its last sample."""
     smoother = Smoother()
     line = [fine for point in points for fine in smoother.push(point)]
     if smoother.tip is not None:

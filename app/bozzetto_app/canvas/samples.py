@@ -15,6 +15,9 @@ __all__ = ["Clock", "PressureCurve", "RawSample", "SampleColumns"]
 FIRST_ROOM: Final = 1024
 """Samples for which room is made at first; doubled when full."""
 
+COARSE_STEP: Final = 0.016
+"""Longest step of a device's clock in use (Windows' system timer), seconds."""
+
 
 class RawSample(NamedTuple):
     """One event as the device gave it.
@@ -81,12 +84,15 @@ class Clock:
     """Seconds since a stroke began, from device times that may be missing or repeat.
 
     The device's own times are kept where they advance, since they know when the pen was
-    where; events that were queued together arrive at one moment. Where a device time is 0,
-    repeats or runs backwards, our own clock says how much time has passed.
+    where; events that were queued while the window was busy arrive at one moment. Where a
+    device time is 0, repeats or runs backwards, our own clock says how much time has passed,
+    until the device's advances again. It says when a sample was looked at, which may be a whole
+    slow frame later, so for a repeated time it counts only as much as a coarse clock hides.
     """
 
     def __init__(self) -> None:
         self._stamp = 0
+        self._begin: tuple[int, float] | None = None
         self._received = 0.0
         self._now: float | None = None
 
@@ -94,10 +100,15 @@ class Clock:
         """The time of the next sample; never less than the one before."""
         if self._now is None:
             self._now = 0.0
-        elif stamp > self._stamp > 0:
-            self._now += (stamp - self._stamp) / 1000.0
+        elif self._begin is not None and stamp > self._stamp:
+            stamped, then = self._begin
+            self._now = max(self._now, then + (stamp - stamped) / 1000.0)
         else:
-            self._now += max(received - self._received, 0.0)
+            passed = max(received - self._received, 0.0)
+            repeats = stamp > 0 and stamp == self._stamp
+            self._now += min(passed, COARSE_STEP) if repeats else passed
+        if self._begin is None and stamp > 0:
+            self._begin = stamp, self._now
         self._stamp = max(stamp, self._stamp)
         self._received = received
         return self._now

@@ -186,14 +186,14 @@ class Pen:
         return event.isAccepted()
 
     def press(self, x, y, pressure=0.5, button=Qt.MouseButton.LeftButton, **more):
-        self.buttons = button
+        self.buttons |= button
         return self.send(QEvent.Type.TabletPress, x, y, pressure, button, **more)
 
     def move(self, x, y, pressure=0.5, **more):
         return self.send(QEvent.Type.TabletMove, x, y, pressure, **more)
 
     def release(self, x, y, button=Qt.MouseButton.LeftButton):
-        self.buttons = Qt.MouseButton.NoButton
+        self.buttons &= ~button
         return self.send(QEvent.Type.TabletRelease, x, y, 0.0, button)
 
     def stroke(self, points, button=Qt.MouseButton.LeftButton):

@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 
-from bozzetto_app.canvas.ribbon import ribbon_path, smoothed
+from bozzetto_app.canvas.ribbon import CORNER, SAME_PLACE, ribbon_path, smoothed
 
 
 @pytest.fixture
@@ -74,15 +76,54 @@ def test_a_sharp_turn_has_no_hole_and_no_spike(cover):
     assert hook[:, 147:].sum() == 0  # a mitre would reach far beyond the corner
 
 
-def test_a_smooth_line_keeps_its_ends_and_has_no_corners():
-    samples = [(0, 0, 1), (40, 0, 2), (40, 40, 3), (80, 40, 4)]
-    line = smoothed(samples)
-    assert line[0] == samples[0]
-    assert line[-1] == samples[-1]
-    steps = np.diff(np.array(line)[:, :2], axis=0)
-    directions = steps / np.linalg.norm(steps, axis=1, keepdims=True)
-    cosines = np.einsum("ij,ij->i", directions[1:], directions[:-1])
-    assert cosines.min() > math.cos(math.radians(25))
+PIXELS = st.integers(-60, 60).map(lambda n: 0.5 * n)
+STROKES = st.lists(st.tuples(PIXELS, PIXELS, st.floats(1.0, 5.0)), min_size=1, max_size=40)
+
+
+def distance_to_line(places, line):
+    """Distance of every place (n, 2) to a chain of straight pieces (m, 2)."""
+    places, line = np.asarray(places, float), np.asarray(line, float)
+    if len(line) == 1:
+        return np.linalg.norm(places - line, axis=1)
+    begin, way = line[:-1], np.diff(line, axis=0)
+    length = np.maximum((way**2).sum(1), 1e-12)
+    off = places[:, None] - begin
+    share = np.clip((off * way).sum(2) / length, 0.0, 1.0)
+    return np.linalg.norm(off - share[..., None] * way, axis=2).min(1)
+
+
+@given(STROKES)
+def test_what_is_shown_is_what_is_kept(samples):
+    """The line stays within a pixel of the straight pieces between the samples, and they of it."""
+    kept, shown = np.array(samples)[:, :2], np.array(smoothed(samples))[:, :2]
+    assert distance_to_line(shown, kept).max() <= 0.5 * CORNER + 1e-9
+    assert distance_to_line(kept, shown).max() <= 0.5 * CORNER + SAME_PLACE
+    np.testing.assert_allclose(shown[[0, -1]], kept[[0, -1]], atol=SAME_PLACE)
+
+
+def test_a_sparse_stroke_looks_sparse():
+    square = [(0, 0, 4), (100, 0, 4), (100, 100, 4), (0, 100, 4), (0, 0, 4)]
+    shown = np.array(smoothed(square))
+    assert distance_to_line([(50, 0), (100, 50), (50, 100)], shown[:, :2]).max() < 1e-9
+    assert distance_to_line([(100, 0), (100, 100), (0, 100)], shown[:, :2]).max() <= 0.5 * CORNER
+
+
+def test_a_dense_stroke_has_no_corners_even_where_samples_are_whole_pixels():
+    samples = [(round(x), round(y), width) for x, y, width in circle(60, 4, 250)]
+    steps = np.diff(np.array(smoothed(samples))[:, :2], axis=0)
+    steps = steps[np.linalg.norm(steps, axis=1) > SAME_PLACE]
+    turns = np.degrees(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
+    raw = np.diff(np.array(samples)[:, :2], axis=0)
+    raw = raw[np.linalg.norm(raw, axis=1) > 0]
+    jags = np.degrees(np.diff(np.unwrap(np.arctan2(raw[:, 1], raw[:, 0]))))
+    assert np.abs(turns).max() < 0.8 * np.abs(jags).max()
+    assert np.abs(turns).max() < 50.0
+
+
+def test_widths_change_evenly_between_samples():
+    line = smoothed([(0, 0, 1), (40, 0, 3), (80, 0, 5)])
+    assert [width for _, _, width in line] == sorted(width for _, _, width in line)
+    assert {line[0][2], line[-1][2]} == {1, 5}
 
 
 def test_a_single_point_is_a_disc_and_nothing_is_nothing(cover):

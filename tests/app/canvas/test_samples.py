@@ -55,3 +55,22 @@ def test_columns_grow_past_their_first_room():
     np.testing.assert_array_equal(stroke.x, np.arange(5000))
     np.testing.assert_array_equal(stroke.y, 2 * np.arange(5000))
     np.testing.assert_allclose(stroke.t, 0.001 * np.arange(5000), atol=1e-6)
+
+
+@given(st.lists(st.booleans(), min_size=2, max_size=60), st.integers(1, 16))
+def test_slow_frames_do_not_stretch_the_times_of_a_coarse_device(late, grain):
+    """Samples 2 ms apart, a device that counts in steps of `grain`, queues that are looked at
+    150 ms late now and then."""
+    clock, looked = Clock(), 0.0
+    for k, waits in enumerate(late):
+        drawn = 0.002 * k
+        looked = max(looked, drawn + (0.15 if waits else 0.0))
+        stamp = 1000 + round(1000 * drawn) // grain * grain
+        assert clock(stamp, looked) == pytest.approx(drawn, abs=0.001 * grain + 0.017)
+
+
+def test_a_device_time_that_comes_late_replaces_our_own_clock():
+    clock = Clock()
+    stamps = [0, 0, 1000, 1000, 1010, 1020]
+    times = [clock(stamp, 7.0 + 0.01 * k) for k, stamp in enumerate(stamps)]
+    assert times == pytest.approx([0, 0.01, 0.02, 0.03, 0.03, 0.04])
