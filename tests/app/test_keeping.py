@@ -352,7 +352,9 @@ def test_keeping_a_crash_for_later_deletes_nothing(make_window, keep, boxes, fol
     qtbot.waitUntil(lambda: window.findChild(RecoveryDialog) is not None, timeout=10_000)
     window.findChild(RecoveryDialog).keep.click()
     draw(window.session, settle, window.keeper)
+    window.session.files.given_up.emit()
     window.keeper.close()
+    window.keeper.wait()
     assert kept_strokes(folder, session.registry) == [1]
 
 
