@@ -181,35 +181,44 @@ def _models_row(count: int, workers: int) -> Row:
 # -- hostile files ---------------------------------------------------------------------------------
 
 
-def read_hostile(family: Family, size: int) -> dict[str, Any]:
-    """Read one hostile file as the window does; seconds, megabytes and the longest pause."""
-    kind = find(f"a{family.ending}", readers()).holds[-1]
+def read_hostile(path: Path) -> dict[str, Any]:
+    """Read a hostile file as the window does; seconds, megabytes and the longest pause."""
+    kind = find(path, readers()).holds[-1]
     reader = {"mesh": importing.read_mesh, "ink": importing.read_drawing}.get(kind)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"hostile{family.ending}"
-        path.write_bytes(family.make(size))
-        size = path.stat().st_size
-        before, spent = _resident(), time.process_time()
-        watch = _Watch()
-        try:
-            (reader or importing.read_image)(path)
-            said = "read"
-        except UserError as refusal:
-            said = refusal.message
-        except BaseException as problem:
-            said = f"failed: {type(problem).__name__}: {problem}"
-        pause, asked = watch.stopped()
-        own = time.process_time() - spent - watch.spent
-        reading_process._end_idle()
-        child = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before, spent = _resident(), time.process_time()
+    watch = _Watch()
+    try:
+        (reader or importing.read_image)(path)
+        said = "read"
+    except UserError as refusal:
+        said = refusal.message
+    except BaseException as problem:
+        said = f"failed: {type(problem).__name__}: {problem}"
+    pause, asked = watch.stopped()
+    own = time.process_time() - spent - watch.spent
+    reading_process._end_idle()
+    child = resource.getrusage(resource.RUSAGE_CHILDREN)
     return {
-        "family": family.name,
-        "bytes": size,
+        "bytes": path.stat().st_size,
         "seconds": child.ru_utime + child.ru_stime + own,
         "megabytes": child.ru_maxrss / 1024 + max(0.0, asked - before),
         "pause": pause,
         "said": said,
     }
+
+
+def _told_of(family: Family, size: int) -> dict[str, Any]:
+    """What became of a hostile file; it is made and read in two processes of their own."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"hostile{family.ending}"
+        # The peak of a process that is started counts what started it, too.
+        _in_forks(_write, [(family, size, path)])
+        (told,) = _in_forks(read_hostile, [(path,)])
+    return {"family": family.name} | (told or {"said": "failed: the process ended"})
+
+
+def _write(family: Family, size: int, path: Path) -> None:
+    path.write_bytes(family.make(size))
 
 
 def _resident() -> float:
@@ -253,8 +262,7 @@ def _hostile_rows(size: int) -> Iterator[Row]:
     for ending in dict.fromkeys(family.ending for family in FAMILIES):
         found: list[dict[str, Any]] = []
         for family in families(ending):
-            (told,) = _in_forks(read_hostile, [(family, size)])
-            told = told or {"family": family.name, "said": "failed: the process ended"}
+            told = _told_of(family, size)
             found.append(told)
             print(json.dumps(told, ensure_ascii=False), file=sys.stderr, flush=True)
         slowest = max(found, key=lambda one: one.get("seconds", 0.0))

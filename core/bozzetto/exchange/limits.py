@@ -52,7 +52,7 @@ class Budget:
     """
 
     seconds: int = 10
-    megabytes: int = 640
+    megabytes: int = 760
     wall_seconds: int = 120
 
 
