@@ -292,6 +292,7 @@ def test_a_car_without_a_camera_is_an_error_unless_the_template_is_asked_for(boz
     assert "bare template" in process.stderr
 
 
+@pytest.mark.slow
 def test_what_is_left_out_is_said_and_stands_in_the_report(bozzetto, tmp_path):
     sample = Path(bozzetto_car.__file__).parent / "samples/hatchback.json"
     process = bozzetto("build", "car", sample, "-o", "car.3mf", "--report", "built.json")
@@ -312,6 +313,7 @@ def test_what_is_left_out_is_said_and_stands_in_the_report(bozzetto, tmp_path):
     assert exported["written"]["bytes"] == (tmp_path / "again.3mf").stat().st_size
 
 
+@pytest.mark.slow
 def test_an_svg_of_a_car_shows_it(bozzetto, tmp_path):
     """It was a blank page, with coordinates up to 13,001,643."""
     sample = Path(bozzetto_car.__file__).parent / "samples/hatchback.json"

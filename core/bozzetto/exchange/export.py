@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from bozzetto.errors import UserError
+from bozzetto.exchange.curve_pieces import readable
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, with_place
 from bozzetto.exchange.solid_check import check_solid
@@ -116,13 +117,22 @@ def prepared(
     """
     chosen = find(path, writers("mesh", "surfaces", "curves"))
     _check(shapes, chosen)
-    parts, left_out = with_place(shapes, chosen), parts_left_out(shapes, chosen)
+    parts, left_out = _readably_named(with_place(shapes, chosen)), parts_left_out(shapes, chosen)
     if chosen.flat:
         data: bytes = function(chosen, "write_view")(parts, camera)
     else:
         written = with_meshes(parts) if "mesh" in chosen.holds else parts
         data = function(chosen, "write_shapes")(written)
     return Exported(chosen, data, parts, left_out)
+
+
+def _readably_named(shapes: Shapes) -> Shapes:
+    """Shapes with names at which no reader stops, whatever the format."""
+    return replace(
+        shapes,
+        solids=tuple(replace(part, name=readable(part.name)) for part in shapes.solids),
+        surfaces=tuple(replace(part, name=readable(part.name)) for part in shapes.surfaces),
+    )
 
 
 def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
