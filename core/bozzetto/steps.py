@@ -138,6 +138,8 @@ def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
 def _scene(bench: Workbench, model: Model) -> Scene:
     """What the model shows; without its shape where that has no solution yet."""
     try:
-        return bench.model_scene(model, bench.solve(model, Job(quality="preview")))
+        result = bench.solve(model, Job(quality="preview"))
+        bench.curves.try_to_learn(model, result)  # the next step may snap to them
+        return bench.model_scene(model, result)
     except UserError:
         return bench.model_scene(model, None)

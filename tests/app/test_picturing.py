@@ -15,7 +15,6 @@ from bozzetto.document.container import ContainerReader
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.scene.png import write_png
-from bozzetto_app import files
 from bozzetto_app.picturing import pixels_of
 from tests.app.canvas.conftest import Pen
 from tests.app.tablet import circle, stroke_of
@@ -271,7 +270,7 @@ def test_a_modeler_that_hangs_over_advice_does_not_hold_up_a_save(
     session.import_file(page)
     settle(session)
     gate = threading.Event()
-    monkeypatch.setattr(files, "PATIENCE", 0.05)
+    monkeypatch.setattr("bozzetto_app.small_picture.PATIENCE", 0.05)
     sketches.view_advice = lambda state, camera: gate.wait(20)
     try:
         session.files.save(tmp_path / "car.bozz")

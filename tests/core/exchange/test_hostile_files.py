@@ -57,9 +57,10 @@ def seconds(family, size):
     return time.process_time() - started
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", GROWING)
 def test_the_cost_grows_no_faster_than_the_file(family):
-    first, second, third = (seconds(family, size) for size in SIZES)
+    first, second, third = (min(seconds(family, size) for _ in range(2)) for size in SIZES)
     assert third < 5.0
     assert third < max(FREE, GROWTH * second, GROWTH**2 * first)
 
@@ -74,7 +75,7 @@ def test_a_reading_that_takes_too_long_is_ended(tmp_path):
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is limited on Linux")
 def test_a_reading_that_takes_too_much_memory_is_refused(tmp_path):
     family = next(one for one in FAMILIES if one.name == "stl triangles without end")
-    (tmp_path / "a.stl").write_bytes(family.make(8_000_000))
+    (tmp_path / "a.stl").write_bytes(family.make(32_000_000))
     with pytest.raises(FormatError, match="memory"):
         importing.read_in_child("mesh", tmp_path / "a.stl", Budget(megabytes=5))
 

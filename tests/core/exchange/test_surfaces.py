@@ -356,6 +356,7 @@ def test_mesh_formats_hold_triangles_that_close_along_every_edge(tmp_path, endin
 def test_the_command_line_hands_a_skin_over(tmp_path):
     class Document(list):
         camera = None
+        waiting = ()
 
     car = SimpleNamespace(name="Car", modeler="author.car", visible=True)
     bench = SimpleNamespace(

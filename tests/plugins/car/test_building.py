@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +24,14 @@ Array = NDArray[np.float64]
 FACES = {"sedan": 28, "hatchback": 30, "minivan": 30}
 
 
-def built(folder: Path, file: dict[str, Any], ending: str = "step") -> dict[str, Any]:
+def built(
+    folder: Path, file: dict[str, Any], ending: str = "step", more: Sequence[str] = ()
+) -> dict[str, Any]:
     """What is told of a car; the car lies beside as ``car.<ending>``."""
     (folder / "marks.json").write_text(json.dumps(file), "utf-8")
     code = main(
         ["build", "car", str(folder / "marks.json"), "-o", str(folder / f"car.{ending}"),
-         "--report", str(folder / "r.json")]
+         "--report", str(folder / "r.json"), *more]
     )  # fmt: skip
     assert code == 0
     told: dict[str, Any] = json.loads((folder / "r.json").read_text("utf-8"))
@@ -119,7 +122,10 @@ def test_a_car_without_marks_enough_says_what_is_missing(tmp_path: Path) -> None
     for view in file["views"]:
         view["marks"] = dict(list(view["marks"].items())[:5])
         view["strokes"] = {}
-    told = built(tmp_path, file)
+    (tmp_path / "few.json").write_text(json.dumps(file), "utf-8")
+    assert main(["build", "car", str(tmp_path / "few.json"), "-o", str(tmp_path / "x.step")]) == 2
+    assert not (tmp_path / "x.step").exists()
+    told = built(tmp_path, file, more=["--allow-template"])
     assert any("6" in warning or "six" in warning for warning in told["warnings"])
     assert told["nodes"]["C4"] == pytest.approx(bundled("sedan").positions[4])
 
