@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-from bozzetto_car.default_shape import pulled_out
-from bozzetto_car.edges import Network, joints, with_tangents
-from bozzetto_car.template import Template
+from bozzetto_car.body.default_shape import pulled_out
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import Network, joints, with_tangents
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]

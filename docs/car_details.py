@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from shapely import LineString, Polygon
 
-from bozzetto.geometry.patch import grid
+from bozzetto.geometry.patches.patch import grid
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
     from bozzetto.document import Model
     from bozzetto.scene import Palette, Scene
-    from bozzetto.workbench import Workbench
-    from bozzetto_app.window import Window
-    from bozzetto_car.stand import Stand
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.main_window import Window
+    from bozzetto_car.camera.sketch_camera import Stand
     from bozzetto_car.state import CarState, Sketch
 
 CARS = GALLERY / "car"
@@ -81,9 +81,9 @@ def bodies() -> None:
 
 def built(name: str) -> tuple[Workbench, Model]:
     """A drawn car from its file of marks, as it was drawn: no dimension is set."""
-    from bozzetto.exchange.importing import read_drawing
-    from bozzetto.plugin.registry import Registry
-    from bozzetto.workbench import Workbench
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
     model = bench.from_drawing("bozzetto.car", read_drawing(CARS / f"{name}.json"), {})
@@ -99,7 +99,7 @@ def strip(name: str) -> np.ndarray:
     from PIL import Image, ImageDraw, ImageFont
 
     from bozzetto.scene import LIGHT
-    from bozzetto.scene.picture import picture
+    from bozzetto.scene.snapshot import picture
 
     bench, model = built(name)
     above, below = TRIMMED
@@ -118,9 +118,9 @@ def strip(name: str) -> np.ndarray:
 
 def steps(bench: Workbench, model: Model, number: int) -> list[tuple[Scene, Stand]]:
     """The scenes of six steps, each with the stand of the sketch through which it is seen."""
-    from bozzetto_car.body import body_of
-    from bozzetto_car.edges import Network
-    from bozzetto_car.stand import Stand
+    from bozzetto_car.body.build import body_of
+    from bozzetto_car.camera.sketch_camera import Stand
+    from bozzetto_car.template.network import Network
 
     whole: CarState = model.state
     drawn = whole.sketches[number]
@@ -158,7 +158,7 @@ def dots(drawn: Sketch, stand: Stand) -> Scene:
 def lines(network: object) -> Scene:
     """The edges of a template or of a car, those of both sides."""
     from bozzetto.scene import Layer, Scene
-    from bozzetto_car.showing_edges import network_lines
+    from bozzetto_car.view.edge_items import network_lines
 
     edges = network_lines(network.control_points, "second", 1.8)
     return Scene((Layer("edges", (replace(edges, hidden="show"),)),))
@@ -187,7 +187,7 @@ def large(
     name: str, palette: Palette, *layers: str, look: tuple[float, float], **values: object
 ) -> np.ndarray:
     """A drawn car, with some more layers than its body and wheels."""
-    from bozzetto.scene.picture import picture
+    from bozzetto.scene.snapshot import picture
 
     scene = shown(*built(name), ("body", "wheels", *layers), **values)
     view = camera(scene, *look, size=LARGE)
@@ -201,7 +201,7 @@ def window() -> None:
     """A dropped sketch with some marks and the loupe at the next one; all marks; a finished car."""
     import json
 
-    from bozzetto_app.theme import Theme
+    from bozzetto_app.style.theme import Theme
 
     shown = opened()
     session = shown.session
@@ -241,9 +241,9 @@ def mark(window: Window, told: dict[str, list[float]], picture: str) -> None:
     """
     import numpy as np
 
-    from bozzetto_car.asking import asked_of
-    from bozzetto_car.body import body_of
-    from bozzetto_car.template import twin
+    from bozzetto_car.body.build import body_of
+    from bozzetto_car.marking.next_mark import asked_of
+    from bozzetto_car.template.model import twin
 
     session = window.session
     state = session.selected_model.state

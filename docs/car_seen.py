@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry import Patchwork
-from bozzetto.geometry.patch import points_at
-from bozzetto.geometry.patch_rays import ray_hits
-from bozzetto.geometry.tessellation import shaded
-from bozzetto.scene.software.zbuffer import blank, rasterize
+from bozzetto.geometry.patches.patch import points_at
+from bozzetto.geometry.patches.ray_intersections import ray_hits
+from bozzetto.geometry.patches.tessellation import shaded
+from bozzetto.scene.renderer.zbuffer import blank, rasterize
 from bozzetto.view import Camera
-from bozzetto_car.edges import Network
+from bozzetto_car.template.network import Network
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

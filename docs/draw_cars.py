@@ -21,7 +21,7 @@ from car_seen import Car, Seen
 from car_tones import tones
 from picture_kit import GALLERY
 
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
 
 CARS = GALLERY / "car"
 

@@ -17,7 +17,7 @@ import symmetry_pictures
 from picture_kit import GALLERY, HERE, PICTURES, grab, opened, pen_stroke, save, until, wait
 
 if TYPE_CHECKING:
-    from bozzetto_app.window import Window
+    from bozzetto_app.main_window import Window
 
 SAMPLES = HERE.parent / "plugins" / "bozzetto_silhouette" / "samples"
 OUTLINES = HERE.parent / "tests" / "data" / "silhouettes"
@@ -48,12 +48,12 @@ def main() -> int:
 def shapes() -> None:
     """The samples as solids, the ink of one, and the skeleton of another."""
     from bozzetto.document import Document
-    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
-    from bozzetto.plugin.registry import Registry
     from bozzetto.scene import DARK, LIGHT, Layer, Lines, Points, Scene, Shaded
-    from bozzetto.scene.picture import picture
-    from bozzetto.workbench import Workbench
+    from bozzetto.scene.snapshot import picture
+    from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
     heart = bench.from_drawing("bozzetto.silhouette", read_drawing(OUTLINES / "heart.svg"), {})
@@ -91,12 +91,12 @@ def shapes() -> None:
 def gallery() -> None:
     """The objects of the gallery, from their ink and its steps."""
     from bozzetto.document import Document
-    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
-    from bozzetto.plugin.registry import Registry
     from bozzetto.scene import Scene
-    from bozzetto.scene.picture import picture
-    from bozzetto.workbench import Workbench
+    from bozzetto.scene.snapshot import picture
+    from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
     for path in sorted(GALLERY.glob("*.json")):
@@ -112,10 +112,10 @@ def comparison() -> None:
     import numpy as np
 
     from bozzetto.scene import Layer, Lines, Scene
-    from bozzetto.scene.picture import picture
-    from bozzetto_silhouette.field import convolution_field
-    from bozzetto_silhouette.frame import frame_of
-    from bozzetto_silhouette.outline import outline_from_rings
+    from bozzetto.scene.snapshot import picture
+    from bozzetto_silhouette.implicit.convolution_field import convolution_field
+    from bozzetto_silhouette.outline.normalized import frame_of
+    from bozzetto_silhouette.outline.outline import outline_from_rings
     from tests.comparison import weights_of, zero_lines
     from tests.plugins.silhouette.outlines import svg_rings
 
@@ -158,8 +158,8 @@ def window() -> None:
     """The window while a horse is drawn in it, when it stands, dark, and after a mistake."""
     import numpy as np
 
-    from bozzetto.exchange.importing import read_drawing
-    from bozzetto_app.theme import Theme
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto_app.style.theme import Theme
 
     shown = opened()
     session = shown.session
@@ -207,7 +207,7 @@ def creature(shown: Window) -> None:
     import numpy as np
 
     from bozzetto.scene import Handle
-    from bozzetto_app.theme import Theme
+    from bozzetto_app.style.theme import Theme
 
     session = shown.session
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import PIL.Image
 
-    from bozzetto_app.window import Window
+    from bozzetto_app.main_window import Window
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
@@ -109,11 +109,11 @@ def pen_stroke(
 
 def opened() -> Window:
     """The real window on light paper, at rest, with an empty sheet."""
-    from bozzetto.plugin.registry import Registry
-    from bozzetto_app.session import Session
-    from bozzetto_app.start import application
-    from bozzetto_app.theme import Theme
-    from bozzetto_app.window import Window
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto_app.main_window import Window
+    from bozzetto_app.session.session import Session
+    from bozzetto_app.startup import application
+    from bozzetto_app.style.theme import Theme
 
     application()
     window = Window(Session(Registry()), Path(tempfile.mkdtemp()))

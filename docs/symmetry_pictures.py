@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from bozzetto.scene import Scene
     from bozzetto.view import Camera
-    from bozzetto_app.window import Window
+    from bozzetto_app.main_window import Window
 
 INKS = GALLERY / "symmetry"
 FOV = 24.0
@@ -32,7 +32,7 @@ BEST = {"mouse": (54.0, 36.0), "vacuum-cleaner": (52.0, 22.0)}
 def gallery() -> None:
     """The drawn objects from three sides; one of them on dark paper."""
     from bozzetto.scene import DARK, LIGHT
-    from bozzetto.scene.picture import picture
+    from bozzetto.scene.snapshot import picture
 
     for path in sorted(INKS.glob("*.json")):
         lines, box = shown(path)
@@ -51,11 +51,11 @@ def gallery() -> None:
 def shown(path: Path) -> tuple[Scene, Scene]:
     """The curves of an ink file, none of them chosen; and its box, quiet."""
     from bozzetto.document import Document
-    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
-    from bozzetto.plugin.registry import Registry
     from bozzetto.scene import Layer, Scene
-    from bozzetto.workbench import Workbench
+    from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
     model = bench.from_drawing("bozzetto.symmetry", read_drawing(path), {})
@@ -92,7 +92,7 @@ def camera(scene: Scene, azimuth: float, elevation: float, *, size: tuple[int, i
 
     from bozzetto.view import Camera
     from bozzetto.view.navigation import fit_points
-    from bozzetto.view.standard import look_along
+    from bozzetto.view.standard_views import look_along
 
     a, e = np.radians((azimuth, elevation))
     way = -np.array((np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)))
@@ -109,7 +109,7 @@ def window() -> None:
     """A rail in two strokes, bows across, one curve drawn over; the box; the car."""
     import numpy as np
 
-    from bozzetto_app.theme import Theme
+    from bozzetto_app.style.theme import Theme
 
     window = opened()
     session = window.session

@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.plugin import Command, ViewAdvice
 from bozzetto.scene import Layer, Lines, Points, Scene
-from bozzetto.view.standard import look_along
+from bozzetto.view.standard_views import look_along
 
 MODELER = "adviser.marks"
 

@@ -19,13 +19,13 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.fidelity import measure
-from bozzetto_silhouette.field import ConvolutionField, convolution_field
-from bozzetto_silhouette.frame import Frame, SkeletonRule, frame_of
-from bozzetto_silhouette.outline import Outline, outline_from_rings
-from bozzetto_silhouette.solid import SilhouetteSolid, solidify
-from bozzetto_silhouette.state import Kernel
-from bozzetto_silhouette.swelling import ConvolutionSwelling
+from bozzetto_silhouette.analysis.fidelity import measure
+from bozzetto_silhouette.implicit.convolution_field import ConvolutionField, convolution_field
+from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling
+from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
+from bozzetto_silhouette.model.state import Kernel
+from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
+from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 from tests.fidelity import FOLDERS, cases, even_odd, hausdorff, table
 from tests.plugins.silhouette.outlines import svg_rings
 

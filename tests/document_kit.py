@@ -8,14 +8,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.document.codec import OpaqueState
+from bozzetto.arrays import frozen
 from bozzetto.document.model import Document, Model, NamedView, Underlay
-from bozzetto.document.waiting import Waiting, WaitingStroke
-from bozzetto.geometry.arrays import frozen
+from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.waiting_ink import Waiting, WaitingStroke
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke, Strokes
-from bozzetto.plugin.parameters import Parameter
+from bozzetto.parameters import Parameter
 from bozzetto.view.camera import Camera
 
 CAMERA = Camera()

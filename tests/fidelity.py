@@ -30,7 +30,7 @@ for name in ONE_THREAD:  # as the program itself has it; read when numpy is impo
 import numpy as np  # noqa: E402
 from numpy.typing import NDArray  # noqa: E402
 
-from bozzetto import cli  # noqa: E402
+from bozzetto.cli import main as cli  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = (
@@ -265,11 +265,11 @@ def measured(case: Case, folder: Path, surface: str = "convolution") -> Found | 
 
 def solve_ms(drawing: Path, quality: Any, surface: str) -> float:
     """Processor time from the outline to the solid, ms: others use this machine, too."""
-    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.exchange.import_file import read_drawing
     from bozzetto.ink import Stroke, Strokes
+    from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
-    from bozzetto.plugin.registry import Registry
-    from bozzetto.workbench import Workbench
+    from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
     ink = read_drawing(drawing)

@@ -11,9 +11,9 @@ from typing import Any
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QApplication
 
-from bozzetto.plugin.registry import Registry
-from bozzetto_app.session import Session
-from bozzetto_app.window import Window
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.main_window import Window
+from bozzetto_app.session.session import Session
 
 TICK = 16
 """Time between two values, ms: 60 in a second."""

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto import cli
+from bozzetto.cli import main as cli
 from tests import fidelity
 from tests.benchmarks import __main__ as benchmarks
 from tests.benchmarks import bench_export

@@ -36,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     for name in ONE_THREAD:  # read when numpy is first imported
         os.environ.setdefault(name, "1")
-    from bozzetto import cli
+    from bozzetto.cli import main as cli
 
     words = list(sys.argv[1:] if argv is None else argv)
     first = next((word for word in words if word not in cli.SWITCHES), None)
@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if options.viewport:
         os.environ["BOZZETTO_VIEWPORT"] = options.viewport
     try:
-        from bozzetto_app.start import start
+        from bozzetto_app.startup import start
     except ImportError as problem:
         print(f"error: Qt cannot be loaded ({problem}). {_mend()}", file=sys.stderr)
         return EXIT_ERROR

@@ -8,7 +8,7 @@ from typing import Final
 from PySide6.QtCore import QCoreApplication, Qt
 from PySide6.QtWidgets import QApplication
 
-from bozzetto_app.canvas.gl_setup import prepare
+from bozzetto_app.canvas.viewport.opengl_setup import prepare
 
 __all__ = ["Application"]
 

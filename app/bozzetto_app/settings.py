@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QSettings
 
-from bozzetto.plugin.switched_off import keep_switched_off, switched_off
+from bozzetto.plugin.host.switched_off import keep_switched_off, switched_off
 
 __all__ = ["ORGANISATION", "PROGRAM", "disabled_plugins", "keep_plugin_disabled", "settings"]
 

@@ -20,7 +20,7 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
 @hookimpl
 def bozzetto_faults(file: Path) -> Sequence[str] | None:
     """What is wrong with a car's template."""
-    from bozzetto_car.template_file import faults_in, is_template
+    from bozzetto_car.template.loader import faults_in, is_template
 
     return faults_in(file) if is_template(file) else None
 
@@ -30,7 +30,7 @@ def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
     """The guide: what to mark next, what is marked, and what is known of the car."""
     from PySide6.QtWidgets import QWidget
 
-    from bozzetto_car.panel import GuidePanel
+    from bozzetto_car.panel.guide_panel import GuidePanel
 
     assert isinstance(parent, QWidget)
     return GuidePanel(host, parent)

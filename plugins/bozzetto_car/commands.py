@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
-from bozzetto_car.marking import with_sides_exchanged
-from bozzetto_car.marking_commands import marking_commands
+from bozzetto_car.marking.commands import marking_commands
+from bozzetto_car.marking.edit_marks import with_sides_exchanged
 from bozzetto_car.state import CarState, Treatment
 
 __all__ = ["all_commands"]

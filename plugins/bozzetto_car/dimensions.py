@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto_car.template import Template
+from bozzetto_car.template.model import Template
 
 __all__ = ["NONE_BEYOND", "WORDS", "Dimensions", "Locks", "Overlap", "measured"]
 

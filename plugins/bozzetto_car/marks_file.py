@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.scene import Picture
-from bozzetto_car.body import body_of
+from bozzetto_car.body.build import body_of
+from bozzetto_car.camera.sketch_camera import flat_stand
 from bozzetto_car.report import SHORT
-from bozzetto_car.stand import flat_stand
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
-from bozzetto_car.styling import laid
-from bozzetto_car.template_file import TEMPLATES
+from bozzetto_car.styling.curve import laid
+from bozzetto_car.template.loader import TEMPLATES
 
 __all__ = ["car_from_facts", "is_car_file"]
 

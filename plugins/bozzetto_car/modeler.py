@@ -12,16 +12,16 @@ from bozzetto.ink import Drawing
 from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
-from bozzetto_car.body import Body, body_of, preview_of
+from bozzetto_car.body.build import Body, body_of, preview_of
 from bozzetto_car.commands import all_commands
-from bozzetto_car.handing_over import curves_of, shapes_of
-from bozzetto_car.looking import advice_on, view_after
+from bozzetto_car.export import curves_of, shapes_of
 from bozzetto_car.marks_file import car_from_facts, is_car_file
 from bozzetto_car.report import cautions_of, report_of
-from bozzetto_car.showing import scene_of
 from bozzetto_car.state import CarState, Group, Sketch, StylingCurve
-from bozzetto_car.styling_commands import styling_commands
+from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
+from bozzetto_car.view.scene import scene_of
+from bozzetto_car.view.view_advice import advice_on, view_after
 
 __all__ = ["Car"]
 

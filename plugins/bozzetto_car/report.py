@@ -11,11 +11,11 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Caution
 from bozzetto.view.calibration import Parts, direct_linear_transform
-from bozzetto_car.body import Body
-from bozzetto_car.certainty import certainty, further_views
-from bozzetto_car.pictured import camera_matrix
-from bozzetto_car.solving import Placed, counted_marks
-from bozzetto_car.stand import Stand
+from bozzetto_car.body.build import Body
+from bozzetto_car.camera.rational_projection import camera_matrix
+from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.solver.pipeline import Placed, counted_marks
+from bozzetto_car.solver.uncertainty import certainty, further_views
 
 __all__ = ["cautions_of", "report_of"]
 

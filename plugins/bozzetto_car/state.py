@@ -17,11 +17,11 @@ from bozzetto.geometry import frozen
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto.scene import Picture
-from bozzetto_car.deformation import TRACE
 from bozzetto_car.dimensions import LONGEST, Dimensions
-from bozzetto_car.template_file import Bundled
+from bozzetto_car.template.loader import Bundled
 
 __all__ = [
+    "TRACE",
     "BentEdge",
     "BodyEdit",
     "CarState",
@@ -42,6 +42,9 @@ Side = Literal["L", "R"]
 
 BLANK: Final = (1600.0, 1000.0)
 """Size of a sketch without a picture, px."""
+
+TRACE: Final = 0.6
+"""Balance of marks and template by default: a hand of 0.2 per cent, 2 px for a car of 1000."""
 
 BESIDE: Final = 1e-6
 """How far beside its patch rounding may put a place of a styling curve, in u and v."""

@@ -13,20 +13,20 @@ from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Caution, Context, Job, Tool
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.ghosts import deviation_layer, ink_layer
-from bozzetto_silhouette.handles import handles_layer
-from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.leaf import solid_of
-from bozzetto_silhouette.painting import Painted, painted, texture_of
-from bozzetto_silhouette.places import placement_of, shown_parts
-from bozzetto_silhouette.posing import Posed, joints_layer, rig_facts, rig_of, skinned
-from bozzetto_silhouette.report import cautions_of, report_of
-from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.solid import SilhouetteSolid
-from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
+from bozzetto_silhouette.analysis.report import cautions_of, report_of
+from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
+from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
+from bozzetto_silhouette.model.sketch_plane import sheet_under
+from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
+from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.evaluate import tree_body
+from bozzetto_silhouette.solids.part_solid import solid_of
+from bozzetto_silhouette.solids.placements import placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
-from bozzetto_silhouette.tree import tree_body
+from bozzetto_silhouette.view.handles import handles_layer
+from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
 
 __all__ = ["Silhouette", "SilhouetteResult"]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
-from bozzetto.geometry.flatten import flattened
+from bozzetto.geometry.curve_flattening import flattened
 
 __all__ = ["polylines"]
 

@@ -8,11 +8,11 @@ from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
-from bozzetto_symmetry.catching import with_ends_caught
-from bozzetto_symmetry.ends import with_nearest_joined
-from bozzetto_symmetry.meeting import with_ends_met
-from bozzetto_symmetry.state import AskedReading, Curve, SymmetryState
-from bozzetto_symmetry.trace import traced
+from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
+from bozzetto_symmetry.operations.curve_ends import with_nearest_joined
+from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
+from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
+from bozzetto_symmetry.solve.curve_solver import traced
 
 __all__ = ["all_commands"]
 

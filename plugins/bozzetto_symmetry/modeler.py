@@ -14,18 +14,18 @@ from bozzetto.ink import Drawing
 from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_symmetry.advice import advice
-from bozzetto_symmetry.canvas import is_one_view
 from bozzetto_symmetry.commands import all_commands
-from bozzetto_symmetry.drawing_facts import box_around, box_facts, readings_of
-from bozzetto_symmetry.handing_over import shapes_of
-from bozzetto_symmetry.landing import drawn_curves, waiting_view
+from bozzetto_symmetry.export import shapes_of
+from bozzetto_symmetry.ink.same_view import is_one_view
+from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
+from bozzetto_symmetry.model.state import Curve, Group, Line, SymmetryState
+from bozzetto_symmetry.operations.assign_stroke import drawn_curves, waiting_view
 from bozzetto_symmetry.report import cautions_of, report_of
-from bozzetto_symmetry.showing import scene_of
-from bozzetto_symmetry.state import Curve, Group, Line, SymmetryState
+from bozzetto_symmetry.solve.curve_solver import Trace, directions, traced
 from bozzetto_symmetry.tools import all_tools
-from bozzetto_symmetry.trace import Trace, directions, traced
-from bozzetto_symmetry.vanishing import seen_from
+from bozzetto_symmetry.view.scene import scene_of
+from bozzetto_symmetry.view.vanishing_lines import seen_from
+from bozzetto_symmetry.view.view_advice import advice
 
 __all__ = ["Symmetry", "SymmetryResult"]
 

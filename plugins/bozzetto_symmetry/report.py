@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from bozzetto.plugin import Caution
-from bozzetto_symmetry.state import Curve, SymmetryState
-from bozzetto_symmetry.trace import Trace
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.solve.curve_solver import Trace
 
 __all__ = ["cautions_of", "report_of"]
 

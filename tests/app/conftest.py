@@ -35,7 +35,7 @@ def fakes():
 
 @pytest.fixture
 def fake_session(fakes, qapp):
-    from bozzetto_app.icons import FOLDER
+    from bozzetto_app.style.icons import FOLDER
 
     return fakes.FakeSession(FOLDER)
 
@@ -130,8 +130,8 @@ def _tidy(qapp):
 @pytest.fixture
 def make_session(qtbot, settle, _tidy):
     """A function that makes sessions; `draw_with` is the modeler that is active at once."""
-    from bozzetto.plugin.registry import Registry
-    from bozzetto_app.session import Session
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto_app.session.session import Session
 
     made = []
 
@@ -155,9 +155,9 @@ def make_session(qtbot, settle, _tidy):
 @pytest.fixture
 def make_window(qtbot, tmp_path, settle, _tidy):
     """A function that opens windows, each with a session of its own."""
-    from bozzetto.plugin.registry import Registry
-    from bozzetto_app.session import Session
-    from bozzetto_app.window import Window
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto_app.main_window import Window
+    from bozzetto_app.session.session import Session
 
     made = []
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from PySide6.QtCore import QTimer
 
-from bozzetto.plugin.registry import Registry
-from bozzetto_app.session import Session
-from bozzetto_app.start import application
-from bozzetto_app.window import Window
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.main_window import Window
+from bozzetto_app.session.session import Session
+from bozzetto_app.startup import application
 from tests.app.tablet import Stylus, circle
 
 PACE = 150

@@ -10,9 +10,9 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
-from bozzetto.plugin.parameters import Parameter, parameter_fields, set_parameters
+from bozzetto.parameters import Parameter, parameter_fields, set_parameters
+from bozzetto.plugin.host.registry import ModelerInfo, PluginInfo
 from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.registry import ModelerInfo, PluginInfo
 from bozzetto.view.camera import Camera
 
 

@@ -19,10 +19,10 @@ from PySide6.QtWidgets import (
     QScrollBar,
 )
 
-from bozzetto.document.recovery import CrashedSession
+from bozzetto.document.recovery.recovery import CrashedSession
 from bozzetto.scene.palette import DARK, LIGHT
-from bozzetto_app.actions import Action, ActionRegistry
-from bozzetto_app.theme import apply_theme
+from bozzetto_app.actions.registry import Action, ActionRegistry
+from bozzetto_app.style.theme import apply_theme
 
 
 def make(name, session, window):
@@ -36,12 +36,12 @@ def make(name, session, window):
     from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
     from bozzetto_app.panels.history import HistoryPanel
     from bozzetto_app.panels.modeler_bar import ModelerBar
-    from bozzetto_app.panels.objects import ObjectsPanel
-    from bozzetto_app.panels.parameters import ParametersPanel
+    from bozzetto_app.panels.objects.panel import ObjectsPanel
+    from bozzetto_app.panels.properties.form import ParametersPanel
     from bozzetto_app.panels.status_line import StatusLine
-    from bozzetto_app.panels.swatch import Swatch
     from bozzetto_app.panels.tool_rail import ToolRail
     from bozzetto_app.panels.welcome_strip import WelcomeStrip
+    from bozzetto_app.widgets.swatch import Swatch
 
     registry = ActionRegistry(window)
     registry.register(Action("file.save", "Save", print, "save", ("Ctrl+S",), ("File",)))
@@ -99,7 +99,7 @@ def test_every_control_has_a_name(qtbot, window, fake_session, name):
 def test_every_button_without_words_has_a_tip(qtbot, window, fake_session, name):
     from PySide6.QtWidgets import QPushButton
 
-    from bozzetto_app.panels.section import _Heading
+    from bozzetto_app.widgets.section import _Heading
 
     widget = make(name, fake_session, window)
     qtbot.addWidget(widget)

@@ -7,7 +7,7 @@ import pytest
 
 from bozzetto.scene.display_list import Handle, Lines
 from bozzetto.view import Camera
-from bozzetto_car.body import body_of
+from bozzetto_car.body.build import body_of
 from tests.app.tablet import Stylus
 from tests.app.test_car_window import GALLERY, drop, shown, state
 

@@ -87,7 +87,7 @@ def mark(window, node, pixel, settle):
 
 
 def guide(window):
-    from bozzetto_car.panel import GuidePanel
+    from bozzetto_car.panel.guide_panel import GuidePanel
 
     return window.findChild(GuidePanel)
 

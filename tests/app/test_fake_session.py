@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 
-from bozzetto_app.session import Notice, Session, ToolInfo
+from bozzetto_app.session.session import Notice, Session, ToolInfo
 
 
 def test_what_panels_may_call_is_there(fakes):

@@ -45,7 +45,7 @@ def _impatient(monkeypatch):
         ("files", "READ_LIMIT"),
     ):
         monkeypatch.setattr(f"bozzetto_app.{module}.{name}", LIMIT)
-    monkeypatch.setattr("bozzetto_app.jobs.GRACE", LIMIT)
+    monkeypatch.setattr("bozzetto_app.workers.channel.GRACE", LIMIT)
 
 
 let_go = threading.Event()
@@ -346,7 +346,7 @@ def test_a_mesh_that_its_reader_refuses_is_a_fault_of_that_plugin(
 def test_a_panel_that_misbehaves_does_not_take_the_window_along(
     misdeed, make_window, boxes, settle, monkeypatch
 ):
-    monkeypatch.setattr("bozzetto_app.patience.PATIENCE", LIMIT)
+    monkeypatch.setattr("bozzetto_app.workers.time_limit.PATIENCE", LIMIT)
     boxes.misdeeds["panel"] = MISDEEDS.get(misdeed, lambda *_: 42)
     window = make_window(MODELER, extra=[boxes.package])
     session = window.session

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
-from bozzetto.document.lock import FileLock, document_lock_path
+from bozzetto.document.recovery.file_lock import FileLock, document_lock_path
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
 

@@ -27,14 +27,14 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
-from bozzetto.document.recovery import RecoveryStore
-from bozzetto.document.waiting import WaitingStroke, strokes_of
+from bozzetto.document.recovery.recovery import RecoveryStore
+from bozzetto.document.waiting_ink import WaitingStroke, strokes_of
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Strokes
 from bozzetto.plugin.job import Job
-from bozzetto_app import keeping
-from bozzetto_app.claims import Claim
-from bozzetto_app.keeping import Keeper
+from bozzetto_app.session import autosave as keeping
+from bozzetto_app.session.autosave import Keeper
+from bozzetto_app.session.document_locks import Claim
 from tests.disk_faults import watch
 from tests.document_kit import FakeRegistry, Ink, stroke
 

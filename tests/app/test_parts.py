@@ -9,9 +9,9 @@ import pytest
 
 from bozzetto.document import edit
 from bozzetto.geometry import Mesh
-from bozzetto.plugin.testing import Pen
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
-from bozzetto_app.toolbox import ToolInfo
+from bozzetto.testing import Pen
+from bozzetto_app.session.toolbox import ToolInfo
 
 
 def circle(session, x, radius=60):

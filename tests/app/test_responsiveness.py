@@ -19,7 +19,7 @@ import pytest
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from bozzetto_app.tidying import Tidier
+from bozzetto_app.workers.gc_on_main_thread import Tidier
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.troublemaker import MODELER, box
 from tests.app.yardstick import Yardstick

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bozzetto.plugin.switched_off import switched_off
+from bozzetto.plugin.host.switched_off import switched_off
 from bozzetto_app.settings import DISABLED_PLUGINS, disabled_plugins, settings
 from tests.app.tablet import circle, stroke_of
 

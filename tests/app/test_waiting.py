@@ -10,11 +10,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from bozzetto.document.model import Document
-from bozzetto.document.waiting import WaitingStroke
+from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.errors import UserError
-from bozzetto.exchange.importing import read_mesh
+from bozzetto.exchange.import_file import read_mesh
 from bozzetto.view.camera import Camera
-from bozzetto_app.ink_choice import ink_to_try
+from bozzetto_app.session.ink_choice import ink_to_try
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
 
@@ -231,7 +231,7 @@ def test_ink_that_a_plugin_failed_over_waits_and_is_not_tried_again_unasked(
 def test_ink_whose_plugin_hangs_waits_and_later_strokes_come_through(
     make_session, pair, settle, monkeypatch, qtbot
 ):
-    monkeypatch.setattr("bozzetto_app.inking.APPLY_LIMIT", 0.3)
+    monkeypatch.setattr("bozzetto_app.session.gestures.APPLY_LIMIT", 0.3)
     session = make_session(FIRST, extra=pair[0].packages)
     pair[0].mood = "hang"
     first, second = (stroke_of(circle(radius=r), session.camera) for r in (50, 60))

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtGui import QImage
 
 from bozzetto.scene.display_list import Image
-from bozzetto_app.thumbnails import thumbnail_of
+from bozzetto_app.dialogs.thumbnails import thumbnail_of
 
 pytestmark = pytest.mark.slow
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QApplication
 
-from bozzetto.document.recovery import RecoveryStore
-from bozzetto.plugin.registry import Registry
-from bozzetto.storage import Over
-from bozzetto_app.keeping import Keeper
-from bozzetto_app.session import Session
+from bozzetto.atomic_files import Over
+from bozzetto.document.recovery.recovery import RecoveryStore
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.session.autosave import Keeper
+from bozzetto_app.session.session import Session
 from tests.app.tablet import circle, stroke_of
 from tests.app.two_boxes import MODELERS, TOOLS, two_boxes
 

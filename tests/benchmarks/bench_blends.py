@@ -12,13 +12,13 @@ import numpy as np
 
 from bozzetto.geometry import Placement
 from bozzetto.ink import Strokes
-from bozzetto.plugin.testing import Pen
-from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.combine import combined
-from bozzetto_silhouette.composite import Composite
-from bozzetto_silhouette.draft import draft_surface
-from bozzetto_silhouette.state import Part, SilhouetteState
-from bozzetto_silhouette.tree import tree_body
+from bozzetto.testing import Pen
+from bozzetto_silhouette.implicit.composite import Composite
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.boolean import combined
+from bozzetto_silhouette.solids.coarse_draft import draft_surface
+from bozzetto_silhouette.solids.evaluate import tree_body
 from tests.benchmarks.timing import Row, processor_ms
 from tests.plugins.silhouette import bodies as b
 

@@ -25,8 +25,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 from bozzetto.scene import LIGHT, Image, Layer, Lines, Scene
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.canvas import Canvas
-from bozzetto_app.canvas.ink_overlay import InkOverlay
-from bozzetto_app.canvas.loupe import Loupe
+from bozzetto_app.canvas.overlay.loupe import Loupe
+from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 from tests.benchmarks.timing import Row, in_turn
 
 EVENTS = 5000

@@ -8,34 +8,34 @@ from itertools import count
 
 import numpy as np
 
-from bozzetto.exchange.step import write_shapes
-from bozzetto.geometry.coons import coons_nets
-from bozzetto.geometry.patch import bernstein, extent, grid, grid_normals
-from bozzetto.geometry.shrink_wrap import shrink_wrap
+from bozzetto.exchange.cad.step import write_shapes
+from bozzetto.geometry.patches.coons import coons_nets
+from bozzetto.geometry.patches.patch import bernstein, extent, grid, grid_normals
+from bozzetto.geometry.wrap.shrink_wrap import shrink_wrap
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag
-from bozzetto_car.body import body_of
-from bozzetto_car.certainty import certainty, further_views
-from bozzetto_car.deformation import Cost, Prior
+from bozzetto_car.body.build import body_of
+from bozzetto_car.body.dimension_map import Reshaping, reshaped
+from bozzetto_car.body.trace_edges import traced
+from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.dimensions import Dimensions
-from bozzetto_car.edges import Network, edge_called
-from bozzetto_car.finishes import curvature_colors
-from bozzetto_car.handing_over import shapes_of
-from bozzetto_car.joint import Joint, solve
-from bozzetto_car.marked_view import MarkedView
-from bozzetto_car.quadratic import constrained_minimum
-from bozzetto_car.reshaping import Reshaping, reshaped
-from bozzetto_car.showing import scene_of
-from bozzetto_car.showing_marks import MARK
-from bozzetto_car.solving import solved
-from bozzetto_car.soundness import Soundness
+from bozzetto_car.export import shapes_of
+from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.solver.prior import Cost, Prior
+from bozzetto_car.solver.quadratic_program import constrained_minimum
+from bozzetto_car.solver.uncertainty import certainty, further_views
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.styling import laid
-from bozzetto_car.styling_growing import Growing
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import bundled
-from bozzetto_car.tools.mark import MarkPoints
-from bozzetto_car.tracing import traced
+from bozzetto_car.styling.curve import laid
+from bozzetto_car.styling.live_preview import Growing
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import Network, edge_called
+from bozzetto_car.template.shape_constraints import Soundness
+from bozzetto_car.tools.mark_points import MarkPoints
+from bozzetto_car.view.mark_items import MARK
+from bozzetto_car.view.scene import scene_of
+from bozzetto_car.view.surface_colors import curvature_colors
 from tests.benchmarks.timing import Row, in_turn, processor_ms
 from tests.plugins.car.sketched import (
     FRONT,

@@ -21,10 +21,10 @@ import msgspec
 import numpy as np
 
 from bozzetto.document.edit import change_state
-from bozzetto.document.file import read_document, write_document
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
-from bozzetto.document.recovery import RecoveryStore
+from bozzetto.document.recovery.recovery import RecoveryStore
+from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
 from bozzetto.view.camera import Camera

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from bozzetto.ink.fit import fit_spline
-from bozzetto.ink.settle import settle
+from bozzetto.ink.curves.fit import fit_spline
+from bozzetto.ink.merge import settle
 from tests.benchmarks.timing import Row, in_turn, median_ms
 
 

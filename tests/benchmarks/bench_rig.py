@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Job
 from bozzetto.view import Camera
 from bozzetto_silhouette.modeler import Silhouette
-from bozzetto_silhouette.posing import posed_scene, rig_of
-from bozzetto_silhouette.rig import armature_of
-from bozzetto_silhouette.skinning import followed
+from bozzetto_silhouette.rigging.armature import armature_of
+from bozzetto_silhouette.rigging.posing import posed_scene, rig_of
+from bozzetto_silhouette.rigging.skinning import followed
 from tests.benchmarks.bench_silhouette import SAMPLES
 from tests.benchmarks.timing import Row, median_ms
 

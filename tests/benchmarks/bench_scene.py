@@ -16,16 +16,16 @@ import numpy as np
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Layer, Lines, Picture, Scene, Shaded
-from bozzetto.scene.bounding_tree import tree_of
+from bozzetto.scene.bvh import tree_of
 from bozzetto.scene.picking import cast_rays
-from bozzetto.scene.software import render
+from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
-from bozzetto.view.standard import standard_view
-from bozzetto_car.body import body_of
-from bozzetto_car.showing import scene_of as car_scene
-from bozzetto_car.stand import Stand
+from bozzetto.view.standard_views import standard_view
+from bozzetto_car.body.build import body_of
+from bozzetto_car.camera.sketch_camera import Stand
 from bozzetto_car.state import CarState
+from bozzetto_car.view.scene import scene_of as car_scene
 from tests.benchmarks.timing import Row, processor_ms
 
 SIZE = (1000, 700)

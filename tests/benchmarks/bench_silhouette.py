@@ -19,21 +19,21 @@ from numpy.typing import NDArray
 
 import bozzetto_silhouette
 from bozzetto.document.model import Model
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.ink import Drawing, Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Ink
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.registry import Registry
 from bozzetto.scene import LIGHT
 from bozzetto.scene.display_list import Scene
-from bozzetto.scene.software import render
+from bozzetto.scene.renderer import render
 from bozzetto.view.navigation import fit
-from bozzetto.workbench import Workbench
-from bozzetto_silhouette.field import ConvolutionField, convolution_field
-from bozzetto_silhouette.frame import frame_of
-from bozzetto_silhouette.skeleton import Skeleton
-from bozzetto_silhouette.solid import SilhouetteSolid
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_silhouette.implicit.convolution_field import ConvolutionField, convolution_field
+from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
+from bozzetto_silhouette.outline.medial_axis import Skeleton
+from bozzetto_silhouette.outline.normalized import frame_of
 from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
 
 MODELER = "bozzetto.silhouette"

@@ -9,12 +9,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from bozzetto.geometry.flatten import flattened
-from bozzetto.ink.lift import lifted
-from bozzetto.ink.nearest import nearest_curve
-from bozzetto.ink.snake import modified
+from bozzetto.geometry.curve_flattening import flattened
+from bozzetto.ink.curves.nearest import nearest_curve
+from bozzetto.ink.oversketch.lift import lifted
+from bozzetto.ink.oversketch.snake import modified
 from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.laying import laid
+from bozzetto.scene.ink_projection import laid
 from bozzetto.view.camera import Camera
 from tests.benchmarks.bench_scene import scene_of, view_of
 from tests.benchmarks.timing import Row, processor_ms

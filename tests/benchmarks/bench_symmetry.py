@@ -8,21 +8,21 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.resample import resample
+from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
-from bozzetto_symmetry.advice import advice
-from bozzetto_symmetry.bundle import Sight, bundled
-from bozzetto_symmetry.live import Growing
-from bozzetto_symmetry.modification import drawn_over
-from bozzetto_symmetry.pairing import foldings, pairings
-from bozzetto_symmetry.plane import CentrePlane
-from bozzetto_symmetry.reading import read
-from bozzetto_symmetry.sides import sides_of
-from bozzetto_symmetry.state import Curve, SymmetryState
-from bozzetto_symmetry.stereo import MIRROR, Stereo
-from bozzetto_symmetry.trace import traced
-from bozzetto_symmetry.uncertainty import pair_covariances, sigmas
-from bozzetto_symmetry.warping import first_row, next_row, warpings
+from bozzetto_symmetry.editing.oversketch import drawn_over
+from bozzetto_symmetry.fitting.bundle_adjustment import Sight, bundled
+from bozzetto_symmetry.ink.sides import sides_of
+from bozzetto_symmetry.interpretation.reader import read
+from bozzetto_symmetry.interpretation.side_pairing import foldings, pairings
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
+from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row, warpings
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
+from bozzetto_symmetry.view.live_preview import Growing
+from bozzetto_symmetry.view.view_advice import advice
 from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
 from tests.plugins.symmetry.scenes import ACROSS, LOOPS, PAIRS, RINGS, S, camera, drawn
 

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import bozzetto_silhouette
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.plugin.context import Context
-from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.charts import laid_out
+from bozzetto_silhouette.appearance.picture_projection import axes_of, texel_of
+from bozzetto_silhouette.appearance.surface_look import painted, texture_of
+from bozzetto_silhouette.appearance.uv_charts import laid_out
+from bozzetto_silhouette.model.state import Picture, SilhouetteState
 from bozzetto_silhouette.modeler import Silhouette
-from bozzetto_silhouette.painting import painted, texture_of
-from bozzetto_silhouette.projection import axes_of, texel_of
-from bozzetto_silhouette.state import Picture, SilhouetteState
-from bozzetto_silhouette.tree import tree_body
+from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.evaluate import tree_body
 from tests.benchmarks.timing import Row, median_ms, processor_ms
 
 DRAWING = Path(bozzetto_silhouette.__file__).parent / "samples" / "fish.json"

@@ -13,11 +13,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.constraints import Fit, fitted
-from bozzetto_silhouette.frame import frame_of
-from bozzetto_silhouette.outline import Outline
-from bozzetto_silhouette.solid import solidify
-from bozzetto_silhouette.variational_swelling import VariationalSwelling
+from bozzetto_silhouette.implicit.interpolation_constraints import Fit, fitted
+from bozzetto_silhouette.inflation.solidify import solidify
+from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.outline.normalized import frame_of
+from bozzetto_silhouette.outline.outline import Outline
 from tests.benchmarks.timing import Row, median_ms, processor_ms
 from tests.plugins.silhouette import outlines as o
 

@@ -12,7 +12,7 @@ import pytest
 import bozzetto
 from bozzetto.errors import UserError, message_of, words_of
 from bozzetto.exchange.formats import readers
-from bozzetto.exchange.importing import read_drawing, read_image, read_mesh
+from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh
 
 CORE = Path(bozzetto.__file__).parent
 PLUGINS = Path(__file__).parents[2] / "plugins"

@@ -12,9 +12,9 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.plugin import Ink
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import Pen, Shell
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Lines
+from bozzetto.testing import Pen, Shell
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bozzetto_ribbon"
 

@@ -41,9 +41,9 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
-from bozzetto_app.canvas.gestures import Mode
-from bozzetto_app.start import application, start
-from bozzetto_app.window import Window
+from bozzetto_app.canvas.input.state_machine import Mode
+from bozzetto_app.main_window import Window
+from bozzetto_app.startup import application, start
 
 NO_BUTTON, LEFT = Qt.MouseButton.NoButton, Qt.MouseButton.LeftButton
 NO_KEY = Qt.KeyboardModifier.NoModifier

@@ -44,7 +44,7 @@ class Player:
         from PySide6.QtTest import QTest
         from PySide6.QtWidgets import QColorDialog, QFileDialog
 
-        from bozzetto.plugin.registry import Registry
+        from bozzetto.plugin.host.registry import Registry
         from tests.reliability.monkey_files import write_files
 
         self.seed = seed

@@ -35,7 +35,7 @@ from PySide6.QtWidgets import (
 )
 from shiboken6 import isValid
 
-from bozzetto_app.window import Window
+from bozzetto_app.main_window import Window
 
 __all__ = ["ACTIONS", "Monkey", "Path", "named_actions"]
 

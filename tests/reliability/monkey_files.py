@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6.QtGui import QImage, QPainter
 
-from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.host.registry import Registry
 
 __all__ = ["write_files"]
 

@@ -20,8 +20,8 @@ import zlib
 from collections import Counter
 from typing import Any
 
-from bozzetto.document.file import decode_document, encode_document
 from bozzetto.document.model import Document, Model
+from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import Strokes
 from tests.document_kit import FakeRegistry, Ink, rich_document, stroke

@@ -18,16 +18,18 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto.document.file import decode_document
-from bozzetto.document.journal import JournalWriter, read_records
-from bozzetto.exchange import glb, ink_json, inkml, obj, ply, stl, svg
-from bozzetto.exchange.damage import told_as_format_error
+from bozzetto.damaged_files import told_as_format_error
+from bozzetto.document.recovery.journal import JournalWriter, read_records
+from bozzetto.document.storage.bozz_file import decode_document
 from bozzetto.exchange.formats import find, function, readers
+from bozzetto.exchange.ink import ink_json, inkml
+from bozzetto.exchange.mesh import glb, obj, ply, stl
+from bozzetto.exchange.svg import reader as svg
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Drawing, Stroke, Strokes
-from bozzetto.plugin.manifest import read_manifest
+from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.view import Camera
-from bozzetto_car.template_file import read_template
+from bozzetto_car.template.loader import read_template
 from tests.document_kit import FakeRegistry
 from tests.reliability.mutated_documents import cases as document_cases
 from tests.reliability.mutated_documents import mutated as bytes_changed

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto.document.file import decode_document, encode_document
 from bozzetto.document.model import Document
+from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import UserError
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.geometry import Curve, Mesh, Shapes, Surface
-from bozzetto.plugin.guard import PluginFault
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.registry import Registry
-from bozzetto.workbench import Workbench
+from bozzetto.workbench.workbench import Workbench
 from tests.reliability.mutated_documents import entries, other_value, packed
 
 SMALLEST_FIRST = 3

@@ -45,8 +45,8 @@ class Stage:
     def __init__(self, folder: Path, log: Path) -> None:
         from PySide6.QtCore import QTimer
 
-        from bozzetto_app.start import application
-        from bozzetto_app.tidying import Tidier
+        from bozzetto_app.startup import application
+        from bozzetto_app.workers.gc_on_main_thread import Tidier
         from tests.reliability.window_watch import Watch
 
         self.folder = folder
@@ -65,9 +65,9 @@ class Stage:
 
     def open_window(self) -> None:
         """Close the window for good, if there is one, and open another."""
-        from bozzetto.plugin.registry import Registry
-        from bozzetto_app.session import Session
-        from bozzetto_app.window import Window
+        from bozzetto.plugin.host.registry import Registry
+        from bozzetto_app.main_window import Window
+        from bozzetto_app.session.session import Session
 
         old, self.window = self.window, Window(Session(Registry()), self.recovery)
         if old is not None:

@@ -26,9 +26,10 @@ from pathlib import Path
 from typing import Any
 
 from bozzetto.errors import UserError
-from bozzetto.exchange import importing, reading_process
+from bozzetto.exchange import import_file as importing
 from bozzetto.exchange.formats import find, readers
-from bozzetto.plugin.guard import PluginFault
+from bozzetto.exchange.read_process import parent as reading_process
+from bozzetto.plugin.guard.guard import PluginFault
 from tests.hostile_files import FAMILIES, Family, families
 from tests.reliability.figures import Row
 from tests.reliability.mutated_files import cases, read, seeds

@@ -17,13 +17,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from bozzetto.document.edit import change_state
-from bozzetto.document.file import read_document, write_document
 from bozzetto.document.model import Document, Model
-from bozzetto.document.recovery import RecoveryStore
+from bozzetto.document.recovery.recovery import RecoveryStore
+from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke, Strokes
-from bozzetto.leftovers import remove_leftovers
-from bozzetto_app.drawing_record import BroughtBack, DrawingRecord, Snapshot
+from bozzetto.temporary_files import remove_leftovers
+from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot
 from tests.document_kit import FakeRegistry, Ink, stroke
 from tests.reliability.figures import Row
 

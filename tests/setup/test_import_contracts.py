@@ -82,10 +82,27 @@ def test_every_package_stands_in_every_list() -> None:
     ]
     linter = PROJECT["tool"]["importlinter"]
     assert sorted(linter["root_packages"]) == sorted(names)
-    core, shell, public, independent = linter["contracts"]
+    core, shell, public, independent, *layers = linter["contracts"]
     assert set(core["forbidden_modules"]) >= set(names) - {"bozzetto"}
     for named in (shell["forbidden_modules"], public["source_modules"], independent["modules"]):
         assert sorted(named) == PLUGINS
+    assert {each["type"] for each in layers} == {"layers"}
+
+
+@pytest.mark.parametrize(
+    "contract",
+    [each for each in PROJECT["tool"]["importlinter"]["contracts"] if each["type"] == "layers"],
+    ids=lambda each: each["containers"][0],
+)
+def test_every_room_has_its_layer(contract) -> None:
+    """import-linter does not look at rooms that a contract leaves out."""
+    (name,) = contract["containers"]
+    (package,) = (each for each in PACKAGES if each.name == name)
+    rooms = {path.stem for path in package.glob("*.py")} | {
+        path.parent.name for path in package.glob("*/__init__.py")
+    }
+    named = {room for layer in contract["layers"] for room in layer.split(" | ")}
+    assert named == rooms - {"__init__", "__main__"}
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)

@@ -85,7 +85,7 @@ def test_the_entry_point_imports_next_to_nothing(tmp_path: Path) -> None:
 
 
 def test_the_core_imports_no_slow_library(tmp_path: Path) -> None:
-    packages = loaded(tmp_path, "import bozzetto, bozzetto.plugin, bozzetto.cli")
+    packages = loaded(tmp_path, "import bozzetto, bozzetto.plugin, bozzetto.cli.main")
     assert "bozzetto" in packages
     assert not packages & (SLOW | QT)
 

@@ -13,7 +13,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import interpolate, turn
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["ViewMotion"]
 

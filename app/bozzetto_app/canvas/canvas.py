@@ -33,29 +33,29 @@ from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import with_kind
-from bozzetto.view.standard import look_along, standard_view
+from bozzetto.view.standard_views import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
-from bozzetto_app.canvas.drop import carries_something, take
 from bozzetto_app.canvas.framing import framed, points_to_frame, same_view
-from bozzetto_app.canvas.gestures import Mode
-from bozzetto_app.canvas.hand import Hand
-from bozzetto_app.canvas.ink_overlay import InkOverlay
-from bozzetto_app.canvas.loupe import Loupe
-from bozzetto_app.canvas.marked_line import MarkedLine
-from bozzetto_app.canvas.pen import ProximityWatch
+from bozzetto_app.canvas.input.controller import Hand
+from bozzetto_app.canvas.input.drag_and_drop import carries_something, take
+from bozzetto_app.canvas.input.state_machine import Mode
+from bozzetto_app.canvas.input.stroke_samples import PressureCurve
+from bozzetto_app.canvas.input.tablet_events import ProximityWatch
+from bozzetto_app.canvas.overlay.advice_light import ViewLight
+from bozzetto_app.canvas.overlay.empty_hint import SheetHint
+from bozzetto_app.canvas.overlay.loupe import Loupe
+from bozzetto_app.canvas.overlay.view_cube import ViewCube
+from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
+from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
-from bozzetto_app.canvas.samples import PressureCurve
-from bozzetto_app.canvas.sheet_hint import SheetHint
-from bozzetto_app.canvas.view_cube import ViewCube
-from bozzetto_app.canvas.view_light import ViewLight
-from bozzetto_app.canvas.viewports import Viewports
-from bozzetto_app.jobs import Channel, Request
+from bozzetto_app.canvas.viewport.switching import Viewports
+from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
-from bozzetto_app.words import tr
+from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke
-    from bozzetto_app.session import Notice, Session
+    from bozzetto_app.session.session import Notice, Session
 
 __all__ = ["Canvas"]
 

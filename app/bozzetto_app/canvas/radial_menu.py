@@ -24,11 +24,11 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.palette import LIGHT, Color, Palette
-from bozzetto_app.canvas.gestures import FLICK_TRAVEL
+from bozzetto_app.canvas.input.state_machine import FLICK_TRAVEL
 from bozzetto_app.canvas.screen_limits import whole_point
-from bozzetto_app.theme import qcolor, small_font
-from bozzetto_app.tones import tones_of
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.colors import tones_of
+from bozzetto_app.style.theme import qcolor, small_font
 
 __all__ = ["MOST_ENTRIES", "MenuEntry", "RadialMenu"]
 

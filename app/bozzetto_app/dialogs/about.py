@@ -11,10 +11,10 @@ from PySide6.QtGui import QGuiApplication, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 import bozzetto
-from bozzetto_app.dialogs.page import Page, quiet
-from bozzetto_app.icons import paint_icon
-from bozzetto_app.theme import tones
-from bozzetto_app.words import tr
+from bozzetto_app.dialogs.dialog import Page, quiet
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.icons import paint_icon
+from bozzetto_app.style.theme import tones
 
 __all__ = ["AboutDialog", "versions"]
 

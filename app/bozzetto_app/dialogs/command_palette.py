@@ -31,17 +31,17 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.actions import ActionRegistry
-from bozzetto_app.dialogs.entries import Entry, Found, entries_of, search
-from bozzetto_app.icons import GRID, paint_icon
-from bozzetto_app.panels.icon_button import RADIUS
-from bozzetto_app.panels.section import hairline
+from bozzetto_app.actions.registry import ActionRegistry
+from bozzetto_app.dialogs.palette_entries import Entry, Found, entries_of, search
+from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
-from bozzetto_app.theme import qcolor, small_font, strong_font, tones
-from bozzetto_app.words import tr
+from bozzetto_app.style.icons import GRID, paint_icon
+from bozzetto_app.style.theme import qcolor, small_font, strong_font, tones
+from bozzetto_app.widgets.icon_button import RADIUS
+from bozzetto_app.widgets.section import hairline
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["CommandPalette", "paint_key"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from PySide6.QtGui import QFontDatabase, QGuiApplication
 from PySide6.QtWidgets import QPlainTextEdit, QWidget
 
-from bozzetto_app.dialogs.page import Page, label
-from bozzetto_app.words import tr
+from bozzetto_app.dialogs.dialog import Page, label
+from bozzetto_app.i18n import tr
 
 __all__ = ["FaultDetails"]
 

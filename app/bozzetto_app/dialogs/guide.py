@@ -28,8 +28,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.dialogs.page import Page
-from bozzetto_app.guide_pages import (
+from bozzetto_app.dialogs.dialog import Page
+from bozzetto_app.dialogs.guide_pages import (
     FIRST_PAGE,
     Heading,
     guide_folder,
@@ -37,7 +37,7 @@ from bozzetto_app.guide_pages import (
     shares_of,
     shown_text,
 )
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
 
 __all__ = ["GuideDialog", "GuideText"]
 

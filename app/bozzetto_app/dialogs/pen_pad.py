@@ -19,9 +19,9 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QWidget
 
-from bozzetto_app.canvas.samples import PressureCurve
-from bozzetto_app.theme import qcolor, tones
-from bozzetto_app.words import tr
+from bozzetto_app.canvas.input.stroke_samples import PressureCurve
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.theme import qcolor, tones
 
 __all__ = ["PenPad", "PressureGraph", "Reading", "rate_of"]
 

@@ -6,14 +6,14 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from bozzetto_app.canvas.samples import PressureCurve
-from bozzetto_app.dialogs.page import Page, quiet
+from bozzetto_app.canvas.input.stroke_samples import PressureCurve
+from bozzetto_app.dialogs.dialog import Page, quiet
 from bozzetto_app.dialogs.pen_pad import PenPad, PressureGraph, Reading
 from bozzetto_app.dialogs.pressure_editor import PressureEditor
-from bozzetto_app.panels.number_field import NumberField
+from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
-from bozzetto_app.theme import qcolor, tones
-from bozzetto_app.words import tr
+from bozzetto_app.style.theme import qcolor, tones
+from bozzetto_app.widgets.number_field import NumberField
 
 __all__ = ["PRESSURE_CURVE", "PenTester"]
 

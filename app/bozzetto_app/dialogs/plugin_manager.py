@@ -16,17 +16,17 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.errors import UserError
-from bozzetto.plugin.registry import PluginInfo
+from bozzetto.plugin.host.registry import PluginInfo
+from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.dialogs.fault_details import FaultDetails
-from bozzetto_app.dialogs.page import Page, label, quiet
-from bozzetto_app.icons import paint_icon
-from bozzetto_app.panels.toggle import Toggle
+from bozzetto_app.i18n import tr
 from bozzetto_app.settings import keep_plugin_disabled
-from bozzetto_app.theme import tones
-from bozzetto_app.words import tr
+from bozzetto_app.style.icons import paint_icon
+from bozzetto_app.style.theme import tones
+from bozzetto_app.widgets.toggle import Toggle
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["PluginManager"]
 

@@ -7,13 +7,13 @@ from typing import Any
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-from bozzetto_app.dialogs.page import Page, quiet
-from bozzetto_app.panels.choice import Segments
-from bozzetto_app.panels.number_field import NumberField
-from bozzetto_app.panels.toggle import Toggle
+from bozzetto_app.dialogs.dialog import Page, quiet
+from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
-from bozzetto_app.theme import Theme
-from bozzetto_app.words import tr
+from bozzetto_app.style.theme import Theme
+from bozzetto_app.widgets.choice import Segments
+from bozzetto_app.widgets.number_field import NumberField
+from bozzetto_app.widgets.toggle import Toggle
 
 __all__ = [
     "BACKEND",

@@ -8,10 +8,10 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPainterPath, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
-from bozzetto_app.canvas.samples import PressureCurve
-from bozzetto_app.panels.icon_button import paint_focus
-from bozzetto_app.theme import qcolor, tones
-from bozzetto_app.words import tr
+from bozzetto_app.canvas.input.stroke_samples import PressureCurve
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.theme import qcolor, tones
+from bozzetto_app.widgets.icon_button import paint_focus
 
 __all__ = ["PressureEditor"]
 

@@ -16,9 +16,9 @@ from PySide6.QtWidgets import (
 )
 from shiboken6 import isValid
 
-from bozzetto.document.recovery import CrashedSession
-from bozzetto_app.dialogs.page import Page, label, quiet
-from bozzetto_app.words import tr
+from bozzetto.document.recovery.recovery import CrashedSession
+from bozzetto_app.dialogs.dialog import Page, label, quiet
+from bozzetto_app.i18n import tr
 
 __all__ = ["RecoveryDialog"]
 

@@ -16,12 +16,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.actions import ActionRegistry, key_text
+from bozzetto_app.actions.registry import ActionRegistry, key_text
 from bozzetto_app.dialogs.command_palette import paint_key
-from bozzetto_app.dialogs.fuzzy import fold
-from bozzetto_app.dialogs.page import Page
-from bozzetto_app.theme import qcolor, small_font, strong_font, tones
-from bozzetto_app.words import tr
+from bozzetto_app.dialogs.dialog import Page
+from bozzetto_app.dialogs.fuzzy_match import fold
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.theme import qcolor, small_font, strong_font, tones
 
 __all__ = ["ShortcutsDialog", "gestures"]
 

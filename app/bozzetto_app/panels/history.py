@@ -17,12 +17,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.panels.icon_button import RADIUS
-from bozzetto_app.theme import qcolor, strong_font, tones
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.theme import qcolor, strong_font, tones
+from bozzetto_app.widgets.icon_button import RADIUS
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["HistoryPanel"]
 

@@ -9,13 +9,13 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QAbstractButton, QHBoxLayout, QSizePolicy, QWidget
 
-from bozzetto_app.icons import GRID, paint_icon
-from bozzetto_app.panels.icon_button import RADIUS, paint_focus
-from bozzetto_app.theme import qcolor, strong_font, tones
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.icons import GRID, paint_icon
+from bozzetto_app.style.theme import qcolor, strong_font, tones
+from bozzetto_app.widgets.icon_button import RADIUS, paint_focus
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["ModelerBar"]
 

@@ -11,13 +11,13 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from bozzetto.errors import UserError
-from bozzetto.plugin.guard import PluginFault
-from bozzetto_app.patience import in_time
-from bozzetto_app.words import tr
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto_app.i18n import tr
+from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["PluginPanel"]
 

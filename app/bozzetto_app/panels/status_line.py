@@ -8,13 +8,13 @@ from PySide6.QtCore import QEvent, QObject, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QHideEvent, QKeySequence, QPainter, QPaintEvent, QShortcut
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-from bozzetto_app.icons import paint_icon
-from bozzetto_app.panels.icon_button import IconButton
-from bozzetto_app.theme import qcolor, tones
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.icons import paint_icon
+from bozzetto_app.style.theme import qcolor, tones
+from bozzetto_app.widgets.icon_button import IconButton
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Notice, Session
+    from bozzetto_app.session.session import Notice, Session
 
 __all__ = ["FaultBar", "StatusLine"]
 

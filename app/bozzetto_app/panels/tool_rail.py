@@ -8,14 +8,14 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from bozzetto_app.panels.icon_button import RADIUS, IconButton
-from bozzetto_app.panels.section import hairline
-from bozzetto_app.theme import qcolor, small_font, tones
-from bozzetto_app.toolbox import TOOL_KEYS
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
+from bozzetto_app.session.toolbox import TOOL_KEYS
+from bozzetto_app.style.theme import qcolor, small_font, tones
+from bozzetto_app.widgets.icon_button import RADIUS, IconButton
+from bozzetto_app.widgets.section import hairline
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["ToolRail"]
 

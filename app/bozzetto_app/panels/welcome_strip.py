@@ -20,13 +20,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.icons import paint_icon
-from bozzetto_app.panels.icon_button import IconButton, paint_focus
-from bozzetto_app.theme import qcolor, small_font, tones
-from bozzetto_app.words import tr
+from bozzetto_app.i18n import tr
+from bozzetto_app.style.icons import paint_icon
+from bozzetto_app.style.theme import qcolor, small_font, tones
+from bozzetto_app.widgets.icon_button import IconButton, paint_focus
 
 if TYPE_CHECKING:
-    from bozzetto_app.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["WIDTH", "WelcomeStrip"]
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from bozzetto.document.difference import difference
 from bozzetto.document.model import Document
+from bozzetto.document.shared_bytes import difference
 
 __all__ = ["History"]
 

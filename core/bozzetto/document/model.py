@@ -11,12 +11,12 @@ from typing import Any, Final, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import frozen
 from bozzetto.chunked import Chunked
-from bozzetto.document.waiting import Waiting
+from bozzetto.document.waiting_ink import Waiting
 from bozzetto.errors import UserError
-from bozzetto.geometry.arrays import frozen
 from bozzetto.geometry.placement import Placement
-from bozzetto.scene.png import MAX_PIXELS
+from bozzetto.images.png import MAX_PIXELS
 from bozzetto.view.camera import Camera
 
 __all__ = ["Document", "Model", "NamedView", "Underlay", "check_name", "new_id"]

@@ -6,15 +6,15 @@ import os
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from bozzetto.atomic_files import write_bytes
 from bozzetto.errors import UserError
-from bozzetto.exchange.curve_pieces import readable
+from bozzetto.exchange.cad.cad_curves import readable
+from bozzetto.exchange.cad.cad_surfaces import with_meshes
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, with_place
-from bozzetto.exchange.solid_check import check_solid
-from bozzetto.exchange.surface_pieces import with_meshes
+from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
-from bozzetto.storage import write_bytes
 from bozzetto.view.camera import Camera
 
 __all__ = ["Exported", "encoded", "export", "has_room", "prepared", "write_drawing"]

@@ -81,7 +81,7 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 """What CAD programs take as it is."""
 
 FORMATS: Final[tuple[Format, ...]] = (
-    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("stl")),
+    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("mesh.stl")),
     Format(
         "3mf",
         "3MF for printing",
@@ -89,7 +89,7 @@ FORMATS: Final[tuple[Format, ...]] = (
         ("mesh",),
         True,
         False,
-        _here("threemf"),
+        _here("mesh.threemf"),
         keeps=("colors",),
     ),
     Format(
@@ -99,20 +99,31 @@ FORMATS: Final[tuple[Format, ...]] = (
         ("mesh",),
         True,
         True,
-        _here("glb"),
+        _here("mesh.glb"),
         keeps=("colors", "bones"),
     ),
     Format(
-        "obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, _here("obj"), keeps=("colors",)
+        "obj",
+        "Wavefront OBJ",
+        (".obj",),
+        ("mesh",),
+        True,
+        True,
+        _here("mesh.obj"),
+        keeps=("colors",),
     ),
-    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("ply"), keeps=("colors",)),
-    Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg"), True),
-    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, _here("step")),
-    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, _here("iges")),
-    Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, _here("dxf")),
-    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, _here("rhino")),
-    Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, _here("ink_json")),
-    Format("inkml", "InkML", (".inkml",), ("ink",), True, True, _here("inkml")),
+    Format(
+        "ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("mesh.ply"), keeps=("colors",)
+    ),
+    Format(
+        "svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg.reader"), True
+    ),
+    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, _here("cad.step")),
+    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, _here("cad.iges")),
+    Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, _here("cad.dxf")),
+    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, _here("cad.rhino")),
+    Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, _here("ink.ink_json")),
+    Format("inkml", "InkML", (".inkml",), ("ink",), True, True, _here("ink.inkml")),
     Format(
         "image",
         "Picture",

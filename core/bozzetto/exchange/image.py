@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_PIXELS, at_most
-from bozzetto.scene.png import rgba_pixels
+from bozzetto.images.png import rgba_pixels
 
 if TYPE_CHECKING:
     from PIL import Image

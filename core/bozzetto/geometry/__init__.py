@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from bozzetto.geometry.arrays import frozen
+from bozzetto.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.patchwork import Patchwork
+from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
+from bozzetto.geometry.rig import Rig, Skin
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
-from bozzetto.geometry.skin import Rig, Skin
 from bozzetto.geometry.texture import Texture
 
 __all__ = [

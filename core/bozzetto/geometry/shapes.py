@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.arrays import frozen
+from bozzetto.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.patchwork import Patchwork
+from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.skin import Skin
+from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
 
 __all__ = ["Curve", "Shapes", "Skeleton", "Solid", "Surface"]

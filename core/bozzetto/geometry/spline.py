@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.arrays import frozen
+from bozzetto.arrays import frozen
 from bozzetto.geometry.shapes import Color, Curve
 
 __all__ = ["DEGREE", "Spline"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.arrays import frozen
+from bozzetto.arrays import frozen
 
 __all__ = ["Texture"]
 

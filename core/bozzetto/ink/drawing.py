@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
-from bozzetto.scene.stored_picture import Picture
 from bozzetto.view.camera import Camera
 
 __all__ = ["Drawing"]

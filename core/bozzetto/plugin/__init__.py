@@ -7,13 +7,14 @@ A plugin imports from here, from `bozzetto.ink`, `bozzetto.view`, `bozzetto.geom
 from __future__ import annotations
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.parameters import Parameter
+from bozzetto.plugin.cache import Memory
 from bozzetto.plugin.cautions import Caution, Warns
 from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context, PenSettings
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.memory import Memory
 from bozzetto.plugin.modeler import (
     Aims,
     Modeler,
@@ -26,7 +27,6 @@ from bozzetto.plugin.modeler import (
     Tool,
 )
 from bozzetto.plugin.panel import PanelHost
-from bozzetto.plugin.parameters import Parameter
 from bozzetto.plugin.parts import (
     HasParts,
     ReleasesParts,

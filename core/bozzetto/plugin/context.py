@@ -8,11 +8,11 @@ from typing import Any
 
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes
+from bozzetto.images.stored_picture import Picture
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.scene.picking import Hits, cast_rays
-from bozzetto.scene.stored_picture import Picture
 from bozzetto.view.camera import Camera, Rays
-from bozzetto.view.frames import triple
+from bozzetto.view.rotations import triple
 
 __all__ = ["Context", "PenSettings"]
 

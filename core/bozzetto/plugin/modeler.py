@@ -12,12 +12,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
 
 from bozzetto.geometry.shapes import Curve, Shapes
+from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
-from bozzetto.scene.stored_picture import Picture
 
 __all__ = [
     "Aims",

@@ -9,7 +9,7 @@ from typing import Any
 
 from bozzetto.document.model import check_name
 from bozzetto.errors import UserError
-from bozzetto.plugin.parameters import set_parameters
+from bozzetto.parameters import set_parameters
 
 __all__ = ["PartTree"]
 

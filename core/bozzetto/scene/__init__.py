@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bozzetto.images.stored_picture import Picture
 from bozzetto.scene.display_list import (
     Handle,
     Image,
@@ -15,7 +16,6 @@ from bozzetto.scene.display_list import (
     Shaded,
 )
 from bozzetto.scene.palette import DARK, LIGHT, Palette
-from bozzetto.scene.stored_picture import Picture
 
 __all__ = [
     "DARK",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.scene.bounding_tree import first_hits, tree_of
+from bozzetto.scene.bvh import first_hits, tree_of
 from bozzetto.scene.display_list import Handle, Item, Layer, Lines, Points, Scene, Shaded
 from bozzetto.view.camera import Camera, Rays
 

@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.view.about_eye import aimed, enlarged
 from bozzetto.view.camera import Camera
-from bozzetto.view.frames import POLE, slerp, steepness, triple, upright
+from bozzetto.view.eye_fixed_motion import aimed, enlarged
+from bozzetto.view.rotations import POLE, slerp, steepness, triple, upright
 
 __all__ = [
     "TURN_PER_PIXEL",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points, with_kind
-from bozzetto.view.standard import standard_view
+from bozzetto.view.standard_views import standard_view
 
 __all__ = ["PAGE", "framing", "page_view", "shows"]
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from bozzetto.plugin import Tool
 from bozzetto_car.state import CarState
-from bozzetto_car.tools.mark import MarkPoints
-from bozzetto_car.tools.nodes import ShapeNodes
-from bozzetto_car.tools.style import Style
-from bozzetto_car.tools.trace import TraceEdges
+from bozzetto_car.tools.draw_style import Style
+from bozzetto_car.tools.mark_points import MarkPoints
+from bozzetto_car.tools.shape_nodes import ShapeNodes
+from bozzetto_car.tools.trace_edges import TraceEdges
 
 __all__ = ["all_tools"]
 

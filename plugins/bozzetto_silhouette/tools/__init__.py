@@ -7,13 +7,13 @@ from typing import Any
 from bozzetto.plugin import Tool
 from bozzetto_silhouette.tools.arrange import Arrange
 from bozzetto_silhouette.tools.cut import DrawCut
-from bozzetto_silhouette.tools.draw import DrawOutline
+from bozzetto_silhouette.tools.draw_outline import DrawOutline
+from bozzetto_silhouette.tools.draw_profile import DrawProfile
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.mirror import MirrorCopy
 from bozzetto_silhouette.tools.oversketch import SketchOver
 from bozzetto_silhouette.tools.paint import Paint
-from bozzetto_silhouette.tools.picture import ProjectPicture
-from bozzetto_silhouette.tools.profile import DrawProfile
+from bozzetto_silhouette.tools.project_picture import ProjectPicture
 from bozzetto_silhouette.tools.smooth import Smooth
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 

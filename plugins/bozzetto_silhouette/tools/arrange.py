@@ -11,14 +11,14 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.draft import draft_surface
-from bozzetto_silhouette.handles import ARRANGE, grip_of, handles_layer
-from bozzetto_silhouette.motion import moved, resized, settled, turned
-from bozzetto_silhouette.places import carried, groups_around
-from bozzetto_silhouette.posing import JOINT, posed, posed_scene
-from bozzetto_silhouette.state import Group, Part, SilhouetteState
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
-from bozzetto_silhouette.touch import touched_part
+from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
+from bozzetto_silhouette.solids.coarse_draft import draft_surface
+from bozzetto_silhouette.solids.placements import carried, groups_around
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
+from bozzetto_silhouette.view.handles import ARRANGE, grip_of, handles_layer
+from bozzetto_silhouette.view.picking import touched_part
 
 __all__ = ["Arrange", "placed_anew"]
 

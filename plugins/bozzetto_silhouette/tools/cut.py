@@ -7,19 +7,19 @@ from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.closing import is_closed_gesture
-from bozzetto.ink.resample import resample
+from bozzetto.ink.curves.closing import is_closed_gesture
+from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
-from bozzetto_silhouette.sheet import sheet_under
-from bozzetto_silhouette.state import Cut, Part, SilhouetteState
-from bozzetto_silhouette.tools.carving import check_that_it_carves
+from bozzetto_silhouette.model.sketch_plane import sheet_under
+from bozzetto_silhouette.model.state import Cut, Part, SilhouetteState
+from bozzetto_silhouette.tools.carve_check import check_that_it_carves
 from bozzetto_silhouette.tools.cut_preview import cut_preview
-from bozzetto_silhouette.tools.eraser import erased
-from bozzetto_silhouette.tools.landing import landed
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
-from bozzetto_silhouette.tools.traces import trace_of
-from bozzetto_silhouette.touch import shape_seen
+from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.insert_node import landed
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.through_preview import trace_of
+from bozzetto_silhouette.view.picking import shape_seen
 
 __all__ = ["DrawCut"]
 

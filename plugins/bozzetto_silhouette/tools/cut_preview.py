@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
-from bozzetto.ink.resample import resample
+from bozzetto.ink.curves.resample import resample
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.cutting import cut_side
-from bozzetto_silhouette.outline import Outline
-from bozzetto_silhouette.sight import sight_through
-from bozzetto_silhouette.state import Cut
-from bozzetto_silhouette.straight import corners_of
-from bozzetto_silhouette.tools.traces import trace_of
-from bozzetto_silhouette.touch import Touch
+from bozzetto_silhouette.model.state import Cut
+from bozzetto_silhouette.model.view_rays import sight_through
+from bozzetto_silhouette.outline.cut_line import cut_side
+from bozzetto_silhouette.outline.outline import Outline
+from bozzetto_silhouette.solids.extrude import corners_of
+from bozzetto_silhouette.tools.through_preview import trace_of
+from bozzetto_silhouette.view.picking import Touch
 
 __all__ = ["cut_preview"]
 

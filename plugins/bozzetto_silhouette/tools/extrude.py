@@ -15,20 +15,20 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.closing import close_stroke, is_closed_gesture
-from bozzetto.ink.resample import resample
+from bozzetto.ink.curves.closing import close_stroke, is_closed_gesture
+from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, Rays
-from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet
-from bozzetto_silhouette.sheet import Sheet
-from bozzetto_silhouette.state import Part, SilhouetteState
-from bozzetto_silhouette.tools.carving import NOTHING, check_that_it_carves, volume_left
-from bozzetto_silhouette.tools.eraser import erased
-from bozzetto_silhouette.tools.landing import landed
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
-from bozzetto_silhouette.tools.traces import parts_at, trace_of
-from bozzetto_silhouette.touch import Touch, shape_seen
+from bozzetto_silhouette.model.sketch_plane import Sheet
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
+from bozzetto_silhouette.tools.carve_check import NOTHING, check_that_it_carves, volume_left
+from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.insert_node import landed
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.through_preview import parts_at, trace_of
+from bozzetto_silhouette.view.picking import Touch, shape_seen
 
 __all__ = ["Extrude"]
 
@@ -96,7 +96,7 @@ class Extrude(TellsOfJoints):
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """The ring on the surface, and what the second stroke swells to so far."""
-        from bozzetto_silhouette.preview import swollen
+        from bozzetto_silhouette.inflation.live_preview import swollen
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()

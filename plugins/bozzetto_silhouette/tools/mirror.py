@@ -10,12 +10,12 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Tap
 from bozzetto.scene import Scene
-from bozzetto_silhouette.leaf import body_of
-from bozzetto_silhouette.motion import mirrored
-from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.tools.arrange import placed_anew
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
-from bozzetto_silhouette.touch import TOUCHED_CELLS, touched_part
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.view.drag_motion import mirrored
+from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
 
 __all__ = ["MirrorCopy"]
 

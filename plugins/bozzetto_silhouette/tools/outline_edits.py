@@ -12,10 +12,16 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Gesture, Ink
 from bozzetto.scene import Layer, Lines, Scene
-from bozzetto_silhouette.edits import Rings, size_of
-from bozzetto_silhouette.ink_to_outline import outline_of, rings_of
-from bozzetto_silhouette.places import carried, drawn_rings, on_sheet, outlined_parts, stroke_in
-from bozzetto_silhouette.state import Edit, Part, SilhouetteState
+from bozzetto_silhouette.model.state import Edit, Part, SilhouetteState
+from bozzetto_silhouette.outline.edits import Rings, size_of
+from bozzetto_silhouette.outline.from_ink import outline_of, rings_of
+from bozzetto_silhouette.solids.placements import (
+    carried,
+    drawn_rings,
+    on_sheet,
+    outlined_parts,
+    stroke_in,
+)
 
 __all__ = ["edited_part", "preview_of"]
 

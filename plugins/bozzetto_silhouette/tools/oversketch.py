@@ -7,11 +7,11 @@ from typing import Literal
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
-from bozzetto_silhouette.oversketching import ring_drawn_over
-from bozzetto_silhouette.state import Oversketch, SilhouetteState
-from bozzetto_silhouette.tools.eraser import erased
+from bozzetto_silhouette.ink.oversketch import ring_drawn_over
+from bozzetto_silhouette.model.state import Oversketch, SilhouetteState
+from bozzetto_silhouette.tools.erase import erased
 from bozzetto_silhouette.tools.outline_edits import edited_part, preview_of
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 
 __all__ = ["SketchOver"]
 

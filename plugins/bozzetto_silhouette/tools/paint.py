@@ -9,9 +9,9 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, Tap
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_silhouette.state import SilhouetteState
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
-from bozzetto_silhouette.touch import touched_part
+from bozzetto_silhouette.model.state import SilhouetteState
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.view.picking import touched_part
 
 __all__ = ["Paint"]
 

@@ -8,19 +8,19 @@ import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.resample import resample
+from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
-from bozzetto_silhouette.ink_to_outline import outline_of, points_on_sheet
-from bozzetto_silhouette.sheet import Sheet, sheet_under
-from bozzetto_silhouette.state import Part, SilhouetteState
-from bozzetto_silhouette.tools.carving import check_that_it_carves
-from bozzetto_silhouette.tools.draw import meets_itself
-from bozzetto_silhouette.tools.eraser import erased
-from bozzetto_silhouette.tools.landing import landed
-from bozzetto_silhouette.tools.posing_words import TellsOfJoints
-from bozzetto_silhouette.tools.traces import Trace, trace_of
-from bozzetto_silhouette.touch import shape_seen
+from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
+from bozzetto_silhouette.tools.carve_check import check_that_it_carves
+from bozzetto_silhouette.tools.draw_outline import meets_itself
+from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.insert_node import landed
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.through_preview import Trace, trace_of
+from bozzetto_silhouette.view.picking import shape_seen
 
 __all__ = ["DrawTunnel"]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from bozzetto.plugin import Tool
-from bozzetto_symmetry.tools.box import ResizeBox
-from bozzetto_symmetry.tools.draw import DrawCurve
+from bozzetto_symmetry.tools.draw_curve import DrawCurve
+from bozzetto_symmetry.tools.draw_line import DrawLine
 from bozzetto_symmetry.tools.join import JoinCurves
-from bozzetto_symmetry.tools.line import DrawLine
 from bozzetto_symmetry.tools.modify import Modify
+from bozzetto_symmetry.tools.resize_box import ResizeBox
 from bozzetto_symmetry.tools.split import Split
 
 __all__ = ["DrawCurve", "all_tools"]

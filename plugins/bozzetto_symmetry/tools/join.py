@@ -11,13 +11,13 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
-from bozzetto_symmetry.aiming import solved_curves
-from bozzetto_symmetry.ends import End, ends_of, with_joint
-from bozzetto_symmetry.showing import curve_lines
-from bozzetto_symmetry.state import SymmetryState
-from bozzetto_symmetry.stereo import Stereo
-from bozzetto_symmetry.tools.eraser import erased
-from bozzetto_symmetry.trace import solved
+from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_joint
+from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.picking import solved_curves
+from bozzetto_symmetry.stereo.mirror_camera import Stereo
+from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.view.scene import curve_lines
 
 __all__ = ["JoinCurves"]
 

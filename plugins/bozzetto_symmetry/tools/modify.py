@@ -9,18 +9,18 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
-from bozzetto_symmetry.aiming import Seen, seen_curves, target_of
-from bozzetto_symmetry.canvas import is_one_view, on_canvas
-from bozzetto_symmetry.editing import edited
-from bozzetto_symmetry.showing import curve_lines
-from bozzetto_symmetry.space_curve import SpaceCurve
-from bozzetto_symmetry.state import Curve, Edit, Modification, SymmetryState
-from bozzetto_symmetry.stereo import Stereo
-from bozzetto_symmetry.tools.eraser import erased
-from bozzetto_symmetry.trace import solved
+from bozzetto_symmetry.editing.replay import edited
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
+from bozzetto_symmetry.model.state import Curve, Edit, Modification, SymmetryState
+from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.picking import Seen, seen_curves, target_of
+from bozzetto_symmetry.stereo.mirror_camera import Stereo
+from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.view.scene import curve_lines
 
 __all__ = ["Modify"]
 

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.crossings import crossings
+from bozzetto.ink.curves.intersections import crossings
 from bozzetto.plugin import Context, Gesture, Ink, Tap
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import Camera
-from bozzetto_symmetry.aiming import Seen, seen_curves
-from bozzetto_symmetry.parting import cut_at, parted
-from bozzetto_symmetry.state import SymmetryState
-from bozzetto_symmetry.tools.eraser import erased
-from bozzetto_symmetry.trimming import share_of
+from bozzetto_symmetry.editing.trim import share_of
+from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.operations.split import cut_at, parted
+from bozzetto_symmetry.solve.picking import Seen, seen_curves
+from bozzetto_symmetry.tools.erase import erased
 
 __all__ = ["Split"]
 

@@ -129,8 +129,8 @@ class FakeSession(QObject):
     def handle_released(self, handle, path, *, shift, ctrl):
         self.calls.append(("handle_released", handle, path, shift, ctrl))
 
-    def explain_gesture(self, mode):
-        self.calls.append(("explain_gesture", mode.name))
+    def explain_gesture(self, meant):
+        self.calls.append(("explain_gesture", meant))
 
     def tell(self, text):
         self.calls.append(("tell", text))

@@ -17,11 +17,11 @@ from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import DARK, LIGHT, Layer, Scene
 from bozzetto.view.navigation import fit_points
-from bozzetto.view.standard import standard_view
-from bozzetto_app.canvas.backends import choose_backend
+from bozzetto.view.standard_views import standard_view
 from bozzetto_app.canvas.canvas import Canvas
-from bozzetto_app.canvas.software import SoftwareViewport
-from bozzetto_app.saying import Notice
+from bozzetto_app.canvas.viewport.protocol import choose_backend
+from bozzetto_app.canvas.viewport.software import SoftwareViewport
+from bozzetto_app.session.notices import Notice
 from bozzetto_app.settings import settings
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom", "three-quarter")
@@ -461,7 +461,7 @@ def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, 
     if os.environ["QT_QPA_PLATFORM"] != "offscreen":
         pytest.skip("here OpenGL would come")
     monkeypatch.setenv("BOZZETTO_VIEWPORT", "gl")
-    monkeypatch.setattr("bozzetto_app.canvas.viewports.GL_PATIENCE", 200)
+    monkeypatch.setattr("bozzetto_app.canvas.viewport.switching.GL_PATIENCE", 200)
     canvas = Canvas(session, LIGHT)
     qtbot.addWidget(canvas)
     canvas.resize(300, 200)

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.document.file import write_document
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.document.storage.bozz_file import write_document
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.view import navigation
 from bozzetto.view.camera import Camera
-from bozzetto.view.standard import standard_view
+from bozzetto.view.standard_views import standard_view
 from bozzetto_app.canvas.framing import framed, is_in_view, points_to_frame
-from bozzetto_app.looking import FIRST_VIEW
+from bozzetto_app.session.view_state import FIRST_VIEW
 
 FAR = Camera(eye=(900.0, -40.0, 700.0), target=(800.0, 0.0, 700.0))
 """A view that shows nothing of any drawing."""

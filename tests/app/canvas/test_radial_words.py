@@ -7,8 +7,8 @@ from PySide6.QtCore import QPointF
 from PySide6.QtGui import QFont
 
 from bozzetto_app.canvas.radial_menu import RADIUS, _sector_path, entry_places, sector_centre
-from bozzetto_app.theme import small_font
-from bozzetto_app.window import RADIAL
+from bozzetto_app.main_window import RADIAL
+from bozzetto_app.style.theme import small_font
 
 TITLES = ("Undo", "Redo", "Show all", "Front", "Right", "Three-quarter", "Finish the stroke")
 

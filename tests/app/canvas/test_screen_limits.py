@@ -18,7 +18,6 @@ from PySide6.QtGui import QImage, QPainter
 import bozzetto_app
 from bozzetto.scene import LIGHT, Handle, Label, Layer, Scene
 from bozzetto.view.camera import Camera
-from bozzetto_app.canvas.marks import paint_marks
 from bozzetto_app.canvas.screen_limits import (
     FARTHEST,
     inside_runs,
@@ -29,6 +28,7 @@ from bozzetto_app.canvas.screen_limits import (
     rect_around,
     whole_point,
 )
+from bozzetto_app.canvas.viewport.label_overlay import paint_marks
 
 PROJECT = Path(bozzetto_app.__file__).parents[2]
 SEEN = 3_150_389_010.0
@@ -179,7 +179,7 @@ from PySide6.QtCore import QPoint, QPointF, QRect, QTimer, Qt
 from PySide6.QtTest import QTest
 from bozzetto.scene import LIGHT
 from bozzetto_app.canvas.canvas import Canvas
-from bozzetto_app.start import application
+from bozzetto_app.startup import application
 sys.path.insert(0, {root!r})
 from tests.app.canvas.conftest import FakeSession
 app = application()

@@ -9,9 +9,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMainWindow
 
-from bozzetto_app.actions import Action, ActionRegistry
+from bozzetto_app.actions.registry import Action, ActionRegistry
 from bozzetto_app.dialogs.command_palette import FOUND, CommandPalette
-from bozzetto_app.dialogs.entries import entries_of
+from bozzetto_app.dialogs.palette_entries import entries_of
 
 
 @pytest.fixture

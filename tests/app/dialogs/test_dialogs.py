@@ -13,10 +13,10 @@ from PySide6.QtGui import QGuiApplication, QInputDevice, QPointingDevice, QTable
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMainWindow, QPushButton
 
-from bozzetto.document.recovery import CrashedSession
-from bozzetto.plugin.switched_off import switched_off
-from bozzetto_app.actions import Action, ActionRegistry
-from bozzetto_app.canvas.samples import PressureCurve
+from bozzetto.document.recovery.recovery import CrashedSession
+from bozzetto.plugin.host.switched_off import switched_off
+from bozzetto_app.actions.registry import Action, ActionRegistry
+from bozzetto_app.canvas.input.stroke_samples import PressureCurve
 from bozzetto_app.dialogs.about import AboutDialog
 from bozzetto_app.dialogs.fault_details import FaultDetails
 from bozzetto_app.dialogs.pen_pad import rate_of
@@ -25,9 +25,9 @@ from bozzetto_app.dialogs.plugin_manager import PluginManager
 from bozzetto_app.dialogs.preferences import BACKUPS, RECENT, THEME, PreferencesDialog
 from bozzetto_app.dialogs.recovery import RecoveryDialog
 from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
-from bozzetto_app.panels.toggle import Toggle
 from bozzetto_app.settings import settings
-from bozzetto_app.theme import Theme
+from bozzetto_app.style.theme import Theme
+from bozzetto_app.widgets.toggle import Toggle
 
 
 @pytest.fixture

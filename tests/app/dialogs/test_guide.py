@@ -8,7 +8,7 @@ from PySide6.QtGui import QDesktopServices, QImage, QTextDocument
 from PySide6.QtTest import QTest
 
 from bozzetto_app.dialogs.guide import GuideDialog
-from bozzetto_app.guide_pages import FIRST_PAGE
+from bozzetto_app.dialogs.guide_pages import FIRST_PAGE
 
 
 @pytest.fixture

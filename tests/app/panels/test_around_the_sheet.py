@@ -19,7 +19,7 @@ from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
-from bozzetto_app.theme import apply_theme
+from bozzetto_app.style.theme import apply_theme
 
 
 def button(widget: QWidget, name: str) -> QAbstractButton:

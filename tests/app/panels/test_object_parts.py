@@ -11,8 +11,8 @@ from PySide6.QtCore import QItemSelectionModel, Qt
 from PySide6.QtTest import QTest
 
 from bozzetto.errors import UserError
-from bozzetto_app.panels.object_entries import entries_of, place_of_drop
-from bozzetto_app.panels.objects import ObjectsPanel
+from bozzetto_app.panels.objects.panel import ObjectsPanel
+from bozzetto_app.panels.objects.rows import entries_of, place_of_drop
 
 
 @pytest.fixture

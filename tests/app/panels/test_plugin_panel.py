@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 from PySide6.QtWidgets import QPushButton
 
-from bozzetto.plugin.registry import Registry
+from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.plugin_panel import PluginPanel
-from bozzetto_app.session import Session
+from bozzetto_app.session.session import Session
 
 MANIFEST = """
 id = "paneled.plugin"

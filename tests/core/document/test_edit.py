@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bozzetto.document import edit
-from bozzetto.document.file import encode_document
 from bozzetto.document.model import Document, Model, NamedView, Underlay
+from bozzetto.document.storage.bozz_file import encode_document
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from tests.document_kit import CAMERA, SIDE, Ink, rich_document, underlay

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.document.codec import OpaqueState
-from bozzetto.document.difference import difference
 from bozzetto.document.edit import change_state
 from bozzetto.document.history import STEP_BYTES, History
 from bozzetto.document.model import Document, Model
-from bozzetto.document.waiting import WaitingStroke
+from bozzetto.document.shared_bytes import difference
+from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 from tests.document_kit import (

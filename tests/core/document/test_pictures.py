@@ -7,10 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bozzetto.document.changes import ChangeWriter, Replay
-from bozzetto.document.codec import check_encodable, decode_state, encode_state, state_digest
-from bozzetto.document.file import parse_document, read_document, write_document
 from bozzetto.document.model import Document, Model
+from bozzetto.document.recovery.journal_records import ChangeWriter, Replay
+from bozzetto.document.storage.bozz_file import parse_document, read_document, write_document
+from bozzetto.document.storage.state_codec import (
+    check_encodable,
+    decode_state,
+    encode_state,
+    state_digest,
+)
 from bozzetto.errors import DocumentError, FormatError
 from bozzetto.scene import Picture
 from tests.document_kit import FakeRegistry

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from bozzetto.document import edit
-from bozzetto.document.file import decode_document, encode_document
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
+from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Strokes

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.exchange import curve_pieces, formats
-from bozzetto.exchange.curve_pieces import bezier_pieces, checked_curves
+from bozzetto.exchange import formats
+from bozzetto.exchange.cad import cad_curves as curve_pieces
+from bozzetto.exchange.cad.cad_curves import bezier_pieces, checked_curves
+from bozzetto.exchange.cad.iges import write_shapes as iges
+from bozzetto.exchange.cad.step import write_shapes as step
+from bozzetto.exchange.cad.step_text import real, string
 from bozzetto.exchange.export import encoded, export
-from bozzetto.exchange.iges import write_shapes as iges
-from bozzetto.exchange.part21 import real, string
-from bozzetto.exchange.step import write_shapes as step
 from bozzetto.geometry import Curve, Mesh, Shapes, Solid
 from tests.core.exchange.curve_kit import (
     BROKEN,
@@ -318,8 +319,8 @@ def test_a_missing_library_says_what_to_install(monkeypatch, ending, name, extra
 
 def test_the_writers_import_nothing_heavy():
     code = (
-        "import sys; import bozzetto.exchange.step, bozzetto.exchange.iges, bozzetto.exchange.dxf,"
-        " bozzetto.exchange.rhino; heavy = {'scipy', 'ezdxf', 'rhino3dm'} & set(sys.modules);"
+        "import sys; import bozzetto.exchange.cad.step, bozzetto.exchange.cad.iges,"
+        " bozzetto.exchange.cad.dxf, bozzetto.exchange.cad.rhino; heavy = {'scipy', 'ezdxf', 'rhino3dm'} & set(sys.modules);"
         " assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -14,7 +14,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from bozzetto.exchange.curve_pieces import checked_curves
+from bozzetto.exchange.cad.cad_curves import checked_curves
 from bozzetto.exchange.export import export
 from bozzetto.geometry import Curve, Shapes
 from tests.core.exchange.curve_kit import (

@@ -8,7 +8,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.exchange import formats
 from bozzetto.exchange.export import export
-from bozzetto.exchange.solid_check import check_solid
+from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Curve, Mesh, Shapes, Skeleton, Solid, Surface
 
 TETRA = Mesh(
@@ -84,7 +84,7 @@ def test_parts_without_a_place_are_left_out(tmp_path):
     assert (tmp_path / "A.STL").stat().st_size == 84 + 4 * 50
 
 
-# -- files (how they are put on the disk is tested with bozzetto.storage) --
+# -- files (how they are put on the disk is tested with bozzetto.atomic_files) --
 
 
 def test_a_refused_export_leaves_the_old_file_and_no_rubbish(tmp_path):
@@ -127,10 +127,10 @@ def test_the_table_and_the_way_to_it_import_nothing_heavy():
     import sys
 
     code = (
-        "import sys; import bozzetto.exchange.export, bozzetto.exchange.importing; "
+        "import sys; import bozzetto.exchange.export, bozzetto.exchange.import_file; "
         "heavy = {'scipy', 'manifold3d', 'PIL', 'shapely', 'skimage'} & set(sys.modules); "
         "formats = [m for m in sys.modules if m.startswith('bozzetto.exchange.')]; "
-        "assert not heavy, heavy; assert 'bozzetto.exchange.glb' not in formats"
+        "assert not heavy, heavy; assert 'bozzetto.exchange.mesh.glb' not in formats"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

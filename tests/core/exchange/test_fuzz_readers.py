@@ -232,7 +232,7 @@ def test_small_files_cannot_eat_the_memory(tmp_path):
         from pathlib import Path
         resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv[2]),) * 2)
         from bozzetto.errors import UserError
-        from bozzetto.exchange import importing
+        from bozzetto.exchange import import_file as importing
         for path in sorted(Path(sys.argv[1]).iterdir()):
             name = {".svg": "drawing", ".inkml": "drawing", ".json": "drawing", ".bmp": "image"}
             try:

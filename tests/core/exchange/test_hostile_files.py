@@ -13,10 +13,11 @@ import time
 import pytest
 
 from bozzetto.errors import FormatError, UserError
-from bozzetto.exchange import importing, reading_process
-from bozzetto.exchange.files import read_bytes
+from bozzetto.exchange import import_file as importing
 from bozzetto.exchange.limits import Budget, at_most, budget_for, unlimited
-from bozzetto.exchange.text_words import word_count
+from bozzetto.exchange.mesh.text_words import word_count
+from bozzetto.exchange.read_files import read_bytes
+from bozzetto.exchange.read_process import parent as reading_process
 from bozzetto.geometry import Shapes
 from tests.hostile_files import FAMILIES
 

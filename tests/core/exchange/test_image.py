@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from bozzetto.errors import FormatError, UserError
-from bozzetto.exchange.importing import read_image
+from bozzetto.exchange.import_file import read_image
 
 PIXELS = np.arange(6 * 4 * 3, dtype=np.uint8).reshape(6, 4, 3) * 3
 

@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bozzetto.errors import FormatError, UserError
-from bozzetto.exchange import ink_json, inkml
 from bozzetto.exchange.export import write_drawing
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
+from bozzetto.exchange.ink import ink_json, inkml
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.view import Camera
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from bozzetto.exchange.export import export
-from bozzetto.exchange.importing import read_mesh
+from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from tests.core.exchange.skinned import skinned
 

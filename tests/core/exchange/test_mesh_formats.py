@@ -12,7 +12,7 @@ import pytest
 
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.export import export
-from bozzetto.exchange.importing import read_mesh
+from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 
 BOTH = ["stl", "glb", "obj", "ply"]

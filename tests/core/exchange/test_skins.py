@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bozzetto.exchange.export import encoded, export
-from bozzetto.exchange.importing import read_mesh
+from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Mesh, Shapes, Solid
 from tests.core.exchange.skinned import skinned, tube
 

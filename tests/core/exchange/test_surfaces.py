@@ -15,22 +15,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bozzetto.cli_output import hand_over
+from bozzetto.cli.output import hand_over
 from bozzetto.errors import UserError
-from bozzetto.exchange import surface_pieces
+from bozzetto.exchange.cad import cad_surfaces as surface_pieces
+from bozzetto.exchange.cad.iges import write_shapes as iges
+from bozzetto.exchange.cad.step import write_shapes as step
 from bozzetto.exchange.export import encoded, export
-from bozzetto.exchange.iges import write_shapes as iges
-from bozzetto.exchange.importing import read_mesh
-from bozzetto.exchange.step import write_shapes as step
-from bozzetto.geometry import Curve, Mesh, Patchwork, Placement, Shapes, Solid, tessellation
-from bozzetto.geometry.patch import extent, grid
-from bozzetto.in_world import shapes_in_world
-from bozzetto.plugin.listing import Standing
-from bozzetto.plugin.soundness import Unsound, sound_shapes
+from bozzetto.exchange.import_file import read_mesh
+from bozzetto.geometry import Curve, Mesh, Patchwork, Placement, Shapes, Solid
+from bozzetto.geometry.patches import tessellation
+from bozzetto.geometry.patches.patch import extent, grid
+from bozzetto.plugin.guard.answer_validation import Unsound, sound_shapes
+from bozzetto.plugin.host.listing import Standing
+from bozzetto.workbench.placed import shapes_in_world
 from tests.core.exchange.curve_kit import NAMES, Iges, Step
 from tests.core.exchange.test_curve_interop import ask, messages
 from tests.core.geometry.body_kit import body
-from tests.core.geometry.test_patchwork import ball
+from tests.core.geometry.patches.test_patchwork import ball
 
 EDGES, SIDES, PATCHES, _ = body(2, 0.3)
 CAR = Patchwork.of_edges(EDGES, SIDES, "Car", (200, 30, 20), PATCHES)

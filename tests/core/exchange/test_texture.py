@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from bozzetto.exchange.export import encoded, export
-from bozzetto.exchange.importing import read_mesh
+from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Mesh, Placement, Shapes, Solid, Texture
 from tests.core.exchange.test_interop import VALIDATE
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from bozzetto.geometry.crease import joints_of_chain
+from bozzetto.geometry.patches.crease import joints_of_chain
 
 CENTRE = {
     "C0": (80, 0, 200), "C1": (100, 0, 740), "C2": (1220, 0, 990), "C3": (2000, 0, 1400),

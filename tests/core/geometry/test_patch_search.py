@@ -5,12 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto.geometry.coons import coons_nets
-from bozzetto.geometry.patch import Places, extent, grid, grid_normals, normals_at, points_at
-from bozzetto.geometry.patch_feet import foot_points
-from bozzetto.geometry.patch_rays import ray_hits
+from bozzetto.geometry.patches.closest_points import foot_points
+from bozzetto.geometry.patches.coons import coons_nets
+from bozzetto.geometry.patches.patch import (
+    Places,
+    extent,
+    grid,
+    grid_normals,
+    normals_at,
+    points_at,
+)
+from bozzetto.geometry.patches.ray_intersections import ray_hits
 from tests.core.geometry.body_kit import body
-from tests.core.geometry.test_patch import flat_corner, nets, paraboloid
+from tests.core.geometry.patches.test_patch import flat_corner, nets, paraboloid
 
 CAR = coons_nets(*body()[:2])
 

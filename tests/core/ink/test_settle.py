@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.ink.settle import fading, settle
+from bozzetto.ink.merge import fading, settle
 from bozzetto.view.camera import Camera
 
 CLUSTERS = Path(__file__).parents[4] / "shared/data/ink/strokestrip/examples"

@@ -17,9 +17,9 @@ import pytest
 from bozzetto.geometry import Mesh, Shapes, Surface
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Ink, Parameter
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import Shell
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Lines, Scene
+from bozzetto.testing import Shell
 
 _numbers = itertools.count(1)
 

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.geometry import Placement, Shapes
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.ink.steps import CommandStep, DrawStep
 from bozzetto.plugin import Command, ViewAdvice
-from bozzetto.plugin.guard import PluginFault
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import Pen, Shell
-from bozzetto.plugin.testing.abilities import ABILITIES
-from bozzetto.plugin.testing.subject import Broken, Subject
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Points, Scene
+from bozzetto.testing import Pen, Shell
+from bozzetto.testing.abilities import ABILITIES
+from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
 from tests import adviser
 from tests.adviser import MODELER
@@ -133,7 +133,7 @@ def test_a_modeler_without_commands_has_none(tmp_path):
 
 
 def test_a_step_runs_a_command_and_facts_reach_create(shell, tmp_path):
-    from bozzetto.exchange.ink_json import write_drawing
+    from bozzetto.exchange.ink.ink_json import write_drawing
 
     drawing = Drawing(
         Strokes([LINE, LINE]),

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.exchange.import_file import read_drawing
 from bozzetto.plugin import PanelHost, hooks
 from bozzetto.plugin.hooks import hookimpl
-from bozzetto.plugin.manifest import read_manifest
-from bozzetto.plugin.testing import ModelerContract, Pen, Shell
-from bozzetto.plugin.testing.checks import CHECKS
+from bozzetto.plugin.host.manifest import read_manifest
+from bozzetto.testing import ModelerContract, Pen, Shell
+from bozzetto.testing.checks import CHECKS
 from bozzetto.view import Camera
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -12,10 +12,10 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Shapes
 from bozzetto.plugin import Parameter
-from bozzetto.plugin.guard import PluginFault
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import Shell
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Scene
+from bozzetto.testing import Shell
 
 CODE = """
 from bozzetto.plugin import hookimpl

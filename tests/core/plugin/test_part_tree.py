@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Parameter
+from bozzetto.plugin.guard.answer_validation import sound_parts
 from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.soundness import sound_parts
 
 
 @dataclass(frozen=True)

@@ -9,25 +9,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from bozzetto import cli, cli_build
-from bozzetto.cli import main
-from bozzetto.document.file import read_document
+from bozzetto.cli import build as cli_build
+from bozzetto.cli import main as cli
+from bozzetto.cli.main import main
 from bozzetto.document.model import Document
+from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.errors import UserError
-from bozzetto.exchange.importing import read_drawing, read_image
+from bozzetto.exchange.import_file import read_drawing, read_image
 from bozzetto.geometry import Placement
+from bozzetto.images.png import write_png
+from bozzetto.parameters import parameter_fields
 from bozzetto.plugin import Context, Parameter, Tap, ViewAdvice
-from bozzetto.plugin.guard import PluginFault
-from bozzetto.plugin.parameters import parameter_fields
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import Shell
-from bozzetto.plugin.testing.checks import CHECKS
-from bozzetto.plugin.testing.subject import Broken, Subject
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Image, Layer, Picture, Points, Scene
-from bozzetto.scene.png import write_png
+from bozzetto.testing import Shell
+from bozzetto.testing.checks import CHECKS
+from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
 from bozzetto.view.navigation import pan
-from bozzetto.workbench import Workbench
+from bozzetto.workbench.workbench import Workbench
 from tests import adviser, tracer
 from tests.tracer import MODELER, STAND, Tracing
 

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 
-from bozzetto.plugin.check import check_package
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import ModelerContract, Shell
-from bozzetto.plugin.testing.checks import check_elsewhere
-from bozzetto.plugin.testing.subject import Broken, Subject
+from bozzetto.plugin.host.registry import Registry
+from bozzetto.testing import ModelerContract, Shell
+from bozzetto.testing.checks import check_elsewhere
+from bozzetto.testing.lint import check_package
+from bozzetto.testing.subject import Broken, Subject
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "docs" / "examples" / "bozzetto_ribbon"
 
@@ -40,7 +40,7 @@ def test_check_has_nothing_to_say():
 
 
 def test_sample_becomes_a_ribbon(tmp_path):
-    from bozzetto.exchange.importing import read_drawing
+    from bozzetto.exchange.import_file import read_drawing
 
     shell = Shell(Registry(extra=["bozzetto_ribbon"]), tmp_path)
     info = shell.registry.info("example.ribbon")
@@ -96,7 +96,7 @@ def run(*command: object, **options) -> str:
 
 def kit() -> list[str]:
     """Options that load the fixtures where the distribution does not yet announce them."""
-    module = "bozzetto.plugin.testing.fixtures"
+    module = "bozzetto.testing.fixtures"
     announced = any(entry.value == module for entry in entry_points(group="pytest11"))
     return [] if announced else ["-p", module]
 
@@ -143,7 +143,7 @@ def test_wheel_in_an_environment_of_its_own(tmp_path, outside):
     options = {"cwd": work, "env": {k: v for k, v in outside.items() if k != "PYTHONPATH"}}
     where = run(python, "-c", "import bozzetto_ribbon; print(bozzetto_ribbon.__file__)", **options)
     assert Path(where.strip()).is_relative_to(site)
-    command = [python, "-m", "bozzetto.cli"]
+    command = [python, "-m", "bozzetto.cli.main"]
     assert "example.ribbon" in run(*command, "plugins", **options)
     assert "error" not in run(*command, "plugins", "check", "bozzetto_ribbon", **options)
     sample = site / "bozzetto_ribbon" / "samples" / "wave.json"

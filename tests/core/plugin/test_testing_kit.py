@@ -9,13 +9,13 @@ from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
-from bozzetto.plugin.guard import PluginFault
-from bozzetto.plugin.testing import ModelerContract, Pen, same
-from bozzetto.plugin.testing.checks import CHECKS
-from bozzetto.plugin.testing.sameness import difference
-from bozzetto.plugin.testing.spelling import MODELER_NAMES, TOOL_NAMES, meant_by
-from bozzetto.plugin.testing.subject import Broken, Subject
+from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.scene import Layer, Scene
+from bozzetto.testing import ModelerContract, Pen, same
+from bozzetto.testing.checks import CHECKS
+from bozzetto.testing.deep_equal import difference
+from bozzetto.testing.spelling import MODELER_NAMES, TOOL_NAMES, meant_by
+from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
 
 FAULTY_MANIFEST = """

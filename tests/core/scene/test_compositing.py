@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bozzetto.scene.software.compositing import Sheet, lay_over, veil_of
+from bozzetto.scene.renderer.compositing import Sheet, lay_over, veil_of
 
 PIXELS = 12
 

@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.scene import DARK, LIGHT, Layer, Scene, Shaded
-from bozzetto.scene.software import render
+from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 from bozzetto.view.navigation import fit
 
@@ -43,7 +43,7 @@ def test_a_cover_looks_as_the_mixed_colours_do(palette, color):
 
 
 def test_the_window_gets_the_same_colours():
-    buffers = pytest.importorskip("bozzetto_app.canvas.gl_buffers")
+    buffers = pytest.importorskip("bozzetto_app.canvas.viewport.opengl_buffers")
     mesh = tent()
     plain = replace(mesh, colors=mesh.colors_over(BASE), cover=None)
     one, two = (buffers.surface([Shaded(m, BASE)], LIGHT, "clay") for m in (mesh, plain))

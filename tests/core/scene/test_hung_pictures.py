@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Image, Lines, Shaded
-from bozzetto.scene.software import render
-from bozzetto.scene.software.pictures import hang, lay_pictures
-from bozzetto.scene.software.sight import sight_of
-from bozzetto.scene.software.warping import _interpolated
+from bozzetto.scene.renderer import render
+from bozzetto.scene.renderer.image_layers import hang, lay_pictures
+from bozzetto.scene.renderer.image_warp import _interpolated
+from bozzetto.scene.renderer.view_transform import sight_of
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import box, scene_of, sphere
 
@@ -265,7 +265,7 @@ def test_laid_before_or_after_the_bodies_pictures_look_the_same(monkeypatch, kin
     camera = Camera(kind, (30, -140, 20), height=90, viewport=SIZE)
     one = render(scene, camera, LIGHT).astype(int)
     monkeypatch.setattr(
-        "bozzetto.scene.software.frame.apart", lambda pictures, corners: (pictures, ())
+        "bozzetto.scene.renderer.renderer.apart", lambda pictures, corners: (pictures, ())
     )
     other = render(scene, camera, LIGHT).astype(int)
     # over the smooth rim of a body the one blends its mean, the other each of its samples

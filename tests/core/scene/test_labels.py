@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.scene import LIGHT, Label, Layer, Scene
-from bozzetto.scene.software import render
+from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 
 SIZE = (300, 120)

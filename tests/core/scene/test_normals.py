@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.scene.software.normals import corner_normals, mean_curvature
+from bozzetto.scene.renderer.normals import corner_normals, mean_curvature
 from tests.core.scene.shapes import box, soup, sphere
 
 
@@ -65,7 +65,7 @@ def test_normals_are_of_unit_length_or_zero_even_of_rubbish():
 def test_too_many_faces_at_one_vertex_are_drawn_flat(monkeypatch):
     mesh = box()
     normal = corner_normals(mesh)
-    monkeypatch.setattr("bozzetto.scene.software.normals.MOST_PAIRS", 1)
+    monkeypatch.setattr("bozzetto.scene.renderer.normals.MOST_PAIRS", 1)
     again = corner_normals(box())
     np.testing.assert_allclose(
         again.vectors[again.corners], normal.vectors[normal.corners], atol=1e-6

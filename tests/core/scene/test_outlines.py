@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bozzetto.scene.software.outlines import crossed, cut, cut_to_window
+from bozzetto.scene.renderer.clipping import crossed, cut, cut_to_window
 
 
 def convex(seed, corners=5, size=20.0):

@@ -209,7 +209,7 @@ def test_nothing_behind_the_eye_is_found():
 
 def test_the_tree_of_a_mesh_holds_each_corner_once():
     """Trees are kept with every mesh that is shown: they are not to hold what they do not use."""
-    from bozzetto.scene.bounding_tree import tree_of
+    from bozzetto.scene.bvh import tree_of
 
     mesh = sphere()
     tree = tree_of(mesh)

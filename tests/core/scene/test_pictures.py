@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.images.png import write_png
 from bozzetto.scene import DARK, LIGHT, Handle, Image, Lines, Points, Scene, Shaded
 from bozzetto.scene.grid import ground_grid
-from bozzetto.scene.png import write_png
-from bozzetto.scene.software import render
+from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit
-from bozzetto.view.standard import standard_view
+from bozzetto.view.standard_views import standard_view
 from tests.core.scene.shapes import box, scene_of, sphere
 
 GOLDEN = Path(__file__).parents[2] / "data" / "pictures"

@@ -11,14 +11,14 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import DARK, LIGHT, Handle, Image, Label, Layer, Lines, Points, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
-from bozzetto.scene.picture import picture, thumbnail
-from bozzetto.scene.software import SHADINGS, render
-from bozzetto.scene.software.sight import sight_of
-from bozzetto.scene.software.soup import gather
-from bozzetto.scene.software.zbuffer import blank, rasterize
+from bozzetto.scene.renderer import SHADINGS, render
+from bozzetto.scene.renderer.triangle_soup import gather
+from bozzetto.scene.renderer.view_transform import sight_of
+from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.snapshot import picture, thumbnail
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
-from bozzetto.view.standard import standard_view
+from bozzetto.view.standard_views import standard_view
 from tests.core.scene.shapes import box, scene_of, soup, sphere
 
 PAPER = np.array(LIGHT.paper)
@@ -398,7 +398,7 @@ def test_bands_do_not_show(monkeypatch):
     scene = everything() + scene_of(*hollow)
     camera = fit(standard_view(Camera(viewport=(300, 330)), "three-quarter"), scene.bounds())
     whole = render(scene, camera, LIGHT).astype(int)
-    monkeypatch.setattr("bozzetto.scene.software.frame.BAND_VALUES", 300 * 4 * 24 * 4)
+    monkeypatch.setattr("bozzetto.scene.renderer.renderer.BAND_VALUES", 300 * 4 * 24 * 4)
     banded = render(scene, camera, LIGHT).astype(int)
     assert np.abs(whole - banded).max() <= 1
 

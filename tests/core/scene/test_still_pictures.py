@@ -7,7 +7,7 @@ import pytest
 
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
-from bozzetto.scene.picture import picture, thumbnail
+from bozzetto.scene.snapshot import picture, thumbnail
 
 BOX = Shaded(
     Mesh(

@@ -7,7 +7,7 @@ import gc
 import numpy as np
 import pytest
 
-from bozzetto.scene.software.textures import Kept, level, rung
+from bozzetto.scene.renderer.mipmaps import Kept, level, rung
 
 
 def noise(height, width, *, clear=False):

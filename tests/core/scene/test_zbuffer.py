@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from bozzetto.scene.software.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zbuffer import blank, rasterize
 
 WIDTH, HEIGHT = 60, 40
 
@@ -111,8 +111,8 @@ def test_working_in_small_portions_changes_nothing(monkeypatch, chunk):
     faces = np.arange(60, dtype=np.int32).reshape(-1, 3)
     whole, parts = blank(WIDTH, HEIGHT), blank(WIDTH, HEIGHT)
     rasterize(whole, places, faces)
-    monkeypatch.setattr("bozzetto.scene.software.zbuffer.SPANS_AT_ONCE", chunk)
-    monkeypatch.setattr("bozzetto.scene.software.zbuffer.FRAGMENTS_AT_ONCE", chunk)
+    monkeypatch.setattr("bozzetto.scene.renderer.zbuffer.SPANS_AT_ONCE", chunk)
+    monkeypatch.setattr("bozzetto.scene.renderer.zbuffer.FRAGMENTS_AT_ONCE", chunk)
     rasterize(parts, places, faces)
     np.testing.assert_array_equal(whole.nearness, parts.nearness)
     np.testing.assert_array_equal(whole.triangle, parts.triangle)

@@ -9,12 +9,12 @@ import pytest
 
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.scene import DARK, LIGHT, Layer, Scene, Shaded
-from bozzetto.scene.software import render
-from bozzetto.scene.software.shading import fragments
-from bozzetto.scene.software.sight import sight_of
-from bozzetto.scene.software.soup import gather
-from bozzetto.scene.software.zbuffer import blank, rasterize
-from bozzetto.scene.software.zebra import TUBES, stripes
+from bozzetto.scene.renderer import render
+from bozzetto.scene.renderer.shading import fragments
+from bozzetto.scene.renderer.triangle_soup import gather
+from bozzetto.scene.renderer.view_transform import sight_of
+from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zebra import TUBES, stripes
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import scene_of, sphere
 

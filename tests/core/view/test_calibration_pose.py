@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto.view.calibration.framing import Framing
+from bozzetto.view.calibration.normalization import Framing
 from bozzetto.view.calibration.pose import PARAMETERS, Poses, rotations
 from tests.core.view.marked_car import PICTURE, POINTS
 

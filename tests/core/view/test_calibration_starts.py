@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bozzetto.view.calibration.initial_guesses import resumed, starts
 from bozzetto.view.calibration.pose import NEAREST, Poses, rotations
-from bozzetto.view.calibration.starts import resumed, starts
 from tests.core.view.marked_car import POINTS
 
 KNOWN = (POINTS - POINTS.mean(axis=0)) / 1800.0

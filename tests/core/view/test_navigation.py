@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
+from bozzetto.view.gl_matrices import gl_matrices, near_far
 from bozzetto.view.navigation import (
     fit,
     fit_points,
@@ -21,8 +22,7 @@ from bozzetto.view.navigation import (
     with_kind,
     zoom,
 )
-from bozzetto.view.projection import gl_matrices, near_far
-from bozzetto.view.standard import CUBE_DIRECTIONS, STANDARD_VIEWS, look_along, standard_view
+from bozzetto.view.standard_views import CUBE_DIRECTIONS, STANDARD_VIEWS, look_along, standard_view
 from tests.core.view.cameras import cameras, point
 
 degrees = st.floats(-400, 400)

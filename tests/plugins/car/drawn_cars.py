@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.chains import annealed, smoothed
-from bozzetto_car.default_shape import pulled_out
-from bozzetto_car.edges import Network, edge_called, with_tangents
-from bozzetto_car.marked_view import MarkedView
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import bundled
-from bozzetto_car.visibility import facing
+from bozzetto_car.body.chain_smoothing import annealed, smoothed
+from bozzetto_car.body.default_shape import pulled_out
+from bozzetto_car.camera.marked_view import MarkedView
+from bozzetto_car.camera.visibility import facing
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import Network, edge_called, with_tangents
 from tests.plugins.car.sketched import FRONT_QUARTER, View, looking, styled
 from tests.plugins.car.traced_car import drawn as seen_line
 

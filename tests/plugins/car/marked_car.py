@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink import Stroke
-from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body import Body
-from bozzetto_car.edges import edge_called, joints
+from bozzetto_car.body.build import Body
+from bozzetto_car.camera.visibility import facing
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template_file import bundled
-from bozzetto_car.visibility import facing
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.network import edge_called, joints
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, View, looking, styled
 from tests.plugins.car.traced_car import drawn
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-from bozzetto_car.solving import Solved
+from bozzetto_car.camera.visibility import facing
+from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template import Template
-from bozzetto_car.visibility import facing
+from bozzetto_car.template.model import Template
 from tests.plugins.car.sketched import PICTURE, View, looking, rms
 
 Array = NDArray[np.float64]

@@ -7,13 +7,13 @@ import numpy as np
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Tap
 from bozzetto.view import Camera
-from bozzetto_car.asking import asked_of
-from bozzetto_car.body import body_of
-from bozzetto_car.looking import view_after
+from bozzetto_car.body.build import body_of
+from bozzetto_car.marking.next_mark import asked_of
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import bundled
-from bozzetto_car.tools.mark import MarkPoints
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.model import Template
+from bozzetto_car.tools.mark_points import MarkPoints
+from bozzetto_car.view.view_advice import view_after
 from tests.plugins.car.sketched import PICTURE, looking
 
 CANVAS = (987.0, 727.0)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.marked_view import MarkedView
-from bozzetto_car.template import Template
-from bozzetto_car.visibility import facing
+from bozzetto_car.camera.marked_view import MarkedView
+from bozzetto_car.camera.visibility import facing
+from bozzetto_car.template.model import Template
 
 Array = NDArray[np.float64]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_car.deformation import Cost
 from bozzetto_car.dimensions import measured
-from bozzetto_car.joint import Joint, solve
-from bozzetto_car.soundness import Soundness
-from bozzetto_car.template import Template
+from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.solver.prior import Cost
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import Sketched
 
 

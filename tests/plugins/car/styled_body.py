@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.patch import Places, points_at
-from bozzetto.geometry.patch_feet import foot_points
+from bozzetto.geometry.patches.closest_points import foot_points
+from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Ink
 from bozzetto.view import Camera
-from bozzetto_car.body import Body, body_of
+from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling import curve_paths, laid
-from bozzetto_car.styling_course import Course, courses_on
+from bozzetto_car.styling.curve import curve_paths, laid
+from bozzetto_car.styling.curve_fit import Course, courses_on
 from tests.plugins.car.traced_car import view
 
 Array = NDArray[np.float64]

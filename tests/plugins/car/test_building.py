@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bozzetto.cli import main
-from bozzetto_car.template import twin
-from bozzetto_car.template_file import bundled
+from bozzetto.cli.main import main
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.model import twin
 from tests.core.exchange.test_curve_interop import ask, messages
 from tests.core.exchange.test_surfaces import OPENCASCADE, Shells
 from tests.plugins.car.drawn_cars import Drawn, drawn

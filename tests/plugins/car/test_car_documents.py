@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from bozzetto.cli import main
+from bozzetto.cli.main import main
 from bozzetto_car.marks_file import VIEW_KEYS, car_from_facts
 from bozzetto_car.report import SHORT
 

@@ -20,16 +20,16 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.scene import DARK, LIGHT
-from bozzetto_car.body import body_of
-from bozzetto_car.guide import chart_of, guide_of
-from bozzetto_car.marking import with_asked, with_skipped
-from bozzetto_car.panel import GuidePanel
-from bozzetto_car.panel_car import STILL
-from bozzetto_car.panel_chart import told
-from bozzetto_car.small_car import Pose, between, pose_of, small_car
-from bozzetto_car.soundness import soundness_names
+from bozzetto_car.body.build import body_of
+from bozzetto_car.marking.edit_marks import with_asked, with_skipped
+from bozzetto_car.panel.car_picture import Pose, between, pose_of, small_car
+from bozzetto_car.panel.guide_panel import GuidePanel
+from bozzetto_car.panel.node_chart import told
+from bozzetto_car.panel.turning_car import STILL
+from bozzetto_car.panel.view_model import chart_of, guide_of
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template_file import bundled
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.shape_constraints import soundness_names
 from tests.plugins.car.penned import blank, guided, places_of, view_of
 from tests.plugins.car.sketched import PICTURE
 
@@ -289,7 +289,7 @@ def test_sketches_are_chosen(shown, twelve, qtbot):
     marks = tuple(Mark(n, *p) for n, p in places_of(view_of(-90.0)).items() if "R" not in n[1:])
     side = Sketch(id="two", name="Side", width=PICTURE[0], height=PICTURE[1], marks=marks)
     panel, host = shown(twelve.with_node(side))
-    from bozzetto_car.panel_parts import SketchButton
+    from bozzetto_car.panel.widgets import SketchButton
 
     first, second = sorted(panel.findChildren(SketchButton), key=lambda one: one.row.id)
     assert second.row.in_work

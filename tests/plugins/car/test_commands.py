@@ -9,10 +9,10 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context, Ink
-from bozzetto_car.body import body_of
+from bozzetto_car.body.build import body_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.state import CarState, MovedNode, Treatment
-from bozzetto_car.tools.trace import TraceEdges
+from bozzetto_car.tools.trace_edges import TraceEdges
 from tests.plugins.car.marked_car import another, locked_creases, marked, pen
 from tests.plugins.car.traced_car import view
 

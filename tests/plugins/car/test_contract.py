@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.plugin.testing import ModelerContract, Pen, Shell
 from bozzetto.scene import Picture
-from bozzetto_car.asking import asked_of
-from bozzetto_car.body import body_of
+from bozzetto.testing import ModelerContract, Pen, Shell
+from bozzetto_car.body.build import body_of
+from bozzetto_car.marking.next_mark import asked_of
 from bozzetto_car.modeler import Car
-from bozzetto_car.template_file import bundled
+from bozzetto_car.template.loader import bundled
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, looking, styled
 
 TEMPLATE = bundled("sedan")

@@ -7,8 +7,8 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto_car.dimensions import Dimensions, Locks, Overlap, measured
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Template
 
 
 @pytest.fixture(params=TEMPLATES)

@@ -11,17 +11,17 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from bozzetto.geometry.coons import coons_nets
-from bozzetto.geometry.patch_rays import ray_hits
-from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.geometry.patches.coons import coons_nets
+from bozzetto.geometry.patches.ray_intersections import ray_hits
+from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.deformation import Cost
+from bozzetto_car.body.trace_edges import traced
 from bozzetto_car.dimensions import Dimensions
-from bozzetto_car.edges import Network, edge_called
-from bozzetto_car.joint import Joint, solve
-from bozzetto_car.soundness import Soundness
-from bozzetto_car.template_file import TEMPLATES, bundled
-from bozzetto_car.tracing import traced
+from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.solver.prior import Cost
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.network import Network, edge_called
+from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.drawn_cars import (
     GALLERY,
     GALLERY_CARS,

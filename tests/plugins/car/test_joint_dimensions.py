@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_car.deformation import Cost
 from bozzetto_car.dimensions import Dimensions, Overlap, measured
-from bozzetto_car.joint import solve
-from bozzetto_car.soundness import Soundness
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.solver.bundle_adjustment import solve
+from bozzetto_car.solver.prior import Cost
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import (
     FRONT_QUARTER,
     REAR_QUARTER,

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bozzetto.view import Camera
-from bozzetto_car.deformation import Cost
-from bozzetto_car.joint import solve
-from bozzetto_car.marked_view import MarkedView
-from bozzetto_car.soundness import Soundness, soundness_names
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.camera.marked_view import MarkedView
+from bozzetto_car.solver.bundle_adjustment import solve
+from bozzetto_car.solver.prior import Cost
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.shape_constraints import Soundness, soundness_names
 from tests.plugins.car.sketched import (
     FRONT,
     FRONT_QUARTER,

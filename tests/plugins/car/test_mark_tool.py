@@ -10,15 +10,15 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.plugin import Drag, Ink, Tap
 from bozzetto.scene import Handle, Label, Lines
-from bozzetto.view.about_eye import aimed, enlarged
-from bozzetto_car.asking import asked_of
-from bozzetto_car.body import body_of
+from bozzetto.view.eye_fixed_motion import aimed, enlarged
+from bozzetto_car.body.build import body_of
 from bozzetto_car.commands import all_commands
-from bozzetto_car.looking import advice_on
+from bozzetto_car.marking.next_mark import asked_of
 from bozzetto_car.report import report_of
 from bozzetto_car.state import CarState, Group, Mark
-from bozzetto_car.template import twin
-from bozzetto_car.template_file import bundled
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.model import twin
+from bozzetto_car.view.view_advice import advice_on
 from tests.plugins.car.penned import (
     CANVAS,
     CONTEXT,
@@ -257,7 +257,7 @@ def test_what_a_mark_is_missed_by_is_drawn_and_told():
     wrong = next(number for number, mark in enumerate(marks) if mark.node == "C3")
     marks[wrong] = replace(marks[wrong], u=marks[wrong].u + 120.0)
     state = state.with_node(replace(state.sketch, marks=tuple(marks)))
-    from bozzetto_car.showing_marks import mark_layers
+    from bozzetto_car.view.mark_items import mark_layers
 
     (layer,) = mark_layers(state, body_of(state))
     (label,) = [i for i in layer.items if isinstance(i, Label) and "disagrees" in i.text]
@@ -268,7 +268,7 @@ def test_what_a_mark_is_missed_by_is_drawn_and_told():
 
 def test_the_direct_transform_is_shown_for_teaching(marked_car):
     """Crosses at the marks where there is no error; none with five marks, or marks in a plane."""
-    from bozzetto_car.showing_marks import mark_layers
+    from bozzetto_car.view.mark_items import mark_layers
 
     def crosses(state):
         state = replace(state, direct=True)

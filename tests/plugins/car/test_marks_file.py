@@ -12,10 +12,10 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.scene import Picture
-from bozzetto_car.body import body_of
+from bozzetto_car.body.build import body_of
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.state import CarState
-from bozzetto_car.template_file import bundled
+from bozzetto_car.template.loader import bundled
 from tests.plugins.car.drawn_cars import GALLERY, GALLERY_CARS, drawn
 
 

@@ -12,12 +12,12 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Tap
 from bozzetto.scene import Handle
 from bozzetto.view import Camera
-from bozzetto_car.body import body_of
-from bozzetto_car.edges import edge_called, joints
+from bozzetto_car.body.build import body_of
 from bozzetto_car.modeler import Car
-from bozzetto_car.showing import scene_of
 from bozzetto_car.state import BentEdge, CarState, Mark, MovedNode, Treatment
-from bozzetto_car.tools.nodes import ShapeNodes
+from bozzetto_car.template.network import edge_called, joints
+from bozzetto_car.tools.shape_nodes import ShapeNodes
+from bozzetto_car.view.scene import scene_of
 from tests.plugins.car.marked_car import locked_creases, marked
 from tests.plugins.car.traced_car import symmetric, view
 

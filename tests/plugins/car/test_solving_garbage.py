@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_car.solving import solved, template_of
-from bozzetto_car.soundness import Soundness
+from bozzetto_car.solver.pipeline import solved, template_of
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import PICTURE, looking
 
 pytestmark = pytest.mark.slow

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 import bozzetto_car
 from bozzetto.errors import UserError
-from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Tap, Tool
 from bozzetto.scene import Lines
-from bozzetto_car.showing_styling import shown_styling, styling_items
 from bozzetto_car.state import CarState, Group
-from bozzetto_car.styling import mirrored
-from bozzetto_car.styling_commands import styling_commands
-from bozzetto_car.styling_growing import Growing
-from bozzetto_car.styling_seen import target_of
-from bozzetto_car.tools.style import Style
+from bozzetto_car.styling.commands import styling_commands
+from bozzetto_car.styling.curve import mirrored
+from bozzetto_car.styling.live_preview import Growing
+from bozzetto_car.styling.picking import target_of
+from bozzetto_car.styling.scene import shown_styling, styling_items
+from bozzetto_car.tools.draw_style import Style
 from tests.plugins.car.styled_body import (
     ABOVE,
     QUARTER,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bozzetto_car.template import Patch, Template
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Patch, Template
 
 Array = NDArray[np.float64]
 

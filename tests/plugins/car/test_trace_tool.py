@@ -10,14 +10,14 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Ink
-from bozzetto_car.body import body_of
+from bozzetto_car.body.build import body_of
+from bozzetto_car.camera.sketch_camera import flat_stand
 from bozzetto_car.dimensions import Dimensions
-from bozzetto_car.edges import edge_called
-from bozzetto_car.stand import flat_stand
 from bozzetto_car.state import CarState, Mark, MovedNode, TracedEdges
-from bozzetto_car.tools.trace import TraceEdges
+from bozzetto_car.template.network import edge_called
+from bozzetto_car.tools.trace_edges import TraceEdges
 from tests.plugins.car.marked_car import (
     another,
     apart,

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bozzetto_car.solving import solved
-from bozzetto_car.soundness import Soundness
-from bozzetto_car.template_file import bundled
+from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.marking import aside, marked
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, apart, rms
 from tests.plugins.car.unseen import KINDS, PICTURES, pictured, unseen

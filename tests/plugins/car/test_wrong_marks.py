@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bozzetto_car.solving import solved
+from bozzetto_car.solver.pipeline import solved
 from bozzetto_car.state import Mark
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Template
 from tests.plugins.car.marking import aside, marked, with_marks
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, SIDE, View, rubbery, styled
 

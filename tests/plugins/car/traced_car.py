@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 from bozzetto.view import Camera
-from bozzetto_car.edges import Network, edge_called
-from bozzetto_car.template import MIRROR
+from bozzetto_car.template.model import MIRROR
+from bozzetto_car.template.network import Network, edge_called
 
 Array = NDArray[np.float64]
 

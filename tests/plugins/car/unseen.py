@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_car.state import CarState, Mark
-from bozzetto_car.template import Template
-from bozzetto_car.template_file import bundled
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.model import Template
 from tests.plugins.car.marking import Marked, marked
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, View
 

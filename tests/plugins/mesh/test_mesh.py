@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.document.codec import decode_state, encode_state
+from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from bozzetto.plugin import Job
-from bozzetto.plugin.testing import ModelerContract, Pen, Shell, same
 from bozzetto.scene import Shaded
+from bozzetto.testing import ModelerContract, Pen, Shell, same
 from bozzetto_mesh.modeler import ImportedMesh, MeshState
 
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
-from bozzetto_silhouette.body import Body
-from bozzetto_silhouette.outline import Outline, outline_from_rings
-from bozzetto_silhouette.relief import Relief
-from bozzetto_silhouette.solid import solidify
-from bozzetto_silhouette.soundness import as_manifold
+from bozzetto_silhouette.inflation.heightfield import Relief
+from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.inflation.solidify import solidify
+from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
+from bozzetto_silhouette.solids.body import Body
 from tests.plugins.silhouette import outlines as o
 
 Points = NDArray[np.float64]

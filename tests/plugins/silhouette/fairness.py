@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
-from bozzetto_silhouette.distance import RimDistance, ring_links
-from bozzetto_silhouette.solid import SilhouetteSolid
+from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
+from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
 from tests.plugins.silhouette import outlines as o
 
 STEP = 0.1

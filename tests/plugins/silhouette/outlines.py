@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.outline import Outline, outline_from_rings
+from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
 Points = NDArray[np.float64]
 

@@ -12,17 +12,17 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Tap
-from bozzetto.plugin.testing import Pen
 from bozzetto.scene import Handle
+from bozzetto.testing import Pen
 from bozzetto.view import Camera
-from bozzetto.view.standard import standard_view
-from bozzetto_silhouette.handles import grip_of, handles_layer
-from bozzetto_silhouette.places import carried
-from bozzetto_silhouette.sheet import Sheet
-from bozzetto_silhouette.state import Group, Part, SilhouetteState
+from bozzetto.view.standard_views import standard_view
+from bozzetto_silhouette.model.sketch_plane import Sheet
+from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.solids.placements import carried
 from bozzetto_silhouette.tools.arrange import Arrange
 from bozzetto_silhouette.tools.mirror import MirrorCopy
-from bozzetto_silhouette.touch import shape_seen, touched_part
+from bozzetto_silhouette.view.handles import grip_of, handles_layer
+from bozzetto_silhouette.view.picking import shape_seen, touched_part
 
 FRONT = Camera()
 ARRANGE, MIRROR = Arrange(), MirrorCopy()
@@ -257,7 +257,7 @@ def test_a_twin_is_the_mirror_image() -> None:
     flip = np.array([1.0, -1.0, 1.0])
     one, twin = (shape_seen(SilhouetteState((node,))).body for node in state.nodes[1:3])
     assert twin.vertices * flip == pytest.approx(one.vertices, abs=1e-9)
-    from bozzetto_silhouette.soundness import volume_of
+    from bozzetto_silhouette.inflation.manifold_check import volume_of
 
     assert volume_of(twin.vertices, twin.faces) > 0.0
     # And back again.

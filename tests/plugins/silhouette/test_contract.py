@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bozzetto.plugin.testing import ModelerContract
+from bozzetto.testing import ModelerContract
 
 
 class TestSilhouette(ModelerContract):

@@ -8,15 +8,15 @@ import pytest
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Tap
-from bozzetto.plugin.testing import Pen
+from bozzetto.testing import Pen
 from bozzetto.view import Camera
-from bozzetto.view.standard import standard_view
-from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.leaf import body_of
-from bozzetto_silhouette.soundness import as_manifold
-from bozzetto_silhouette.state import Part, SilhouetteState
+from bozzetto.view.standard_views import standard_view
+from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.tools.extrude import Extrude
-from bozzetto_silhouette.touch import shape_seen
+from bozzetto_silhouette.view.picking import shape_seen
 
 FRONT = Camera()
 RIGHT, TOP = standard_view(FRONT, "right"), standard_view(FRONT, "top")

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.document.file import read_document, write_document
+from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.plugin import Job
-from bozzetto.plugin.registry import Registry
-from bozzetto.workbench import Workbench
+from bozzetto.plugin.host.registry import Registry
+from bozzetto.workbench.workbench import Workbench
 
 STORED = Path(__file__).parents[2] / "data" / "documents" / "silhouette-v1.bozz"
 """A ring and a rectangle in one model with inflation 1.5, softness 1.6 and resolution 64,

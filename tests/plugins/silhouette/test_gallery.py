@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from bozzetto.document.file import read_document, write_document
 from bozzetto.document.model import Document
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.document.storage.bozz_file import read_document, write_document
+from bozzetto.exchange.import_file import read_drawing
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import same
-from bozzetto.workbench import Workbench
-from bozzetto_silhouette.soundness import topology_of, volume_of
+from bozzetto.testing import same
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_silhouette.inflation.manifold_check import topology_of, volume_of
 
 INKS = sorted((Path(__file__).parents[3] / "docs" / "gallery").glob("*.json"))
 HANDLES = {"cup": 1, "chair": 2, "creature": 0, "face": 0, "fish": 0}

@@ -12,8 +12,8 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
 from bozzetto.view import Camera
+from bozzetto_silhouette.model.state import Oversketch, Part, SilhouetteState, Smoothing
 from bozzetto_silhouette.modeler import Silhouette
-from bozzetto_silhouette.state import Oversketch, Part, SilhouetteState, Smoothing
 
 pytestmark = pytest.mark.slow
 

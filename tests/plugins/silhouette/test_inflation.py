@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_silhouette.distance import RimDistance
-from bozzetto_silhouette.fidelity import measure
-from bozzetto_silhouette.membrane import InflationSwelling, Membrane
-from bozzetto_silhouette.outline import outline_from_rings
-from bozzetto_silhouette.plan import plan_of
-from bozzetto_silhouette.preview import inflate
-from bozzetto_silhouette.sampling import sample_rim
-from bozzetto_silhouette.solid import solidify
+from bozzetto_silhouette.analysis.fidelity import measure
+from bozzetto_silhouette.inflation.live_preview import inflate
+from bozzetto_silhouette.inflation.membrane import InflationSwelling, Membrane
+from bozzetto_silhouette.inflation.solidify import solidify
+from bozzetto_silhouette.outline.boundary_sampling import sample_rim
+from bozzetto_silhouette.outline.domain_mesh import plan_of
+from bozzetto_silhouette.outline.outline import outline_from_rings
+from bozzetto_silhouette.outline.signed_distance import RimDistance
 from tests.plugins.silhouette import outlines as o
 
 INFLATION = InflationSwelling()

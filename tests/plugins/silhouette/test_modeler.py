@@ -12,11 +12,12 @@ from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Context, Ink, Job, Memory
-from bozzetto.plugin.testing import Pen
-from bozzetto_silhouette import leaf, tree
+from bozzetto.testing import Pen
+from bozzetto_silhouette.inflation.solidify import solidify
+from bozzetto_silhouette.model.state import Group, SilhouetteState
 from bozzetto_silhouette.modeler import PREVIEW_RESOLUTION, Silhouette
-from bozzetto_silhouette.solid import solidify
-from bozzetto_silhouette.state import Group, SilhouetteState
+from bozzetto_silhouette.solids import evaluate as tree
+from bozzetto_silhouette.solids import part_solid as leaf
 
 PEN, MODELER = Pen(), Silhouette()
 
@@ -195,7 +196,7 @@ def test_read_drawing_takes_all_strokes_as_one_part() -> None:
 
 
 def test_fifty_parts_remember_their_outlines(monkeypatch: pytest.MonkeyPatch) -> None:
-    from bozzetto_silhouette import ink_to_outline
+    from bozzetto_silhouette.outline import from_ink as ink_to_outline
 
     read: list[int] = []
     real = ink_to_outline.rings_from_strokes

@@ -11,17 +11,17 @@ import shapely
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Strokes
-from bozzetto.ink.resample import resample
+from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import Context, Drag, Ink
-from bozzetto.plugin.testing import Pen
+from bozzetto.testing import Pen
 from bozzetto.view import Camera
-from bozzetto.view.standard import standard_view
-from bozzetto_silhouette.edits import edited, size_of
-from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.leaf import solid_of
-from bozzetto_silhouette.oversketching import drawn_over, ring_drawn_over
-from bozzetto_silhouette.places import drawn_rings
-from bozzetto_silhouette.state import Group, Oversketch, Part, SilhouetteState
+from bozzetto.view.standard_views import standard_view
+from bozzetto_silhouette.ink.oversketch import drawn_over, ring_drawn_over
+from bozzetto_silhouette.model.state import Group, Oversketch, Part, SilhouetteState
+from bozzetto_silhouette.outline.edits import edited, size_of
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.solids.part_solid import solid_of
+from bozzetto_silhouette.solids.placements import drawn_rings
 from bozzetto_silhouette.tools.oversketch import SketchOver
 from tests.plugins.silhouette import outlines
 

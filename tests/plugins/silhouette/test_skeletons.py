@@ -9,11 +9,11 @@ import pytest
 import shapely
 
 from bozzetto.errors import UserError
-from bozzetto_silhouette.circles import circumcircles, covered_share, incircles
-from bozzetto_silhouette.frame import MOST_NODES, SkeletonRule, frame_of
-from bozzetto_silhouette.outline import Outline, outline_from_rings
-from bozzetto_silhouette.paper_skeleton import paper_skeleton
-from bozzetto_silhouette.skeleton import Skeleton
+from bozzetto_silhouette.numerics.triangle_circles import circumcircles, covered_share, incircles
+from bozzetto_silhouette.outline.medial_axis import Skeleton
+from bozzetto_silhouette.outline.normalized import MOST_NODES, SkeletonRule, frame_of
+from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
+from bozzetto_silhouette.outline.sketchco_skeleton import paper_skeleton
 from tests.plugins.silhouette import outlines as o
 
 RULES: list[SkeletonRule] = ["exact", "paper"]

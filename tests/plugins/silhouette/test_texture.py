@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Texture
-from bozzetto_silhouette.baking import baked
-from bozzetto_silhouette.charts import MOST, PADDING, laid_out
-from bozzetto_silhouette.coloring import Coat
-from bozzetto_silhouette.projection import axes_of, projection_of
-from bozzetto_silhouette.state import Picture
+from bozzetto_silhouette.appearance.picture_projection import axes_of, projection_of
+from bozzetto_silhouette.appearance.texture_baking import baked
+from bozzetto_silhouette.appearance.uv_charts import MOST, PADDING, laid_out
+from bozzetto_silhouette.appearance.vertex_colors import Coat
+from bozzetto_silhouette.model.state import Picture
 
 
 def picture(pixels, corner=(-50.0, 0.0, 40.0), across=(100.0, 0, 0), down=(0, 0, -80.0)) -> Picture:

@@ -10,14 +10,14 @@ import pytest
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.closing import signed_area
+from bozzetto.ink.curves.closing import signed_area
 from bozzetto.plugin import Context, Drag, Ink, Tap
-from bozzetto.plugin.testing import Pen
+from bozzetto.testing import Pen
 from bozzetto.view import Camera
-from bozzetto.view.standard import standard_view
-from bozzetto_silhouette.ink_to_outline import outline_of
-from bozzetto_silhouette.places import drawn_rings
-from bozzetto_silhouette.state import Cut, Group, SilhouetteState
+from bozzetto.view.standard_views import standard_view
+from bozzetto_silhouette.model.state import Cut, Group, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.solids.placements import drawn_rings
 from bozzetto_silhouette.tools import DrawOutline
 from bozzetto_silhouette.tools.oversketch import SketchOver
 

@@ -11,17 +11,17 @@ from bozzetto.errors import Unfinished, UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Tap
-from bozzetto.plugin.testing import Pen
 from bozzetto.scene import Lines, Shaded
+from bozzetto.testing import Pen
 from bozzetto.view import Camera
-from bozzetto.view.standard import standard_view
-from bozzetto_silhouette.soundness import as_manifold
-from bozzetto_silhouette.state import Cut, Group, Part, SilhouetteState
+from bozzetto.view.standard_views import standard_view
+from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.tools.cut import DrawCut
-from bozzetto_silhouette.tools.draw import DrawOutline
+from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
-from bozzetto_silhouette.touch import shape_seen
+from bozzetto_silhouette.view.picking import shape_seen
 
 FRONT = Camera()
 TUNNEL, CUT = DrawTunnel(), DrawCut()

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.cli_build import workbench
-from bozzetto.exchange.importing import read_drawing
-from bozzetto.exchange.solid_check import check_solid
+from bozzetto.cli.build import workbench
+from bozzetto.exchange.import_file import read_drawing
+from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.plugin import Job
-from bozzetto_car.edges import Network
-from bozzetto_car.template_file import bundled
+from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.network import Network
 from bozzetto_skin.modeler import RoughSkin, Skin, SkinState
 
 GALLERY = Path(__file__).parents[3] / "docs" / "gallery" / "symmetry"

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.document.codec import decode_state, encode_state
+from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.errors import Cancelled, UserError
-from bozzetto.exchange.solid_check import check_solid
+from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Curve, Mesh, Patchwork, Shapes, Skeleton, Solid
 from bozzetto.plugin import Job
-from bozzetto.plugin.testing import ModelerContract, Pen, Shell, same
+from bozzetto.testing import ModelerContract, Pen, Shell, same
 from bozzetto_skin.modeler import RoughSkin, SkinState
 from bozzetto_skin.reading import polylines
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import cKDTree
 
-from bozzetto.ink.resample import resample
-from bozzetto.ink.smooth import smooth
+from bozzetto.ink.curves.resample import resample
+from bozzetto.ink.curves.smooth import smooth
 from bozzetto.view import Camera
-from bozzetto_symmetry.stereo import MIRROR
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 Array = NDArray[np.float64]
 

@@ -12,10 +12,10 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Tap
 from bozzetto.scene import Handle
 from bozzetto.view import Camera
-from bozzetto_symmetry.box import FACES
-from bozzetto_symmetry.plane import CentrePlane
-from bozzetto_symmetry.state import SymmetryState
-from bozzetto_symmetry.tools.box import ResizeBox
+from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
+from bozzetto_symmetry.tools.resize_box import ResizeBox
+from bozzetto_symmetry.view.box import FACES
 
 STATE = SymmetryState(centre=(10.0, -5.0, 30.0), length=200.0, width=120.0, height=80.0)
 TOOL = ResizeBox()

@@ -11,9 +11,9 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto_symmetry.commands import all_commands
-from bozzetto_symmetry.state import Curve, SymmetryState
-from bozzetto_symmetry.stereo import MIRROR
-from bozzetto_symmetry.trace import traced
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import scenes as s
 
 VIEW = s.camera(35, 20)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from bozzetto.plugin.testing import ModelerContract, Pen, Shell
-from bozzetto_symmetry.stereo import MIRROR
+from bozzetto.testing import ModelerContract, Pen, Shell
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import scenes as s
 
 

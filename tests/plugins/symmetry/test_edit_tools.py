@@ -9,19 +9,19 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.nearest import distances_to_polyline
+from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Drag, Ink, Tap
-from bozzetto_symmetry.aiming import seen_curves, solved_curves, target_of
-from bozzetto_symmetry.catching import with_ends_caught
-from bozzetto_symmetry.ends import ends_of, with_joint, with_nearest_joined
-from bozzetto_symmetry.meeting import with_ends_met
-from bozzetto_symmetry.state import Curve, Line, Modification, Snap, SymmetryState, Trim
-from bozzetto_symmetry.stereo import MIRROR, Stereo
-from bozzetto_symmetry.tools.eraser import erased
+from bozzetto_symmetry.model.state import Curve, Line, Modification, Snap, SymmetryState, Trim
+from bozzetto_symmetry.operations.curve_ends import ends_of, with_joint, with_nearest_joined
+from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
+from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
+from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.picking import seen_curves, solved_curves, target_of
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.tools.erase import erased
 from bozzetto_symmetry.tools.join import JoinCurves
 from bozzetto_symmetry.tools.modify import Modify
 from bozzetto_symmetry.tools.split import Split
-from bozzetto_symmetry.trace import solved
 from tests.plugins.symmetry.scenes import ACROSS, PAIRS, camera, drawn
 
 VIEW = camera(35, 20, pixels=700.0)

@@ -10,10 +10,10 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
-from bozzetto_symmetry import grouping
-from bozzetto_symmetry.grouping import grouped
-from bozzetto_symmetry.line import MOST_SAMPLES, drawn_line, thinned
-from bozzetto_symmetry.sides import MOST_STROKES, sides_of
+from bozzetto_symmetry.ink import stroke_grouping as grouping
+from bozzetto_symmetry.ink.sides import MOST_STROKES, sides_of
+from bozzetto_symmetry.ink.stroke_grouping import grouped
+from bozzetto_symmetry.ink.stroke_line import MOST_SAMPLES, drawn_line, thinned
 
 CAMERA = Camera().with_viewport(1000.0, 800.0)
 

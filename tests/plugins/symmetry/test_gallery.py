@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.cli import main
-from bozzetto.document.file import read_document
-from bozzetto.exchange.importing import read_drawing
+from bozzetto.cli.main import main
+from bozzetto.document.storage.bozz_file import read_document
+from bozzetto.exchange.import_file import read_drawing
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.registry import Registry
-from bozzetto.plugin.testing import same
-from bozzetto.workbench import Workbench
-from bozzetto_symmetry import trace
-from bozzetto_symmetry.trace import Trace
+from bozzetto.testing import same
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_symmetry.solve import curve_solver as trace
+from bozzetto_symmetry.solve.curve_solver import Trace
 
 FOLDER = Path(__file__).parents[3] / "docs" / "gallery" / "symmetry"
 INKS = sorted(FOLDER.glob("*.json"))

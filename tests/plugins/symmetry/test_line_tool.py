@@ -14,9 +14,9 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Ink, Tap
 from bozzetto.scene import Lines
 from bozzetto.view import Camera
-from bozzetto_symmetry.axes import AXIS_PAINTS
-from bozzetto_symmetry.state import Line, SymmetryState
-from bozzetto_symmetry.tools.line import DrawLine
+from bozzetto_symmetry.model.axes import AXIS_PAINTS
+from bozzetto_symmetry.model.state import Line, SymmetryState
+from bozzetto_symmetry.tools.draw_line import DrawLine
 
 STATE = SymmetryState()
 TOOL = DrawLine()

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bozzetto.cli import main
-from bozzetto.exchange import ink_json
+from bozzetto.cli.main import main
+from bozzetto.exchange.ink import ink_json
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.plugin import Job
-from bozzetto.plugin.registry import Registry
-from bozzetto.workbench import Workbench
-from bozzetto_symmetry.stereo import MIRROR
+from bozzetto.plugin.host.registry import Registry
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import scenes as s
 
 ROOT = Path(__file__).parents[3]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from bozzetto.view.calibration.checking import spread_most
-from bozzetto.view.calibration.direct import DirectCamera, Parts, direct_linear_transform
+from bozzetto.view.calibration.dlt import DirectCamera, Parts, direct_linear_transform
+from bozzetto.view.calibration.input_checks import spread_most
 from bozzetto.view.calibration.prediction import Help, Places, most_helpful, predicted
 from bozzetto.view.calibration.resection import Resection, resect
 

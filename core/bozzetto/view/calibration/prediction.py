@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.view.calibration.checking import REACH
+from bozzetto.view.calibration.input_checks import REACH
 from bozzetto.view.calibration.resection import Resection
 
 __all__ = ["Help", "Places", "most_helpful", "predicted"]

@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.view.calibration.adjustment import (
+from bozzetto.view.calibration.initial_guesses import resumed, starts
+from bozzetto.view.calibration.input_checks import framed
+from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
     STRAY,
     Adjusted,
@@ -25,11 +27,9 @@ from bozzetto.view.calibration.adjustment import (
     freedom,
     variance,
 )
-from bozzetto.view.calibration.checking import framed
-from bozzetto.view.calibration.framing import Framing
+from bozzetto.view.calibration.normalization import Framing
+from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, scrutinised
 from bozzetto.view.calibration.pose import Poses
-from bozzetto.view.calibration.scrutiny import REMAINING, Scrutiny, scrutinised
-from bozzetto.view.calibration.starts import resumed, starts
 from bozzetto.view.camera import Camera
 
 __all__ = ["Kind", "Resection", "resect"]

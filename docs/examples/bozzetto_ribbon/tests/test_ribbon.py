@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.plugin.testing import ModelerContract
+from bozzetto.testing import ModelerContract
 from bozzetto.view import Camera
 
 RIBBON = "example.ribbon"

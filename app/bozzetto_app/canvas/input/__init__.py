@@ -1,0 +1,1 @@
+"""From Qt's events to strokes, taps and drags."""

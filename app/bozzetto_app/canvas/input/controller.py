@@ -1,0 +1,555 @@
+"""The hand on the sheet: from events of pen, mouse and fingers to calls of the session.
+
+One machine (`gestures`) decides what is meant. While ink flows the handlers only copy the
+event; everything else happens once per round of the event loop in `_drain`.
+"""
+
+from __future__ import annotations
+
+import math
+from time import perf_counter
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
+from PySide6.QtGui import QEventPoint, QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
+
+from bozzetto.ink.stroke import Stroke, StrokeTool
+from bozzetto.scene.display_list import Handle
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import orbit, pan, zoom
+from bozzetto_app.canvas.input.handle_picking import HANDLE_REACH, INKING_REACH, HandleTargets
+from bozzetto_app.canvas.input.state_machine import (
+    TAP_TRAVEL,
+    Button,
+    GestureMachine,
+    Mode,
+    Motion,
+    Outcome,
+    Pointer,
+    Press,
+)
+from bozzetto_app.canvas.input.stroke_samples import Clock, PressureCurve, RawSample, SampleColumns
+from bozzetto_app.canvas.input.tablet_events import (
+    button_of,
+    is_echo,
+    is_eraser,
+    is_held,
+    keys_of,
+    mouse_sample,
+    tablet_sample,
+)
+from bozzetto_app.canvas.input.touch import Fingers, middle_and_spread
+from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
+
+if TYPE_CHECKING:
+    from bozzetto_app.session.session import Session
+    from bozzetto_app.session.toolbox import ToolInfo
+
+__all__ = ["Hand"]
+
+REPORT_INTERVAL: Final = 1.0 / 30.0
+"""Least time between two reports of the stroke so far, seconds."""
+
+ZOOM_PER_PIXEL: Final = 0.01
+"""Natural logarithm of the enlargement for a pixel of drag."""
+
+ZOOM_PER_NOTCH: Final = 1.2
+"""Enlargement for one notch of the wheel."""
+
+NOTCH: Final = 120.0
+"""Qt's angle of one notch, eighths of a degree."""
+
+_MOVE: Final = QEvent.Type.TabletMove
+_TIP_ALONE: Final = Qt.MouseButton.LeftButton
+
+
+_MEANT: Final = {Mode.NAVIGATING: "turn", Mode.TAPPING: "tap"}
+"""What a press was taken for; in the other modes a stroke."""
+
+
+class Hand(QObject):
+    """Turns input into gestures, and gestures into what the session does.
+
+    Parameters
+    ----------
+    session : Session
+    overlay : InkOverlay
+        Where wet ink, the ring and the hot handle are shown.
+
+    Signals
+    -------
+    pressed
+        Something goes down: the view must be at rest when this returns.
+    menu_pressed, menu_moved : QPointF; menu_released : bool
+        The menu button; whether its release was a flick.
+    aimed : QPointF; aim_ended
+        A place is being sought that must be met exactly; no longer.
+    ink_began, mode_changed
+    came_to_nothing : str
+        A press was let go, and it was none of the gestures that mean something: "turn", "tap"
+        or "stroke" says what it was taken for.
+    """
+
+    pressed = Signal()
+    menu_pressed = Signal(QPointF)
+    menu_moved = Signal(QPointF)
+    menu_released = Signal(bool)
+    aimed = Signal(QPointF)
+    aim_ended = Signal()
+    ink_began = Signal()
+    mode_changed = Signal()
+    came_to_nothing = Signal(str)
+
+    def __init__(self, session: Session, overlay: InkOverlay) -> None:
+        super().__init__(overlay)
+        self.machine = GestureMachine()
+        self.curve = PressureCurve()
+        self.space_held = False
+        self._session = session
+        self._overlay = overlay
+        self._targets: HandleTargets | None = None
+        self._columns: SampleColumns | None = None
+        self._camera: Camera = session.camera
+        self._pivot: NDArray[np.float64] = np.zeros(3)
+        self._recording = False
+        self._seeking = False
+        self._fresh: list[RawSample] = []
+        self._newest: RawSample | None = None
+        self._lasting = Clock()
+        self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
+        self._tool: StrokeTool = "pen"
+        self._fingers: Fingers | None = None
+        self._reported = -math.inf
+        self._due = False
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._drain)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._report)
+
+    # -- pen ----------------------------------------------------------------------------------
+
+    def tablet(self, event: QTabletEvent) -> None:
+        """Take a tablet event; it is always accepted, or Qt would send a mouse event too."""
+        event.accept()
+        kind = event.type()
+        if kind == _MOVE:
+            if event.buttons() != _TIP_ALONE:  # seldom, and dearer to look at
+                self._end_unseen("pen", event)
+            if self._recording and self._tool != "mouse":
+                self._keep(tablet_sample(event))
+                return
+        self.machine.see_pen(perf_counter())
+        button = button_of(event.button())
+        if kind == QEvent.Type.TabletPress and button is not None:
+            self._press("pen", button, tablet_sample(event), event, eraser=is_eraser(event))
+        elif kind == QEvent.Type.TabletRelease and button is not None:
+            self._release("pen", button, tablet_sample(event), event)
+        elif kind == _MOVE:
+            self._move("pen", event.position(), event, eraser=is_eraser(event))
+
+    def pen_came(self) -> None:
+        """The pen is near: fingers are a palm from now on."""
+        self.machine.see_pen(perf_counter())
+        if self.machine.owns("touch"):
+            self.cancel()
+
+    def pen_left(self) -> None:
+        """The pen has gone; a stroke that was not lifted ends here."""
+        self.machine.lose_pen(perf_counter())
+        self._overlay.set_hover(None)
+        if self.machine.owns("pen"):
+            self.end()
+
+    # -- mouse --------------------------------------------------------------------------------
+
+    def mouse_pressed(self, event: QMouseEvent) -> None:
+        """Take a press of the mouse's own, not an echo of the pen."""
+        event.accept()
+        button = button_of(event.button())
+        if button is not None and self._is_mouse(event):
+            self._press("mouse", button, mouse_sample(event), event)
+
+    def mouse_moved(self, event: QMouseEvent) -> None:
+        """Take a movement of the mouse."""
+        event.accept()
+        if not self._is_mouse(event):
+            return
+        self._end_unseen("mouse", event)
+        if self._recording and self.machine.owns("mouse"):
+            self._keys = keys_of(event.modifiers(), space=self.space_held)
+            self._keep(mouse_sample(event))
+            return
+        self._move("mouse", event.position(), event)
+
+    def mouse_released(self, event: QMouseEvent) -> None:
+        """Take a release of the mouse."""
+        event.accept()
+        button = button_of(event.button())
+        if button is not None and not is_echo(event):
+            self._release("mouse", button, mouse_sample(event), event)
+
+    def _is_mouse(self, event: QMouseEvent) -> bool:
+        if is_echo(event):
+            return False
+        return self.machine.owns("mouse") or self.machine.listens_to_mouse(perf_counter())
+
+    def wheel(self, event: QWheelEvent) -> None:
+        """Zoom to the place under the cursor."""
+        event.accept()
+        turned = event.angleDelta().y() or event.angleDelta().x()
+        if self.machine.mode is not Mode.IDLE or not turned:
+            return
+        self.pressed.emit()
+        place = event.position()
+        factor = ZOOM_PER_NOTCH ** (turned / NOTCH)
+        at = self._under(place.x(), place.y())
+        camera: Camera = self._session.camera
+        held = self._session.advising.holds_eye(camera)
+        self._session.set_camera(zoom(camera, factor, at=at, eye_fixed=held))
+
+    # -- fingers ------------------------------------------------------------------------------
+
+    def touch(self, event: QTouchEvent) -> None:
+        """Turn, move and zoom the view, unless the touch is a palm's."""
+        event.accept()
+        now = perf_counter()
+        places = [p.position() for p in event.points() if p.state() != QEventPoint.State.Released]
+        if not self.machine.owns("touch"):
+            began = event.type() == QEvent.Type.TouchBegin and places
+            if not began or not self.machine.listens_to_touch(now):
+                return
+            self.pressed.emit()
+            first = places[0]
+            if not self.machine.begin(Press("touch", Button.TIP, first.x(), first.y(), now)):
+                return
+            self._camera = self._session.camera
+            self._fingers = None
+        if not places or event.type() == QEvent.Type.TouchCancel:
+            self.machine.release("touch", Button.TIP, now)
+            return
+        if self._fingers is None or self._fingers.count != len(places):
+            (x, y), _ = middle_and_spread(places)
+            self._fingers = Fingers(places, self._under(x, y))
+        else:
+            camera: Camera = self._session.camera
+            held = self._session.advising.holds_eye(camera)
+            self._session.set_camera(self._fingers.moved(places, camera, eye_fixed=held))
+
+    # -- gestures -----------------------------------------------------------------------------
+
+    def cancel(self) -> bool:
+        """Drop the gesture under way (Esc); say whether there was one."""
+        mode = self.machine.cancel()
+        if mode is Mode.NAVIGATING:
+            self._session.set_camera(self._camera)
+        if mode.records or mode is Mode.AIMING:
+            self._forget()
+            self._session.pen_cancelled()
+        self.mode_changed.emit()
+        return mode is not Mode.IDLE
+
+    def end(self) -> None:
+        """End the gesture under way as if its pointer had been lifted where it was seen last.
+
+        For when nobody will tell of the lift: the window was put away, the pen has left. What
+        was drawn is kept.
+        """
+        press = self.machine.press
+        if press is None:
+            return
+        if press.pointer == "touch":
+            self.machine.release("touch", press.button, perf_counter())
+            self.mode_changed.emit()
+        else:
+            self._conclude(press.pointer, press.button, perf_counter() - press.t)
+
+    def _end_unseen(self, pointer: Pointer, event: QTabletEvent | QMouseEvent) -> None:
+        """End a gesture whose button was let go while somebody else had the pointer.
+
+        Another program, or a window over this one, may have taken it; without this the stroke
+        would go on with no button down, and the next press would be taken for a second one.
+        """
+        press = self.machine.press
+        if press is not None and press.pointer == pointer and not is_held(press.button, event):
+            self.end()
+
+    def scene_or_view_changed(self) -> None:
+        """Handles may stand elsewhere now."""
+        self._targets = None
+
+    def leave(self) -> None:
+        """The pointer has left the canvas."""
+        self._overlay.set_hover(None)
+        self._overlay.set_hot_handle(None)
+
+    def _press(
+        self,
+        pointer: Pointer,
+        button: Button,
+        sample: RawSample,
+        event: QTabletEvent | QMouseEvent,
+        *,
+        eraser: bool = False,
+    ) -> None:
+        if self.machine.owns(pointer, button):
+            self.end()  # a button that goes down was up
+        self.pressed.emit()
+        takes, aims = self._takes(), self._aims()
+        found = self._handle_under(sample.x, sample.y)
+        press = Press(
+            pointer,
+            button,
+            sample.x,
+            sample.y,
+            sample.received,
+            keys_of(event.modifiers(), space=self.space_held),
+            eraser,
+            found[0].id if found is not None else "",
+            takes,
+            aims,
+        )
+        if not self.machine.begin(press):
+            return
+        self._keys = press.keys
+        self._lasting = Clock()
+        self._lasting(sample.stamp, sample.received)
+        self._camera = self._session.camera
+        mode = self.machine.mode
+        if mode.records:
+            self._tool = "mouse" if pointer == "mouse" else "eraser" if eraser else "pen"
+            self._columns = SampleColumns(self.curve, has_pressure=pointer == "pen")
+            self._recording = True
+            self._seeking = aims and mode is Mode.DRAGGING
+            self._reported = -math.inf
+            if mode is not Mode.DRAGGING:
+                self._overlay.begin(erasing=mode is Mode.ERASING)
+                self.ink_began.emit()
+            self._keep(sample)
+            self._drain()
+        elif mode is Mode.NAVIGATING:
+            self._pivot = self._under(sample.x, sample.y)
+        elif mode is Mode.AIMING:
+            self._seeking = True
+            self._reported = -math.inf
+            self._seek()
+        elif mode is Mode.CHOOSING:
+            self.menu_pressed.emit(QPointF(sample.x, sample.y))
+        if mode is not Mode.DRAGGING:
+            self._overlay.set_hover(None)
+        self.mode_changed.emit()
+
+    def _move(
+        self,
+        pointer: Pointer,
+        place: QPointF,
+        event: QTabletEvent | QMouseEvent,
+        *,
+        eraser: bool = False,
+    ) -> None:
+        mode = self.machine.mode
+        if mode is Mode.IDLE:
+            self._hover(place.x(), place.y(), eraser=eraser)
+            return
+        if not self.machine.owns(pointer):
+            return
+        self.machine.move(place.x(), place.y())
+        if mode is Mode.NAVIGATING:
+            self._turn(place.x(), place.y())
+        elif mode is Mode.AIMING:
+            self._seek()
+        elif mode is Mode.CHOOSING:
+            self.menu_moved.emit(place)
+
+    def _release(
+        self,
+        pointer: Pointer,
+        button: Button,
+        sample: RawSample,
+        event: QTabletEvent | QMouseEvent,
+    ) -> None:
+        if not self.machine.owns(pointer, button):
+            return
+        if self._recording:
+            self._keys = keys_of(event.modifiers(), space=self.space_held)
+            last = self._newest
+            if last is None or (last.x, last.y) != (sample.x, sample.y):
+                self._keep(self._as_lifted(sample))
+        else:
+            self.machine.move(sample.x, sample.y)
+            if self.machine.mode is Mode.NAVIGATING:
+                self._turn(sample.x, sample.y)
+        self._conclude(pointer, button, self._lasting(sample.stamp, sample.received))
+
+    def _conclude(self, pointer: Pointer, button: Button, lasted: float) -> None:
+        """End the gesture, which took so many seconds of the hand's time."""
+        if self._recording:
+            self._drain()
+        press, columns, place = self.machine.press, self._columns, self.machine.place
+        mode, travel = self.machine.mode, self.machine.travel
+        outcome = self.machine.release(pointer, button, press.t + lasted if press else 0.0)
+        stroke = self._stroke(columns) if columns is not None and self._recording else None
+        was_recording = self._recording
+        self._forget(keep_wet=outcome is Outcome.STROKE)
+        if outcome is Outcome.STROKE and stroke is not None:
+            self._session.pen_lifted(stroke)
+            self._overlay.clear_wet()
+        elif outcome is Outcome.DROP and stroke is not None and press is not None:
+            self._session.handle_released(
+                press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
+            )
+        elif outcome is Outcome.TAP and press is not None:
+            x, y = place if press.aims else (press.x, press.y)
+            self._session.tapped(x, y, shift=press.keys.shift, ctrl=press.keys.ctrl)
+        elif outcome in (Outcome.FLICK, Outcome.MENU):
+            self.menu_released.emit(outcome is Outcome.FLICK)
+        elif was_recording:
+            self._session.pen_cancelled()
+        if outcome is Outcome.NOTHING and (mode is not Mode.NAVIGATING or travel < TAP_TRAVEL):
+            self.came_to_nothing.emit(_MEANT.get(mode, "stroke"))
+        self.mode_changed.emit()
+
+    def _forget(self, *, keep_wet: bool = False) -> None:
+        self._recording = False
+        self._fresh.clear()
+        self._newest = None
+        self._columns = None
+        self._soon.stop()
+        self._later.stop()
+        self._due = False
+        if self._seeking:
+            self._seeking = False
+            self.aim_ended.emit()
+        if not keep_wet:
+            self._overlay.clear_wet()
+
+    # -- ink ----------------------------------------------------------------------------------
+
+    def _keep(self, sample: RawSample) -> None:
+        """Take a sample; what is done with it is done once a round of the event loop."""
+        self._fresh.append(sample)
+        self._newest = sample
+        if not self._due:
+            self._due = True
+            self._soon.start()
+
+    def _drain(self) -> None:
+        """Paint and keep the samples that came since the last round."""
+        self._due = False
+        columns = self._columns
+        if columns is None or not self._fresh:
+            return
+        fresh, self._fresh = self._fresh, []
+        painted = []
+        for raw in fresh:
+            pressure = columns.append(raw)
+            self.machine.move(raw.x, raw.y)
+            painted.append((raw.x, raw.y, pressure))
+        if self.machine.mode is not Mode.DRAGGING:
+            self._overlay.extend(painted)
+        elif self._seeking:
+            self.aimed.emit(QPointF(*self.machine.place))
+        self._report_in_time()
+
+    def _seek(self) -> None:
+        """Follow a tap that is aimed."""
+        self.aimed.emit(QPointF(*self.machine.place))
+        self._report_in_time()
+
+    def _report_in_time(self) -> None:
+        wait = REPORT_INTERVAL - (perf_counter() - self._reported)
+        if wait <= 0:
+            self._report()
+        elif not self._later.isActive():
+            self._later.start(math.ceil(1000.0 * wait))
+
+    def _report(self) -> None:
+        """Tell the session how the gesture stands, at most 30 times a second."""
+        press, columns = self.machine.press, self._columns
+        if press is None:
+            return
+        self._reported = perf_counter()
+        self._later.stop()
+        if self.machine.mode is Mode.AIMING:
+            keys = press.keys
+            self._session.tap_moved(*self.machine.place, shift=keys.shift, ctrl=keys.ctrl)
+            return
+        if columns is None or not len(columns):
+            return
+        stroke = self._stroke(columns)
+        if self.machine.mode is Mode.DRAGGING:
+            self._session.handle_moved(
+                press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
+            )
+        else:
+            self._session.pen_moved(stroke)
+
+    def _stroke(self, columns: SampleColumns) -> Stroke:
+        return columns.stroke(self._camera, self._tool)
+
+    def _as_lifted(self, sample: RawSample) -> RawSample:
+        """A release reports no pressure; the line ends as wide as it was."""
+        last = self._newest
+        return sample if last is None else sample._replace(pressure=last.pressure)
+
+    # -- view ---------------------------------------------------------------------------------
+
+    def _turn(self, x: float, y: float) -> None:
+        press = self.machine.press
+        if press is None:
+            return
+        dx, dy = x - press.x, y - press.y
+        held = self._session.advising.holds_eye(self._camera)
+        if self.machine.motion is Motion.ORBIT:
+            camera = orbit(self._camera, dx, dy, self._pivot)
+        elif self.machine.motion is Motion.PAN:
+            camera = pan(self._camera, dx, dy, self._pivot, eye_fixed=held)
+        else:
+            factor = math.exp(-ZOOM_PER_PIXEL * dy)
+            camera = zoom(self._camera, factor, at=self._pivot, eye_fixed=held)
+        self._session.set_camera(camera)
+
+    def _under(self, x: float, y: float) -> NDArray[np.float64]:
+        """The place in the world under a canvas position: on a surface, else on the sheet."""
+        camera: Camera = self._session.camera
+        hits = cast_rays(self._session.scene, camera.rays([(x, y)]))
+        if hits.hit[0]:
+            return np.asarray(hits.points[0])
+        return np.asarray(camera.on_plane([(x, y)], camera.target, camera.axes[2])[0])
+
+    # -- hovering -----------------------------------------------------------------------------
+
+    def _hover(self, x: float, y: float, *, eraser: bool) -> None:
+        found = None if eraser else self._handle_under(x, y)
+        if found is None:
+            self._overlay.set_hot_handle(None)
+            inks = eraser or self._takes() == "ink"
+            self._overlay.set_hover((x, y) if inks else None, erasing=eraser)
+        else:
+            handle, hx, hy = found
+            self._overlay.set_hover(None)
+            self._overlay.set_hot_handle((hx, hy), handle.color)
+
+    def _handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
+        if self._targets is None:
+            shown = self._session.scene.under(self._session.advising.scene)
+            self._targets = HandleTargets(shown, self._session.camera)
+        exact = self._takes() == "ink" or self._aims()
+        reach = INKING_REACH if exact else HANDLE_REACH
+        return self._targets.under(x, y, reach)
+
+    def _takes(self) -> Literal["ink", "tap", "drag"]:
+        """What the active tool wants."""
+        tool = self._tool_in_hand()
+        return "ink" if tool is None else tool.gesture
+
+    def _aims(self) -> bool:
+        """Whether the active tool wants places that are met exactly."""
+        tool = self._tool_in_hand()
+        return tool is not None and tool.aims
+
+    def _tool_in_hand(self) -> ToolInfo | None:
+        active = self._session.active_tool
+        return next((tool for tool in self._session.tools if tool.id == active), None)

@@ -1,0 +1,68 @@
+"""Files and pictures that are dropped on the sheet, or pasted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QMimeData
+from PySide6.QtGui import QImage
+
+from bozzetto.exchange.import_file import is_picture
+from bozzetto_app.i18n import tr
+from bozzetto_app.session.files import DOCUMENT_ENDING
+
+if TYPE_CHECKING:
+    from bozzetto_app.session.session import Session
+
+__all__ = ["carries_something", "dropped_files", "take", "take_file"]
+
+
+def dropped_files(data: QMimeData) -> list[Path]:
+    """The files on this machine that a drag carries."""
+    paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
+    return [path for path in paths if path.is_file()]
+
+
+def carries_something(data: QMimeData) -> bool:
+    """Whether there is a file or a picture in a drag, or on the clipboard."""
+    return bool(dropped_files(data)) or data.hasImage()
+
+
+def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bool:
+    """Take what was dropped or pasted.
+
+    Parameters
+    ----------
+    session : Session
+    data : QMimeData, optional
+        A drag out of a browser may carry the picture itself and no file; of a clipboard that
+        belongs to nobody there is none at all.
+    under : bool
+        Whether pictures are to lie under the sheet in any case.
+
+    Returns
+    -------
+    bool
+        Whether there was anything to take.
+    """
+    if data is None:
+        return False
+    paths = dropped_files(data)
+    for path in paths:
+        if under and is_picture(path):
+            session.picturing.take_file(path, under=True)
+        else:
+            take_file(session, path)
+    image = data.imageData() if not paths and data.hasImage() else None
+    if isinstance(image, QImage):
+        session.picturing.take_image(image, tr("Session", "Picture"), under=under)
+    return bool(paths) or isinstance(image, QImage)
+
+
+def take_file(session: Session, path: Path) -> None:
+    """Open a document; bring anything else into the one that is open."""
+    if path.suffix.lower() == DOCUMENT_ENDING:
+        session.open(path)
+    else:
+        session.import_file(path)

@@ -1,0 +1,88 @@
+"""The one line on an empty sheet."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from PySide6.QtCore import QEasingCurve, QPropertyAnimation, Qt
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QGraphicsOpacityEffect, QWidget
+
+from bozzetto.scene.palette import LIGHT, Palette
+from bozzetto_app.style.colors import readable
+from bozzetto_app.style.theme import qcolor
+
+__all__ = ["SheetHint"]
+
+FADE: Final = 400
+"""Length of the fading, milliseconds."""
+
+PLATE: Final = 16
+"""How far the plate under the line reaches beyond it, pixels."""
+
+LARGER: Final = 1.5
+"""Size of the line against the system's type."""
+
+
+class SheetHint(QWidget):
+    """Says what to do first, and fades with the first ink."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.text = ""
+        self.left = 0
+        """How much of the sheet's left is covered by something else, pixels."""
+        self._palette: Palette = LIGHT
+        self._fading: QPropertyAnimation | None = None
+        self.hide()
+
+    def set_colors(self, palette: Palette) -> None:
+        """Use the colours of a theme."""
+        self._palette = palette
+        self.update()
+
+    def say(self, text: str) -> None:
+        """Show a line; "" shows nothing."""
+        if self._fading is not None:
+            self._fading.stop()
+            self._fading = None
+        self.setGraphicsEffect(None)  # type: ignore[arg-type]  # Qt documents null
+        self.text = text
+        self.setAccessibleName(text)
+        self.setVisible(bool(text))
+        self.update()
+
+    def fade(self) -> None:
+        """Take the line away softly."""
+        if not self.isVisible() or self._fading is not None:
+            return
+        effect = QGraphicsOpacityEffect(self)
+        self.setGraphicsEffect(effect)
+        self._fading = QPropertyAnimation(effect, b"opacity", self)
+        self._fading.setDuration(FADE)
+        self._fading.setStartValue(1.0)
+        self._fading.setEndValue(0.0)
+        self._fading.setEasingCurve(QEasingCurve.Type.OutCubic)
+        self._fading.finished.connect(lambda: self.say(""))
+        self._fading.start()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        font = self.font()
+        font.setPointSizeF(font.pointSizeF() * LARGER)
+        painter.setFont(font)
+        palette = self._palette
+        painter.setPen(qcolor(readable(palette.ghost, palette.ink, palette.paper)))
+        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+        room = self.rect().adjusted(self.left + PLATE, 0, -PLATE, 0)
+        words = painter.boundingRect(room, int(flags), self.text)
+        # On a plate of paper: a modeler may show a box, or a picture, beneath.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        ink = painter.pen()
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(qcolor(palette.paper, 0.85))
+        painter.drawRoundedRect(words.adjusted(-PLATE, -PLATE // 2, PLATE, PLATE // 2), 8, 8)
+        painter.setPen(ink)
+        painter.drawText(room, flags, self.text)
+        painter.end()

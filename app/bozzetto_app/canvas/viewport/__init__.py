@@ -1,0 +1,1 @@
+"""The two backends that show a scene: software and OpenGL."""

@@ -1,0 +1,226 @@
+"""The software viewport: frames of the core's renderer, made beside the window's thread.
+
+The newest request wins. While the view turns, or while what is shown changes faster than frames
+can be made, frames are rendered smaller, and sharpened once there is rest. A full frame that has
+taken long already is given up for a newer request; a smaller one never is, so that there is
+always something to see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QWidget
+
+from bozzetto.errors import Cancelled
+from bozzetto.plugin.job import Job
+from bozzetto.scene.display_list import EMPTY, Scene
+from bozzetto.scene.grid import ground_grid, ground_height
+from bozzetto.scene.palette import LIGHT, Palette
+from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.viewport.protocol import Shading
+from bozzetto_app.workers.channel import Channel, Request
+
+__all__ = ["SoftwareViewport"]
+
+REST: Final = 120
+"""How long the view must rest before a frame is sharpened, milliseconds."""
+
+FAST_ENOUGH: Final = 0.045
+"""Longest time of a full frame with which turning still feels smooth, seconds."""
+
+PATIENCE: Final = 0.1
+"""How long a full frame goes on while a newer one is wanted, seconds."""
+
+COARSE: Final = 0.5
+"""Resolution of a frame while the view turns and full ones are too slow."""
+
+
+def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
+    """A QImage of its own from rows of RGBA, shape (h, w, 4)."""
+    rows = np.ascontiguousarray(pixels)
+    height, width = rows.shape[:2]
+    image = QImage(
+        rows.data, width, height, 4 * width, QImage.Format.Format_RGBA8888
+    ).convertToFormat(QImage.Format.Format_RGB32)
+    image.setDevicePixelRatio(scale)
+    return image
+
+
+class SoftwareViewport(QWidget):
+    """Shows frames made by `bozzetto.scene.renderer.render`.
+
+    Signals
+    -------
+    first_painted
+        The widget has been on the screen once.
+    """
+
+    first_painted = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self._scene: Scene = EMPTY
+        self._live: Scene = EMPTY
+        self._camera = Camera()
+        self._palette: Palette = LIGHT
+        self._shading: Shading = "clay"
+        self._grid = True
+        self._frame = QImage()
+        self._frame_time = 0.0
+        self._asked = 0
+        self._was_overtaken = False
+        self._was_painted = False
+        self._channel = Channel("frames", parent=self)
+        self._rest = QTimer(self, singleShot=True, interval=REST)
+        self._rest.timeout.connect(self._sharpen)
+
+    # -- ViewportBackend ----------------------------------------------------------------------
+
+    @property
+    def widget(self) -> QWidget:
+        """Itself."""
+        return self
+
+    def set_scene(self, scene: Scene) -> None:
+        """Show this scene."""
+        self._scene = scene
+        self._ask()
+
+    def set_live(self, scene: Scene) -> None:
+        """Show this on top, or in place of layers, for as long as the pen is down."""
+        if scene is not self._live:
+            self._live = scene
+            self._ask()
+
+    def set_camera(self, camera: Camera) -> None:
+        """Look through this camera."""
+        if camera != self._camera:
+            self._camera = camera
+            self._rest.start()
+            self._ask()
+
+    def set_palette(self, palette: Palette) -> None:
+        """Use the colours of a theme."""
+        self._palette = palette
+        self._ask()
+
+    def set_style(self, shading: Shading, grid: bool) -> None:
+        """Say how surfaces are shaded and whether the ground is shown."""
+        self._shading, self._grid = shading, grid
+        self._ask()
+
+    def grab(self) -> QImage:  # type: ignore[override]
+        """The picture as it is now, at full resolution."""
+        scale = self.devicePixelRatioF()
+        return to_image(self._work(scale)(Job()), scale)
+
+    def shown(self) -> QImage:
+        """The newest frame."""
+        return self._frame
+
+    def describe(self) -> str:
+        """Who draws."""
+        return "Software renderer (NumPy)"
+
+    def release(self) -> None:
+        """Nothing outlives it."""
+
+    # -- frames -------------------------------------------------------------------------------
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a newer frame than the one shown is on its way."""
+        return self._channel.busy or self._rest.isActive()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        if self._frame.isNull():
+            painter.fillRect(event.rect(), QColor(*self._palette.paper))
+        else:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            painter.drawImage(QRectF(self.rect()), self._frame)
+        painter.end()
+        if not self._was_painted:
+            self._was_painted = True
+            self.first_painted.emit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        self._ask()
+
+    def _ask(self) -> None:
+        """Request a frame of what is to be shown now."""
+        if self.width() < 2 or self.height() < 2:
+            return
+        if self._was_overtaken:
+            self._rest.start()
+        scale = self.devicePixelRatioF()
+        coarse = self._rest.isActive() and self._frame_time > FAST_ENOUGH
+        self._asked += 1
+        work = self._work(COARSE * scale if coarse else scale, None if coarse else self._asked)
+        begun = perf_counter()
+
+        def done(pixels: NDArray[np.uint8]) -> None:
+            if not coarse:
+                self._frame_time = perf_counter() - begun
+                self._was_overtaken = False
+            self._frame = to_image(pixels, 1.0)
+            self.update()
+
+        self._channel.submit(Request(work, done, self._failed))
+
+    def _sharpen(self) -> None:
+        """Request a full frame, now that there is rest."""
+        self._was_overtaken = False
+        self._ask()
+
+    def _work(self, scale: float, number: int | None = None) -> Callable[[Job], NDArray[np.uint8]]:
+        """A function that renders what is set now, for a worker.
+
+        A frame with a number is given up where it takes long and a later one is asked for.
+        """
+        from bozzetto.scene.renderer import render
+
+        size = (self.width(), self.height())
+        camera = self._camera.with_viewport(*size)
+        solid, live, grid = self._scene, self._live, self._grid
+        palette, shading = self._palette, self._shading
+
+        def work(job: Job) -> NDArray[np.uint8]:
+            begun = perf_counter()
+
+            def checkpoint() -> None:
+                spent = perf_counter() - begun
+                if number is not None and number != self._asked and spent > PATIENCE:
+                    self._was_overtaken = True
+                    self._frame_time = max(self._frame_time, spent)
+                    raise Cancelled("a newer frame is wanted")
+                job.checkpoint(0.0, "frame")
+
+            scene = solid.under(live)
+            if grid:
+                ground = ground_grid(camera, ground_height(solid.bounds()))
+                scene = Scene((ground, *scene.layers))
+            return render(
+                scene,
+                camera,
+                palette,
+                size=size,
+                scale=scale,
+                shading=shading,
+                checkpoint=checkpoint,
+            )
+
+        return work
+
+    @staticmethod
+    def _failed(error: BaseException) -> None:
+        raise error

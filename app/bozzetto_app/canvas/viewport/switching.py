@@ -1,0 +1,195 @@
+"""From the software viewport, which is there at once, to OpenGL, and back if it fails."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Final
+
+from PySide6.QtCore import QObject, QRect, Qt, QTimer
+from PySide6.QtWidgets import QWidget
+
+from bozzetto.plugin.job import Job
+from bozzetto.scene.palette import Palette
+from bozzetto_app.canvas.viewport.protocol import (
+    Shading,
+    ViewportBackend,
+    choose_backend,
+    may_use_gl,
+)
+from bozzetto_app.canvas.viewport.software import SoftwareViewport
+from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto_app.canvas.viewport.opengl import GLViewport
+    from bozzetto_app.session.session import Session
+
+__all__ = ["GL_PATIENCE", "Viewports"]
+
+log = logging.getLogger(__name__)
+
+GL_PATIENCE: Final = 4000
+"""How long the first OpenGL picture may take before the software one stays, milliseconds."""
+
+
+def _import_gl(job: Job) -> type[GLViewport]:
+    """Import pyqtgraph and OpenGL, which take half a second, beside the window."""
+    from bozzetto_app.canvas.viewport.opengl import GLViewport
+
+    return GLViewport
+
+
+class Viewports(QObject):
+    """Keeps the viewport that is shown, and the OpenGL one while it has to prove itself.
+
+    Parameters
+    ----------
+    session : Session
+        Whose scene and view are shown.
+    canvas : QWidget
+        Parent of the viewports, which lie below its other children.
+    palette : Palette
+    """
+
+    def __init__(self, session: Session, canvas: QWidget, palette: Palette) -> None:
+        super().__init__(canvas)
+        self._session = session
+        self._canvas = canvas
+        self._colors = palette
+        self._style: tuple[Shading, bool] = ("clay", True)
+        self._rising: GLViewport | None = None
+        self._imports = Channel("import-gl", parent=self)
+        if may_use_gl():
+            from PySide6.QtOpenGLWidgets import QOpenGLWidget
+
+            # A window that gets its first OpenGL child later is made anew: it would vanish
+            # and come back under the person's eyes. A hidden child from the start avoids it.
+            QOpenGLWidget(canvas).hide()
+        software = SoftwareViewport(canvas)
+        software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
+        self.current: ViewportBackend = software
+        """The viewport that is shown."""
+
+    @property
+    def is_proving(self) -> bool:
+        """Whether an OpenGL viewport still has to prove itself."""
+        return self._rising is not None
+
+    # -- what they show -------------------------------------------------------------------------
+
+    def show_all(self) -> None:
+        """Show everything as it is now."""
+        self.set_palette(self._colors)
+        self.show_style()
+        self.show_camera()
+        self.show_scene()
+        self.show_live()
+
+    def show_scene(self) -> None:
+        """Show the session's scene."""
+        for viewport in self._both():
+            viewport.set_scene(self._session.scene)
+
+    def show_live(self) -> None:
+        """Show what is there only while the pen is down."""
+        for viewport in self._both():
+            viewport.set_live(self._session.live_scene)
+
+    def show_camera(self) -> None:
+        """Look through the session's camera."""
+        for viewport in self._both():
+            viewport.set_camera(self._session.camera)
+
+    def show_style(self) -> None:
+        """Shade and show the ground as the session says.
+
+        Where a picture was drawn from, its own ground is what is seen.
+        """
+        session = self._session
+        grid = session.show_grid and not session.advising.holds_eye(session.camera)
+        self._style = session.shading, grid
+        for viewport in self._both():
+            viewport.set_style(*self._style)
+
+    def show_advice(self) -> None:
+        """See whether the view stands where a picture was drawn from."""
+        session = self._session
+        held = session.advising.holds_eye(session.camera)
+        if self._style != (session.shading, session.show_grid and not held):
+            self.show_style()
+
+    def set_palette(self, palette: Palette) -> None:
+        """Use the colours of a theme."""
+        self._colors = palette
+        for viewport in self._both():
+            viewport.set_palette(palette)
+
+    def set_geometry(self, area: QRect) -> None:
+        """Fill a part of the canvas."""
+        for viewport in self._both():
+            viewport.widget.setGeometry(area)
+
+    def release(self) -> None:
+        """Give back what would outlive the window."""
+        for viewport in self._both():
+            viewport.release()
+
+    def _both(self) -> list[ViewportBackend]:
+        return [self.current] if self._rising is None else [self.current, self._rising]
+
+    # -- the change -----------------------------------------------------------------------------
+
+    def _painted_first(self) -> None:
+        """The window is on the screen: now there is time to see whether OpenGL works."""
+        if choose_backend() == "gl":
+            self._imports.submit(Request(_import_gl, self._raise_gl, self._missing))
+
+    def _missing(self, problem: BaseException) -> None:
+        # PyOpenGL raises AttributeError where the system has no GL library at all.
+        if not isinstance(problem, ImportError | OSError | AttributeError):
+            raise problem
+        log.warning("no OpenGL viewport: %s", problem)
+
+    def _raise_gl(self, viewport: type[GLViewport]) -> None:
+        """Make the OpenGL viewport below the software one, which stays until it is proved."""
+        rising = self._rising = viewport(self._canvas)
+        rising.proved.connect(self._proved, Qt.ConnectionType.QueuedConnection)
+        rising.failed.connect(self.give_up_gl, Qt.ConnectionType.QueuedConnection)
+        self.show_all()
+        rising.setGeometry(self.current.widget.geometry())
+        rising.stackUnder(self.current.widget)
+        rising.show()
+        QTimer.singleShot(GL_PATIENCE, self, self._late)
+
+    def _proved(self) -> None:
+        if self._rising is not None:
+            software, self.current, self._rising = self.current, self._rising, None
+            _remove(software.widget)
+
+    def _late(self) -> None:
+        if self._rising is not None:
+            self.give_up_gl("no picture in time")
+
+    def give_up_gl(self, reason: str) -> None:
+        """Go (back) to the software viewport."""
+        log.warning("the OpenGL viewport failed: %s", reason)
+        if self._rising is not None:
+            self._rising.release()
+            failed: QWidget = self._rising
+            self._rising = None
+        elif isinstance(self.current, SoftwareViewport):
+            return
+        else:
+            self.current.release()
+            failed = self.current.widget
+            software = SoftwareViewport(self._canvas)
+            software.setGeometry(failed.geometry())
+            software.lower()
+            software.show()
+            self.current = software
+            self.show_all()
+        _remove(failed)
+
+
+def _remove(widget: QWidget) -> None:
+    widget.hide()
+    widget.deleteLater()

@@ -1,0 +1,355 @@
+"""The questions about files: where to, which one, and what about unsaved work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QDateTime, QLocale
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+from bozzetto.atomic_files import FileChanged, FileStamp, Over
+from bozzetto.document.recovery.file_lock import Locked
+from bozzetto.errors import UserError
+from bozzetto_app.i18n import tr
+from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
+from bozzetto_app.session.session import Session
+from bozzetto_app.settings import settings
+
+__all__ = ["FileQuestions"]
+
+PRINTED = frozenset({".stl", ".3mf"})
+"""Endings of files that are made for printers."""
+
+
+def _nothing() -> None:
+    """What happens after an answer that nobody waits for."""
+
+
+def said_of(problem: FileChanged | Locked) -> str:
+    """What stands in the way of a save, in a sentence."""
+    if isinstance(problem, Locked):
+        return tr(
+            "Files",
+            "{user} on {host} has this document open.",
+            user=problem.holder.user,
+            host=problem.holder.host,
+        )
+    name = problem.path.name
+    if problem.expected is None:
+        return tr("Files", "There is a file “{name}” already.", name=name)
+    return tr("Files", "“{name}” was changed by another program.", name=name)
+
+
+def explained(hindrance: Hindrance) -> str:
+    """What the person needs to know to choose."""
+    problem = hindrance.problem
+    if isinstance(problem, Locked):
+        return tr(
+            "Files",
+            "Take it over only if it is not being worked on there any more: who saves last "
+            "writes over the other.",
+        )
+    lines = [tr("Files", "On the disk: {facts}", facts=_facts(problem.found))]
+    if problem.expected is not None:
+        lines.append(tr("Files", "As you had it: {facts}", facts=_facts(problem.expected)))
+    return "\n".join(lines)
+
+
+def _facts(stamp: FileStamp) -> str:
+    """Time and size of a file."""
+    locale = QLocale()
+    when = QDateTime.fromMSecsSinceEpoch(stamp.modified // 1_000_000)
+    date = locale.toString(when.date(), QLocale.FormatType.ShortFormat)
+    return tr(
+        "Files",
+        "{date}, {time}, {bytes} bytes",
+        date=date,
+        time=when.toString("HH:mm:ss"),
+        bytes=locale.toString(stamp.size),
+    )
+
+
+class FileQuestions:
+    """Asks, then lets the session's files do it.
+
+    Parameters
+    ----------
+    session : Session
+    window : QWidget
+        The parent of the dialogs.
+    """
+
+    def __init__(self, session: Session, window: QWidget) -> None:
+        self._session = session
+        self._window = window
+        self._box: QMessageBox | None = None
+        session.files.when_hindered = self.ask_hindered
+        session.files.locked.connect(self.ask_take_over)
+
+    def ask_new(self) -> None:
+        """An empty sheet, once unsaved work is safe."""
+
+        def begin() -> None:
+            self._session.files.new()
+            self._session.tell(tr("Files", "A new sheet."))
+
+        self.when_safe(begin)
+
+    def ask_open(self) -> None:
+        """A document to open."""
+        documents = tr("Files", "Bozzetto documents ({endings})").format(
+            endings=f"*{DOCUMENT_ENDING}"
+        )
+        path = self._chosen(tr("Files", "Open a document"), documents)
+        if path is not None:
+            self.when_safe(lambda: self._session.files.open(path))
+
+    def ask_import(self) -> None:
+        """A drawing, mesh or picture to bring in."""
+        from bozzetto.exchange.formats import readers
+
+        endings = " ".join(f"*{ending}" for one in readers() for ending in one.endings)
+        kinds = tr("Files", "Drawings, meshes, pictures ({endings})").format(endings=endings)
+        path = self._chosen(tr("Files", "Import"), kinds)
+        if path is not None:
+            self._session.files.import_file(path)
+
+    def ask_underlay(self) -> None:
+        """A picture to lay under the sheet."""
+        from bozzetto.exchange.formats import readers
+
+        endings = " ".join(f"*{ending}" for one in readers("image") for ending in one.endings)
+        kinds = tr("Files", "Pictures ({endings})").format(endings=endings)
+        path = self._chosen(tr("Files", "Place a picture under the sheet"), kinds)
+        if path is not None:
+            self._session.picturing.take_file(path, under=True)
+
+    def paste(self, *, under: bool = False) -> None:
+        """Take the picture or the files that were copied elsewhere."""
+        from bozzetto_app.canvas.input.drag_and_drop import take
+
+        if not take(self._session, QGuiApplication.clipboard().mimeData(), under=under):
+            self._session.complain(
+                UserError(tr("Files", "There is no picture to paste. Copy one first."))
+            )
+
+    def ask_save(
+        self, then: Callable[[], None] = _nothing, refused: Callable[[], None] = _nothing
+    ) -> None:
+        """Save where the document lies, or ask for a place."""
+        if self._session.path is None or self._session.read_only:
+            self.ask_save_as(then, refused)
+        else:
+            self._session.files.save(None, then, refused)
+
+    def ask_save_as(
+        self, then: Callable[[], None] = _nothing, refused: Callable[[], None] = _nothing
+    ) -> None:
+        """A place for the document."""
+        documents = tr("Files", "Bozzetto documents ({endings})").format(
+            endings=f"*{DOCUMENT_ENDING}"
+        )
+        path, is_asked = self._place(tr("Files", "Save the document"), documents, DOCUMENT_ENDING)
+        if path is None:
+            refused()
+        else:
+            over = Over.ANYTHING if is_asked else None
+            self._session.files.save(path, then, refused, over=over)
+
+    def ask_hindered(self, hindrance: Hindrance) -> None:
+        """Say what stands in the way of a save, and let the person choose."""
+        if self._box is not None:
+            self._session.complain(hindrance.problem)
+            hindrance.leave()
+            return
+        box = QMessageBox(self._window)
+        box.setObjectName("hindered")
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(said_of(hindrance.problem))
+        box.setInformativeText(explained(hindrance))
+        beside = box.addButton(tr("Files", "Keep both"), QMessageBox.ButtonRole.AcceptRole)
+        takes = isinstance(hindrance.problem, Locked)
+        words = tr("Files", "Take over and save") if takes else tr("Files", "Overwrite")
+        anyway = box.addButton(words, QMessageBox.ButtonRole.DestructiveRole)
+        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(beside)
+
+        def answered() -> None:
+            self._box = None
+            box.deleteLater()
+            if box.clickedButton() is beside:
+                hindrance.keep_both()
+            elif box.clickedButton() is anyway:
+                hindrance.go_on()
+            else:
+                hindrance.leave()
+
+        self._box = box
+        box.finished.connect(answered)
+        box.open()
+
+    def ask_take_over(self, path: Path) -> None:
+        """A document can be looked at only: offer to take it over from who has it open."""
+        if self._box is not None:
+            return
+        box = QMessageBox(self._window)
+        box.setObjectName("locked")
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(tr("Files", "“{name}” is open somewhere else.", name=path.name))
+        box.setInformativeText(
+            tr(
+                "Files",
+                "You can look at it, and save it under another name. Take it over only if it "
+                "is not being worked on there any more.",
+            )
+        )
+        look = box.addButton(tr("Files", "Look at it"), QMessageBox.ButtonRole.RejectRole)
+        take = box.addButton(tr("Files", "Take over"), QMessageBox.ButtonRole.DestructiveRole)
+        box.setDefaultButton(look)
+
+        def answered() -> None:
+            self._box = None
+            box.deleteLater()
+            if box.clickedButton() is take:
+                self._session.files.take_over(path)
+
+        self._box = box
+        box.finished.connect(answered)
+        box.open()
+
+    def ask_export(self) -> None:
+        """A place and a format for the shapes."""
+        from bozzetto_app.session.format_order import offered_formats
+
+        kinds = ";;".join(
+            f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})"
+            for one in offered_formats(self._session)
+        )
+        path, is_asked = self._place(tr("Files", "Export"), kinds, "")
+        if path is not None and (is_asked or self._may_replace(path)):
+            self.when_printable(path, lambda: self._session.files.export(path))
+
+    def when_printable(self, path: Path, then: Callable[[], None]) -> None:
+        """Export, after asking where a printer's file would hold what does not print.
+
+        Parameters
+        ----------
+        path : Path
+            Its ending says whether it is for a printer.
+        then : callable
+            Called at once where nothing is known to stand in the way, else after the answer.
+        """
+        problems = _print_problems(self._session.report)
+        if path.suffix.lower() not in PRINTED or not problems or self._box is not None:
+            then()
+            return
+        box = QMessageBox(self._window)
+        box.setObjectName("printable")
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(tr("Files", "This may not print well."))
+        box.setInformativeText("\n\n".join(problems))
+        anyway = box.addButton(tr("Files", "Export anyway"), QMessageBox.ButtonRole.AcceptRole)
+        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(anyway)
+
+        def answered() -> None:
+            self._box = None
+            box.deleteLater()
+            if box.clickedButton() is anyway:
+                then()
+
+        self._box = box
+        box.finished.connect(answered)
+        box.open()
+
+    def when_safe(
+        self, then: Callable[[], None], refused: Callable[[], None] | None = None
+    ) -> None:
+        """Do something that would lose unsaved work, after asking about it.
+
+        Parameters
+        ----------
+        then : callable
+            Called at once where nothing would be lost, else after the answer.
+        refused : callable, optional
+            Called if the person would rather stay.
+        """
+        if not self._session.is_modified:
+            then()
+            return
+        stay = refused or _nothing
+        if self._box is not None:
+            self._box.raise_()
+            stay()
+            return
+        box = QMessageBox(self._window)
+        box.setObjectName("unsaved")
+        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setText(
+            tr("Files", "“{name}” has changes that are not saved.", name=self._session.title)
+        )
+        save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
+        drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
+        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(save)
+
+        def answered() -> None:
+            self._box = None
+            box.deleteLater()
+            if box.clickedButton() is drop:
+                self._session.files.given_up.emit()
+                then()
+            elif box.clickedButton() is save:
+                # Again: the person may draw on while it is being written.
+                self.ask_save(lambda: self.when_safe(then, refused), stay)
+            else:
+                stay()
+
+        # Not exec(): an event loop within an event loop would hold up a drop or a close.
+        self._box = box
+        box.finished.connect(answered)
+        box.open()
+
+    def _chosen(self, title: str, kinds: str) -> Path | None:
+        name, _ = QFileDialog.getOpenFileName(self._window, title, self._folder(), kinds)
+        return self._noted(name)
+
+    def _place(self, title: str, kinds: str, ending: str) -> tuple[Path | None, bool]:
+        """A place that was chosen; and whether the dialog asked about a file of that name."""
+        proposal = str(Path(self._folder()) / f"{self._session.title}{ending}")
+        name, chosen = QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
+        path = self._noted(name)
+        if path is None or path.suffix:
+            return path, not ending or (path is not None and path.suffix.lower() == ending)
+        first = chosen.partition("(*")[2].split(")")[0].split(" ")[0]
+        return path.with_name(path.name + (ending or first)), False
+
+    def _may_replace(self, path: Path) -> bool:
+        """Ask about a file whose name came about only after the dialog had asked."""
+        if not path.exists():
+            return True
+        question = tr("Files", "There is a file “{name}” already. Replace it?", name=path.name)
+        yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
+        title = tr("Files", "Export")
+        return QMessageBox.question(self._window, title, question, yes | no, no) == yes
+
+    def _folder(self) -> str:
+        if self._session.path is not None:
+            return str(self._session.path.parent)
+        return str(settings().value(LAST_FOLDER, str(Path.home())))
+
+    def _noted(self, name: str) -> Path | None:
+        if not name:
+            return None
+        settings().setValue(LAST_FOLDER, str(Path(name).parent))
+        return Path(name)
+
+
+def _print_problems(report: Mapping[str, Any]) -> list[str]:
+    """What a report says under ``print``: ``problems`` of a shape that stand in a printer's way."""
+    said = report.get("print")
+    problems = said.get("problems") if isinstance(said, Mapping) else None
+    return [str(problem) for problem in problems] if isinstance(problems, list) else []

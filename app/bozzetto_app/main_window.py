@@ -1,0 +1,548 @@
+"""The window: the sheet in the middle, everything else around it and out of its way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QIcon, QKeyEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QApplication,
+    QDialog,
+    QDockWidget,
+    QHBoxLayout,
+    QMainWindow,
+    QMenuBar,
+    QSizePolicy,
+    QStatusBar,
+    QTabWidget,
+    QWidget,
+)
+
+from bozzetto.document.recovery.recovery import CrashedSession
+from bozzetto.errors import UserError
+from bozzetto.ink.drawing import Drawing
+from bozzetto_app.actions.dynamic_menus import ChangingMenus
+from bozzetto_app.actions.menu_actions import commands_of, number_keys
+from bozzetto_app.actions.registry import ActionRegistry
+from bozzetto_app.canvas.canvas import Canvas
+from bozzetto_app.canvas.framing import Framing
+from bozzetto_app.dialogs.file_dialogs import FileQuestions
+from bozzetto_app.dialogs.thumbnails import thumbnail_of
+from bozzetto_app.panels.history import HistoryPanel
+from bozzetto_app.panels.modeler_bar import ModelerBar
+from bozzetto_app.panels.objects.panel import ObjectsPanel
+from bozzetto_app.panels.plugin_panel import PluginPanel
+from bozzetto_app.panels.properties.form import ParametersPanel
+from bozzetto_app.panels.status_line import StatusLine
+from bozzetto_app.panels.tool_rail import ToolRail
+from bozzetto_app.panels.welcome_strip import WelcomeStrip
+from bozzetto_app.paths import recovery_folder
+from bozzetto_app.session.autosave import Keeper
+from bozzetto_app.session.files import recent_files
+from bozzetto_app.session.replay import Replay
+from bozzetto_app.session.session import Notice, Session
+from bozzetto_app.settings import keep_plugin_disabled, settings
+from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
+
+__all__ = ["Window"]
+
+LAYOUT_VERSION = 3
+"""Raised when docks come or go, so that an old layout is not forced on a new window."""
+
+RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
+
+FIRST_SIZE = (1280, 800)
+"""Of the window at the first start, if the screen is large enough, pixels."""
+
+FRAME = (8, 48)
+"""What a window's frame and title take of a screen, pixels."""
+
+DOCK_HEIGHTS = (310, 340, 90)
+"""Of objects, parameters and history at the first start, pixels."""
+
+GUIDED_HEIGHTS = (130, 560, 50)
+"""The same once a plugin has a panel of its own there, beside the parameters."""
+
+SCANT = 320
+"""Height of a plugin's panel below which room is made for it, pixels."""
+
+THEME = "view/theme"
+RADIAL = (
+    "edit.undo",
+    "edit.redo",
+    "view.fit",
+    "view.front",
+    "view.right",
+    "view.three-quarter",
+    "edit.commit",
+    "object.delete",
+)
+"""What the radial menu offers, clockwise from the top."""
+
+
+@dataclass(frozen=True)
+class _MenuEntry:
+    """An action as the radial menu wants it."""
+
+    title: str
+    icon: QIcon
+    enabled: bool
+    registry: ActionRegistry
+    action: str
+
+    def trigger(self) -> None:
+        self.registry.run(self.action)
+
+
+class Window(QMainWindow):
+    """The one window of the program.
+
+    Parameters
+    ----------
+    session : Session
+    recovery : Path, optional
+        Folder of the recovery data; default the program's own.
+    """
+
+    def __init__(self, session: Session, recovery: Path | None = None) -> None:
+        super().__init__()
+        self.setObjectName("window")
+        self.session = session
+        self.files = FileQuestions(session, self)
+        self.keeper = Keeper(session, recovery or recovery_folder())
+        self._dress(Theme(settings().value(THEME, Theme.SYSTEM.value)))
+        self.canvas = Canvas(session, current_palette(), self)
+        self.actions_ = ActionRegistry(self, self.canvas)
+        self.canvas.menu_entries = self._radial_entries
+        self._framing = Framing(session, self)
+        self.canvas.hand.pressed.connect(self._framing.end)
+        self._replay: Replay | None = None
+        self._closing = False
+        self._said_first = ""
+
+        self.status = StatusLine(session)
+        self.status.faults.lie_over(self.canvas)
+        self.status.details_wanted.connect(self._show_details)
+        self.status.switched_off.connect(self._keep_off)
+        self.modelers = ModelerBar(session)
+        self.setCentralWidget(self._middle())
+        self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
+        self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
+        self.parameters = ParametersPanel(session)
+        self._docks = [
+            self._dock(ObjectsPanel(session)),
+            self._dock(self.parameters),
+            self._dock(HistoryPanel(session)),
+        ]
+        self._plugin_panel = PluginPanel(session)
+        self._plugin_dock = self._dock(self._plugin_panel)
+        self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
+        self.tabifyDockWidget(self._docks[1], self._plugin_dock)
+        self._plugin_panel.changed.connect(self._show_plugin_panel)
+        session.picturing.taken.connect(self._show_what_guides)
+        self.welcome = self._welcome()
+        self.actions_.register(*commands_of(self), *number_keys(self))
+        self._changing = ChangingMenus(self, self.actions_)
+        self.actions_.refused.connect(lambda why: session.complain(UserError(why)))
+        self.actions_.is_so.connect(session.tell)
+        self.canvas.menu_refused.connect(lambda entry: self.actions_.refuse(entry.action))
+        self.setMenuWidget(self._top())
+        self.setStatusBar(self._bottom())
+
+        session.document_changed.connect(self._show_title)
+        session.pending_changed.connect(self._show_title)
+        for signal in (
+            session.document_changed,
+            session.selection_changed,
+            session.pending_changed,
+            session.view_style_changed,
+            session.modeler_changed,
+        ):
+            signal.connect(self.actions_.refresh)
+        session.files.imported.connect(self._imported)
+        session.opened.connect(self._stop_replay)
+        session.files.busy_changed.connect(self._saving_ended)
+        session.modeler_changed.connect(self._say_what_first)
+        session.when_safe = self.files.when_safe
+        self.canvas.hand.ink_began.connect(self._ink_began)
+        self._restore_layout()
+        self._show_title()
+        if session.modelers and not session.active_modeler:
+            session.activate_modeler(session.modelers[0].id)
+        self._say_what_first()
+        self.canvas.setFocus()
+
+    # -- putting it together --
+
+    def _top(self) -> QWidget:
+        """Menus on the left, the row of modelers on the right."""
+        top = QWidget()
+        top.setObjectName("top")
+        menus = QMenuBar(top)
+        menus.setObjectName("menus")
+        self.actions_.attach(menus)
+        menus.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
+        row = QHBoxLayout(top)
+        row.setContentsMargins(4, 0, 0, 0)
+        row.setSpacing(16)
+        row.addWidget(menus, 0, Qt.AlignmentFlag.AlignVCenter)
+        row.addStretch(1)
+        row.addWidget(self.modelers)
+        return top
+
+    def _middle(self) -> QWidget:
+        """Rail and sheet side by side."""
+        middle = QWidget()
+        row = QHBoxLayout(middle)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)
+        row.addWidget(ToolRail(self.session))
+        row.addWidget(self.canvas, 1)
+        return middle
+
+    def _bottom(self) -> QStatusBar:
+        """The status line over the whole width."""
+        bar = QStatusBar()
+        bar.setSizeGripEnabled(False)
+        bar.setContentsMargins(0, 0, 0, 0)
+        bar.addPermanentWidget(self.status, 1)
+        return bar
+
+    def _dock(self, panel: QWidget) -> QDockWidget:
+        dock = QDockWidget(panel.windowTitle(), self)
+        dock.setObjectName(f"dock-{panel.objectName()}")
+        dock.setWidget(panel)
+        dock.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetMovable)
+        self.addDockWidget(RIGHT, dock)
+        return dock
+
+    def _welcome(self) -> WelcomeStrip:
+        """A strip over the left of the sheet: when it goes, the ink stays where it is."""
+        strip = WelcomeStrip(self.session, recent_files(), thumbnail_of, self.canvas)
+        strip.setAttribute(Qt.WidgetAttribute.WA_NoMousePropagation)
+        strip.setCursor(Qt.CursorShape.ArrowCursor)
+        strip.sample_chosen.connect(self._open_sample)
+        strip.sample_watched.connect(self.watch)
+        strip.recent_chosen.connect(self.open)
+        strip.closed.connect(strip.hide)
+        strip.installEventFilter(self)
+        self.canvas.installEventFilter(self)
+        return strip
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is self.canvas and event.type() == QEvent.Type.Resize:
+            self.welcome.lie_on(self.canvas.size())
+        elif watched is self.welcome and event.type() in (QEvent.Type.Show, QEvent.Type.Hide):
+            shown = event.type() == QEvent.Type.Show
+            self.canvas.leave_room(self.welcome.width() if shown else 0)
+        return False
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """A key that nobody took: its action cannot be done now, which is told."""
+        keys = QKeySequence(event.keyCombination()).toString(
+            QKeySequence.SequenceFormat.PortableText
+        )
+        if not self.actions_.refuse_key(keys):
+            super().keyPressEvent(event)
+
+    def _radial_entries(self) -> Sequence[_MenuEntry]:
+        self.actions_.refresh()
+        entries = []
+        for name in RADIAL:
+            made = self.actions_.qaction(name)
+            title = made.text().replace("&", "").split(",")[0]
+            entries.append(_MenuEntry(title, made.icon(), made.isEnabled(), self.actions_, name))
+        return entries
+
+    # -- the layout is remembered --
+
+    def _restore_layout(self) -> None:
+        free = self.screen().availableGeometry().size()
+        room = free.width() - FRAME[0], free.height() - FRAME[1]
+        self.resize(min(FIRST_SIZE[0], room[0]), min(FIRST_SIZE[1], room[1]))
+        kept = settings()
+        geometry, state = kept.value("window/geometry"), kept.value("window/state")
+        if isinstance(geometry, QByteArray):
+            self.restoreGeometry(geometry)
+        restored = isinstance(state, QByteArray) and self.restoreState(state, LAYOUT_VERSION)
+        if not restored:
+            self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
+        self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
+        self.welcome.setVisible(not len(self.session.document))
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        if not self._closing and self.session.is_modified:
+            event.ignore()
+            QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
+        elif self.session.files.saving:
+            event.ignore()
+            self._closing = True
+            self.hide()
+        else:
+            self._leave()
+            event.accept()
+
+    def _close_now(self) -> None:
+        self._closing = True
+        self.close()
+
+    def _leave(self) -> None:
+        kept = settings()
+        kept.setValue("window/geometry", self.saveGeometry())
+        kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
+        self._stop_replay()
+        self.session.cancel_all()
+        self.session.files.close()
+        self.canvas.viewports.release()
+        self.keeper.close()
+
+    def _saving_ended(self) -> None:
+        if self._closing and not self.session.files.saving:
+            self.close()
+
+    # -- documents --
+
+    def open(self, path: Path) -> None:
+        """Open a document once unsaved work is safe."""
+        self.session.open(path)
+
+    def _open_sample(self, modeler_id: str, path: Path) -> None:
+        self.session.activate_modeler(modeler_id)
+        self.session.import_file(path)
+
+    def _imported(self) -> None:
+        """Bring what came from a file into view, once there is something to see."""
+        self.session.settled.connect(
+            lambda _: self.canvas.fit(), Qt.ConnectionType.SingleShotConnection
+        )
+
+    def watch(self, modeler_id: str, path: Path) -> None:
+        """Play a recorded drawing, stroke by stroke, on an empty sheet."""
+        from bozzetto.exchange.import_file import read_drawing
+
+        def begin() -> None:
+            try:
+                drawing = read_drawing(path, trusted=True)  # a sample of a plugin
+            except UserError as problem:
+                self.session.complain(problem)
+                return
+            self.session.files.new()
+            self.session.activate_modeler(modeler_id)
+            if len(drawing.strokes):
+                self._play(drawing)
+            else:
+                self.session.import_file(path)
+
+        self.files.when_safe(begin)
+
+    def _play(self, drawing: Drawing) -> None:
+        self._stop_replay()
+        self.session.set_camera(drawing.camera.with_viewport(*self.session.camera.viewport))
+        self.welcome.hide()
+        self.canvas.show_hint("")
+        self._replay = Replay(self.session, drawing, parent=self)
+        self._replay.inked.connect(self.canvas.follow)
+        self._replay.start()
+
+    def _stop_replay(self) -> None:
+        replay, self._replay = self._replay, None
+        if replay is not None:
+            replay.stop()
+            replay.deleteLater()
+
+    def offer_recovery(self) -> None:
+        """Ask about drawings that a crash left behind, if there are any."""
+
+        def found(crashed: list[CrashedSession]) -> None:
+            if crashed:
+                from bozzetto_app.dialogs.recovery import RecoveryDialog
+
+                keeper = self.keeper
+                self._show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
+
+        self.keeper.find_crashed(found)
+        self.session.files.tidy()
+
+    # -- what the commands need --
+
+    def toggle_visible(self) -> None:
+        """Show or hide the selected object."""
+        model = self.session.selected_model
+        if model is not None:
+            self.session.set_visible(model.id, not model.visible)
+
+    def toggle_locked(self) -> None:
+        """Lock or unlock the selected object."""
+        model = self.session.selected_model
+        if model is not None:
+            self.session.set_locked(model.id, not model.locked)
+
+    def keep_view(self) -> None:
+        """Keep the view that is shown now, with the document."""
+        self._changing.keep_view()
+
+    @property
+    def panels_shown(self) -> bool:
+        """Whether any dock is open."""
+        return any(not dock.isHidden() for dock in self._docks)
+
+    def toggle_panels(self) -> None:
+        """Hide all docks, or show them again."""
+        shown = not self.panels_shown
+        for dock in self._docks:
+            dock.setVisible(shown)
+        self._plugin_dock.setVisible(shown and self._plugin_panel.is_filled)
+        if not shown:
+            self.welcome.hide()
+
+    def _show_plugin_panel(self, title: str) -> None:
+        self._plugin_dock.setWindowTitle(title)
+        self._plugin_dock.setVisible(bool(title) and self.panels_shown)
+        if title:
+            self._plugin_dock.raise_()
+            QTimer.singleShot(0, self, self._make_room)
+
+    def _show_what_guides(self) -> None:
+        """A picture came in: the modeler's own panel says what to do with it."""
+        if self._plugin_panel.is_filled:
+            self._plugin_dock.raise_()
+
+    def _make_room(self) -> None:
+        if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:
+            self.resizeDocks(self._docks, list(GUIDED_HEIGHTS), Qt.Orientation.Vertical)
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether the dark theme is on."""
+        return current_palette().name == "dark"
+
+    def toggle_theme(self) -> None:
+        """Change between the light and the dark theme, and remember it."""
+        self.set_theme(Theme.LIGHT if self.is_dark else Theme.DARK)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Dress the program."""
+        settings().setValue(THEME, theme.value)
+        self._dress(theme)
+        self.canvas.set_palette(current_palette())
+        self.actions_.retint()
+
+    def _dress(self, theme: Theme) -> None:
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        apply_theme(application, palette_for(theme))
+
+    # -- dialogs --
+
+    def open_palette(self) -> None:
+        """Find a command by name."""
+        from bozzetto_app.dialogs.command_palette import CommandPalette
+
+        palette = CommandPalette(
+            self.actions_,
+            self.session,
+            self,
+            recent=recent_files,
+            open_document=self.open,
+            focus_parameter=self.parameters.focus_parameter,
+        )
+        palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        palette.open_over(self)
+
+    def open_guide(self) -> None:
+        """Show the guide beside the sheet."""
+        from bozzetto_app.dialogs.guide import GuideDialog
+
+        self._show(GuideDialog(self))
+
+    def open_shortcuts(self) -> None:
+        """List keys and gestures."""
+        from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
+
+        self._show(ShortcutsDialog(self.actions_, self))
+
+    def open_preferences(self) -> None:
+        """Change what the program remembers."""
+        from bozzetto_app.dialogs.preferences import PreferencesDialog
+
+        dialog = PreferencesDialog(self)
+        dialog.theme_chosen.connect(self.set_theme)
+        dialog.changed.connect(self.canvas.read_settings)
+        dialog.changed.connect(self._changing.show_recent)
+        dialog.pen_tester_wanted.connect(self.open_pen_tester)
+        self._show(dialog)
+
+    def open_pen_tester(self) -> None:
+        """Try the pen."""
+        from bozzetto_app.dialogs.pen_tester import PenTester
+
+        dialog = PenTester(self)
+        dialog.finished.connect(self.canvas.read_settings)
+        self._show(dialog)
+
+    def open_plugins(self) -> None:
+        """See the plugins, switch them on and off."""
+        from bozzetto_app.dialogs.plugin_manager import PluginManager
+
+        dialog = PluginManager(self.session, self)
+        dialog.switched.connect(self._plugin_switched)
+        self._show(dialog)
+
+    def open_about(self) -> None:
+        """Say who this is."""
+        from bozzetto_app.dialogs.about import AboutDialog
+
+        self._show(AboutDialog(self.canvas.describe_viewport(), self))
+
+    def _show_details(self, notice: Notice) -> None:
+        from bozzetto_app.dialogs.fault_details import FaultDetails
+
+        self._show(FaultDetails(notice.text, notice.details, self))
+
+    def _show(self, dialog: QDialog) -> None:
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setModal(False)
+        dialog.show()
+
+    # -- small things --
+
+    def _ink_began(self) -> None:
+        self.welcome.hide()
+        self.status.went_on()
+        self._stop_replay()
+
+    def _keep_off(self, plugin: str) -> None:
+        """A plugin that was switched off stays so at the next start."""
+        try:
+            keep_plugin_disabled(plugin, True)
+        except UserError as problem:
+            self.session.complain(problem)
+        self._plugin_switched(plugin, False)
+
+    def _plugin_switched(self, plugin: str, on: bool) -> None:
+        """What is switched off leaves the hand; its objects stay as they are."""
+        self.modelers.refresh()
+        self.actions_.refresh()
+        if not on:
+            self.session.toolbox.drop_if_gone()
+        elif self.session.modelers and not self.session.active_modeler:
+            self.session.activate_modeler(self.session.modelers[0].id)
+
+    def _say_what_first(self) -> None:
+        """On an empty sheet: what the modeler that was just taken wants to have drawn first."""
+        modeler = self.session.active_modeler
+        if modeler == self._said_first:
+            return
+        self._said_first = modeler
+        drawn = len(self.session.document) or self.session.pending or self._replay is not None
+        if modeler and not drawn:
+            self.canvas.show_hint(self.session.registry.info(modeler).hint)
+
+    def _show_title(self) -> None:
+        if len(self.session.document):
+            self.canvas.show_hint("")
+        self.setWindowTitle(f"{self.session.title}[*] — Bozzetto")
+        self.setWindowModified(self.session.is_modified)

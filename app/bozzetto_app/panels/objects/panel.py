@@ -1,0 +1,390 @@
+"""Objects: the models in their order with what they are made of, and below them the underlays."""
+
+from __future__ import annotations
+
+from difflib import SequenceMatcher
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPoint, QSize, Qt
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QListWidgetItem,
+    QMenu,
+    QVBoxLayout,
+    QWidget,
+)
+
+from bozzetto_app.i18n import tr
+from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ObjectList
+from bozzetto_app.panels.objects.object_row import ROW, ModelRow, NamedRow, UnderlayRow
+from bozzetto_app.panels.objects.part_row import PartRow
+from bozzetto_app.panels.objects.rows import Entry, entries_of, place_of_drop
+from bozzetto_app.widgets.icon_button import IconButton
+from bozzetto_app.widgets.tab_order import put_in_tab_order
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.part_tree import PartTree
+    from bozzetto_app.session.session import Session
+
+__all__ = ["ObjectsPanel"]
+
+FLAGS = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+
+
+class ObjectsPanel(QWidget):
+    """The list, and under it what can be done with the chosen row.
+
+    The parts of a model are listed while it is selected and has several, or while a person
+    has unfolded it.
+    """
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._filling = False
+        self._entries: list[Entry] = []
+        self._unfolded: dict[str, bool] = {}
+        self._folded_groups: set[tuple[str, str]] = set()
+        self.setObjectName("objects")
+        self.setWindowTitle(tr("Objects", "Objects"))
+        self.setAccessibleName(self.windowTitle())
+        self.setMinimumSize(240, 4 * ROW)
+        self.list = ObjectList(self)
+        self.list.setAccessibleName(self.windowTitle())
+        self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        self.list.customContextMenuRequested.connect(self._open_menu)
+        self.list.currentItemChanged.connect(self._chosen)
+        self.list.dropped.connect(self.drop)
+        self.list.rename_asked.connect(self.rename_current)
+        self.list.delete_asked.connect(self.delete_current)
+        self.list.group_asked.connect(self.group_chosen)
+        self.list.fold_asked.connect(self._fold_current)
+        self._empty = QLabel(tr("Objects", "Nothing drawn yet."))
+        self._empty.setProperty("tone", "quiet")
+        self._empty.setContentsMargins(12, 4, 12, 4)
+        self._empty.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self._duplicate = IconButton("duplicate", tr("Objects", "Duplicate"), faint=True)
+        self._delete = IconButton("trash", tr("Objects", "Delete"), faint=True)
+        self._duplicate.clicked.connect(self._duplicate_current)
+        self._delete.clicked.connect(self.delete_current)
+        foot = QHBoxLayout()
+        foot.setContentsMargins(8, 0, 8, 4)
+        foot.setSpacing(0)
+        foot.addStretch(1)
+        foot.addWidget(self._duplicate)
+        foot.addWidget(self._delete)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 4, 0, 0)
+        column.setSpacing(4)
+        column.addWidget(self._empty, 1)
+        column.addWidget(self.list, 1)
+        column.addLayout(foot)
+        session.document_changed.connect(self.refresh)
+        session.selection_changed.connect(self.refresh)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show the document as it is now; rows are only made anew where the list differs."""
+        document = self._session.document
+        wanted = list(
+            entries_of(document, self._session.parts_of, self._is_open, self._folded_groups)
+        )
+        if wanted != self._entries:
+            self._exchange(wanted)
+        trees = {model.id: self._session.parts_of(model.id) for model in document}
+        depths = {
+            Entry("part", part.id, model_id): (part, depth)
+            for model_id, tree in trees.items()
+            if tree is not None
+            for part, depth in tree.rows()
+        }
+        for row, entry in enumerate(self._entries):
+            item = self.list.item(row)
+            widget = self.list.itemWidget(item)
+            name = ""
+            if isinstance(widget, ModelRow):
+                model, tree = document.model(entry.id), trees[entry.id]
+                folds = tree is not None and bool(tree.parts)
+                widget.show_model(model, self._is_open(entry.id) if folds else None)
+                name = model.name
+            elif isinstance(widget, PartRow):
+                part, depth = depths[entry]
+                tree = trees[entry.model]
+                group = tree is not None and part.id in tree.groups
+                is_open = (entry.model, part.id) not in self._folded_groups
+                widget.show_part(part, depth, is_open if group else None)
+                flags = FLAGS | Qt.ItemFlag.ItemIsDragEnabled
+                item.setFlags(flags | Qt.ItemFlag.ItemIsDropEnabled if group else flags)
+                name = ", ".join(word for word in (part.name, widget.sign.accessibleName()) if word)
+            elif isinstance(widget, UnderlayRow):
+                underlay = next(u for u in document.underlays if u.id == entry.id)
+                widget.show_underlay(underlay)
+                name = underlay.name
+            item.setData(Qt.ItemDataRole.AccessibleTextRole, name)
+        empty = not document.models and not document.underlays
+        self._empty.setVisible(empty)
+        self.list.setVisible(not empty)
+        self._mark()
+
+    # -- what a person can do --
+
+    def rename_current(self) -> None:
+        """Edit the name of what is chosen in place."""
+        widget = self.list.itemWidget(self.list.currentItem())
+        if isinstance(widget, NamedRow):
+            widget.edit_name()
+
+    def delete_current(self) -> None:
+        """Take what is chosen out: all rows at once where there are several."""
+        entry = self._current()
+        chosen = self._chosen_entries()
+        if len(chosen) > 1 and entry in chosen:
+            parts: dict[str, list[str]] = {}
+            for other in chosen:
+                if other.kind == "part":
+                    parts.setdefault(other.model, []).append(other.id)
+            models = [other.id for other in chosen if other.kind == "model"]
+            underlays = [other.id for other in chosen if other.kind == "underlay"]
+            self._session.delete_several(models, parts, underlays)
+        elif entry.kind == "model":
+            self._session.delete(entry.id)
+        elif entry.kind == "part":
+            self._session.delete_part(entry.model, entry.id)
+        elif entry.kind == "underlay":
+            self._session.delete_underlay(entry.id)
+
+    def group_chosen(self) -> None:
+        """Put the chosen parts into a group of their own."""
+        entry = self._current()
+        if entry.kind == "part":
+            chosen = self._chosen_entries()
+            ids = [other.id for other in chosen if other.model == entry.model]
+            self._session.group_parts(entry.model, ids)
+
+    def ungroup_current(self) -> None:
+        """Dissolve the group that is chosen."""
+        entry = self._current()
+        if entry.kind == "part":
+            self._session.ungroup_part(entry.model, entry.id)
+
+    def use_chosen(self, modeler_id: str) -> None:
+        """Let the chosen rows be the input of a modeler."""
+        chosen = self._chosen_entries()
+        whole = [entry.id for entry in chosen if entry.kind == "model"]
+        parts: dict[str, list[str]] = {}
+        for entry in chosen:
+            if entry.kind == "part" and entry.model not in whole:
+                parts.setdefault(entry.model, []).append(entry.id)
+        if whole or parts:
+            self._session.using.use(modeler_id, [*whole, *parts], parts)
+
+    def drop(self, source: int, target: int, on: bool) -> None:
+        """Move what was dragged from one row to the gap above another, or onto it."""
+        entry = self._entries[source]
+        if entry.kind == "model" and not on:
+            above = [other.id for other in self._entries[:target] if other.kind == "model"]
+            place = len(above) - (entry.id in above)
+            if place != self._session.document.place_of(entry.id):
+                self._session.move_to(entry.id, place)
+        elif entry.kind == "part":
+            tree = self._session.parts_of(entry.model)
+            goal = None if tree is None else place_of_drop(self._entries, tree, source, target, on)
+            if goal is not None:
+                self._session.move_part(entry.model, entry.id, *goal)
+
+    def fold(self, entry: Entry, is_open: bool) -> None:
+        """List what a model or a group is made of, or not."""
+        if entry.kind == "model":
+            self._unfolded[entry.id] = is_open
+        elif is_open:
+            self._folded_groups.discard((entry.model, entry.id))
+        else:
+            self._folded_groups.add((entry.model, entry.id))
+        self.refresh()
+
+    def _fold_current(self, is_open: bool) -> None:
+        widget = self.list.itemWidget(self.list.currentItem())
+        if isinstance(widget, ModelRow | PartRow) and widget.fold.isVisibleTo(widget):
+            self.fold(self._current(), is_open)
+
+    def _duplicate_current(self) -> None:
+        entry = self._current()
+        if entry.kind == "model":
+            self._session.duplicate(entry.id)
+        elif entry.kind == "part":
+            self._session.duplicate_part(entry.model, entry.id)
+
+    # -- rows --
+
+    def _is_open(self, model_id: str) -> bool:
+        """Whether the parts of a model are listed."""
+        if model_id in self._unfolded:
+            return self._unfolded[model_id]
+        tree = self._session.parts_of(model_id) if model_id == self._session.selected else None
+        return tree is not None and len(tree.parts) > 1
+
+    def _current(self) -> Entry:
+        row = self.list.currentRow()
+        return self._entries[row] if 0 <= row < len(self._entries) else Entry("heading")
+
+    def _chosen_entries(self) -> list[Entry]:
+        """What is chosen, in the order of the rows."""
+        rows = sorted(self.list.row(item) for item in self.list.selectedItems())
+        return [self._entries[row] for row in rows]
+
+    def _exchange(self, wanted: list[Entry]) -> None:
+        """Make the rows those that are wanted; the others stay, with the keyboard on them."""
+        self._filling = True
+        changes = SequenceMatcher(None, self._entries, wanted, autojunk=False).get_opcodes()
+        for change, low, high, begin, end in reversed(changes):
+            if change == "equal":
+                continue
+            for row in reversed(range(low, high)):
+                self.list.takeItem(row)
+            for place, entry in enumerate(wanted[begin:end]):
+                self._insert(low + place, entry)
+        self._entries = wanted
+        self._filling = False
+        rows = (self.list.itemWidget(self.list.item(row)) for row in range(self.list.count()))
+        put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
+
+    def _insert(self, row: int, entry: Entry) -> None:
+        item = QListWidgetItem()
+        item.setData(KIND, entry.kind)
+        item.setFlags(FLAGS if entry.kind != "heading" else Qt.ItemFlag.NoItemFlags)
+        if entry.kind == "model":
+            # Parts are dropped on their model to leave all groups.
+            drags = Qt.ItemFlag.ItemIsDragEnabled | Qt.ItemFlag.ItemIsDropEnabled
+            item.setFlags(FLAGS | drags)
+        item.setSizeHint(QSize(80, ROW))
+        self.list.insertItem(row, item)
+        self.list.setItemWidget(item, self._widget(entry))
+
+    def _widget(self, entry: Entry) -> QWidget:
+        session = self._session
+        if entry.kind == "underlay":
+            underlay = next(u for u in session.document.underlays if u.id == entry.id)
+            return UnderlayRow(session, underlay)
+        if entry.kind == "heading":
+            heading = QLabel(tr("Objects", "Underlays"))
+            heading.setProperty("type", "heading")
+            heading.setContentsMargins(12, 4, 12, 0)
+            return heading
+        row = (
+            ModelRow(session, session.document.model(entry.id))
+            if entry.kind == "model"
+            else PartRow(session, entry.model, entry.id)
+        )
+        row.folded.connect(lambda is_open: self.fold(entry, is_open))
+        return row
+
+    # -- what is chosen --
+
+    def _mark(self) -> None:
+        """Let the list say what the session says is chosen."""
+        wanted = self._wanted()
+        if wanted is None and self._current().kind not in ("model", "part"):
+            self._enable()
+            return
+        self._filling = True
+        row = -1 if wanted is None else self._entries.index(wanted)
+        if row != self.list.currentRow():
+            self.list.choose(row)
+        elif row >= 0:
+            self.list.item(row).setSelected(True)
+        self._filling = False
+        self._enable()
+
+    def _wanted(self) -> Entry | None:
+        """The row of the chosen part, where it is listed, else that of the selected model."""
+        selected = self._session.selected
+        if selected is None:
+            return None
+        tree = self._session.parts_of(selected)
+        part = None if tree is None else Entry("part", tree.selected, selected)
+        if part is not None and part in self._entries:
+            return part
+        model = Entry("model", selected)
+        return model if model in self._entries else None
+
+    def _enable(self) -> None:
+        kind = self._current().kind
+        self._duplicate.setEnabled(kind in ("model", "part"))
+        self._delete.setEnabled(kind != "heading")
+        nothing = tr("Objects", "Click an object first.")
+        for button in (self._duplicate, self._delete):
+            name = button.accessibleName()
+            button.setToolTip(name if button.isEnabled() else f"{name}\n{nothing}")
+
+    def _chosen(self) -> None:
+        """A person went to a row."""
+        if self._filling:
+            return
+        entry = self._current()
+        if entry.kind == "part":
+            self._session.select_part(entry.model, entry.id)
+        elif entry.kind == "model":
+            self._session.select(entry.id)
+            if self._is_open(entry.id):
+                self._session.select_part(entry.id, "")
+        self._enable()
+
+    # -- the menu --
+
+    def _open_menu(self, place: QPoint) -> None:
+        menu = self.menu_for_current()
+        if not menu.isEmpty():
+            menu.popup(self.list.viewport().mapToGlobal(place))
+
+    def menu_for_current(self) -> QMenu:
+        """What can be done with the chosen row."""
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        entry = self._current()
+        if entry.kind in ("model", "part"):
+            menu.addAction(tr("Objects", "Rename"), self.rename_current)
+            menu.addAction(tr("Objects", "Duplicate"), self._duplicate_current)
+        if entry.kind == "model":
+            self._add_for_model(menu, self._session.document.model(entry.id))
+        elif entry.kind == "part":
+            self._add_for_part(menu, entry, self._session.parts_of(entry.model))
+        if entry.kind in ("model", "part"):
+            self._add_uses(menu)
+        if entry.kind != "heading":
+            menu.addAction(tr("Objects", "Delete"), self.delete_current)
+        return menu
+
+    def _add_for_model(self, menu: QMenu, model: Model) -> None:
+        hide = tr("Objects", "Hide") if model.visible else tr("Objects", "Show")
+        lock = tr("Objects", "Unlock") if model.locked else tr("Objects", "Lock")
+        menu.addSeparator()
+        menu.addAction(hide, lambda: self._session.set_visible(model.id, not model.visible))
+        menu.addAction(lock, lambda: self._session.set_locked(model.id, not model.locked))
+        menu.addSeparator()
+
+    def _add_for_part(self, menu: QMenu, entry: Entry, tree: PartTree | None) -> None:
+        if tree is None:
+            return
+        part = tree.part(entry.id)
+        group = menu.addAction(tr("Objects", "Group"), self.group_chosen)
+        group.setShortcut(GROUP_KEY)
+        if entry.id in tree.groups:
+            menu.addAction(tr("Objects", "Ungroup"), self.ungroup_current)
+        hide = tr("Objects", "Hide") if part.visible else tr("Objects", "Show")
+        menu.addSeparator()
+        menu.addAction(
+            hide,
+            lambda: self._session.set_part_visible(entry.model, entry.id, not part.visible),
+        )
+        menu.addSeparator()
+
+    def _add_uses(self, menu: QMenu) -> None:
+        takers = self._session.using.takers
+        if takers:
+            uses = menu.addMenu(tr("Objects", "Use as input for"))
+            for info in takers:
+                uses.addAction(info.title, partial(self.use_chosen, info.id))
+            menu.addSeparator()

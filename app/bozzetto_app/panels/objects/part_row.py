@@ -1,0 +1,107 @@
+"""A row of the object list that stands for one part of a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from PySide6.QtCore import QRectF, QSize, Signal
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QHBoxLayout, QWidget
+
+from bozzetto.parameters import parameter_fields
+from bozzetto_app.panels.objects.object_row import GUTTER, Eye, Fold, NamedRow
+from bozzetto_app.style.icons import paint_icon
+from bozzetto_app.style.theme import tones
+
+if TYPE_CHECKING:
+    from bozzetto_app.session.session import Session
+
+__all__ = ["PartRow"]
+
+INDENT: Final = 16
+"""How far what is in a group stands to the right of it, px."""
+
+DEEPEST: Final = 6
+"""Levels after which rows stand no farther to the right: names need room too."""
+
+SIGNS: Final = {"add": "plus", "merge": "merge", "carve": "minus", "intersect": "intersect"}
+"""Icons for what a parameter called `operation` may be."""
+
+
+class _Sign(QWidget):
+    """How a part is put together with what comes before it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._icon = ""
+        self.setFixedSize(QSize(24, 24))
+
+    def show_sign(self, icon: str, words: str) -> None:
+        """Show an icon, "" for none, with words for those who cannot see it."""
+        self._icon = icon
+        self.setAccessibleName(words)
+        self.setToolTip(words)
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        if self._icon:
+            paint_icon(QPainter(self), self._icon, QRectF(4, 4, 16, 16), tones().quiet)
+
+
+class PartRow(NamedRow):
+    """Arrow, sign, name and eye of one part.
+
+    Signals
+    -------
+    folded : bool
+        A person unfolded (True) or folded the group.
+    """
+
+    folded = Signal(bool)
+
+    def __init__(self, session: Session, model_id: str, part_id: str) -> None:
+        super().__init__()
+        self.renamed.connect(lambda name: session.rename_part(model_id, part_id, name))
+        self.fold = Fold()
+        self.fold.clicked.connect(self.folded)
+        self.sign = _Sign()
+        self.eye = Eye()
+        self.eye.clicked.connect(lambda off: session.set_part_visible(model_id, part_id, not off))
+        self._row = QHBoxLayout(self)
+        self._row.setSpacing(0)
+        self._row.addWidget(self.fold)
+        self._row.addWidget(self.sign)
+        self._row.addSpacing(4)
+        self._row.addWidget(self.name, 1)
+        self._row.addWidget(self.editor, 1)
+        self._row.addSpacing(4)
+        self._row.addWidget(self.eye)
+
+    def show_part(self, part: Any, depth: int, is_open: bool | None) -> None:
+        """Show the part as it is now.
+
+        Parameters
+        ----------
+        part : Part
+        depth : int
+            Groups that it is in.
+        is_open : bool, optional
+            Whether what is in it is listed; None for what is no group.
+        """
+        self.show_name(part.name, visible=part.visible)
+        self.fold.show_fold(is_open, part.name)
+        operation = getattr(part, "operation", "")
+        words = _words_of(part, operation)
+        plain_group = is_open is not None and operation in ("", "add")
+        self.sign.show_sign("group" if plain_group else SIGNS.get(operation, ""), words)
+        self.eye.show_visible(part.visible, part.name)
+        left = GUTTER + INDENT * (1 + min(depth, DEEPEST))
+        self._row.setContentsMargins(left, 0, 8, 0)
+
+
+def _words_of(part: Any, operation: str) -> str:
+    """What its operation is called in the form; "" where it has none."""
+    for field in parameter_fields(type(part)):
+        if field.name == "operation":
+            return dict(field.parameter.choices).get(operation, operation)
+    return ""

@@ -1,0 +1,1 @@
+"""The form of parameters and the report of figures."""

@@ -1,0 +1,180 @@
+"""Parameters: a form made from the annotations of the selected model's state and chosen part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
+
+from bozzetto.parameters import Field
+from bozzetto_app.i18n import tr
+from bozzetto_app.panels.properties.parameter_row import ParameterRow
+from bozzetto_app.panels.properties.report import Figures
+from bozzetto_app.settings import settings
+from bozzetto_app.widgets.section import Section, hairline
+from bozzetto_app.widgets.tab_order import put_in_tab_order
+
+if TYPE_CHECKING:
+    from bozzetto_app.session.session import Session
+
+__all__ = ["ParametersPanel"]
+
+
+class ParametersPanel(QScrollArea):
+    """The forms of the selected model and of its chosen part, and the figures of its result."""
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self.setObjectName("parameters")
+        self.setWindowTitle(tr("Parameters", "Parameters"))
+        self.setAccessibleName(self.windowTitle())
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(264)
+
+        self._empty = QLabel()
+        self._locked = QLabel(tr("Parameters", "This object is locked."))
+        for words in (self._empty, self._locked):
+            words.setWordWrap(True)
+            words.setProperty("tone", "quiet")
+        self._form = QWidget()
+        self._rows: dict[tuple[str, str], ParameterRow] = {}
+        self._part_section: Section | None = None
+        self._fields: tuple[object, ...] = ()
+        self._owner: tuple[str | None, str] = (None, "")
+        self._figures = Figures()
+        self._figures_section = Section(tr("Parameters", "Figures"), self._figures)
+        self._line = hairline()
+
+        page = QWidget()
+        self._column = QVBoxLayout(page)
+        self._column.setContentsMargins(12, 8, 12, 12)
+        self._column.setSpacing(8)
+        for widget in (self._empty, self._locked, self._form, self._line, self._figures_section):
+            self._column.addWidget(widget)
+        self._column.addStretch(1)
+        self.setWidget(page)
+
+        session.parameters_changed.connect(self.refresh)
+        session.selection_changed.connect(self.refresh)
+        session.document_changed.connect(self.refresh)
+        session.report_changed.connect(self._show_report)
+        self.refresh()
+        self._show_report()
+
+    def focus_parameter(self, name: str) -> None:
+        """Bring a parameter, of the model or of the chosen part, into sight and reach."""
+        row = self._rows.get(("", name)) or self._rows.get(("part", name))
+        if row is None:
+            return
+        around = row.parentWidget()
+        while around is not None and around is not self:
+            if isinstance(around, Section):
+                around.set_open(True)
+            around = around.parentWidget()
+        self.ensureWidgetVisible(row)
+        row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
+
+    def refresh(self) -> None:
+        """Show the values that there are now.
+
+        The form is only rebuilt for other fields, or if a person has the cursor in it while
+        another model or part is chosen: every new stroke may choose another part.
+        """
+        session = self._session
+        own, inner, part = session.parameters, session.part_parameters, session.chosen_part
+        chosen = (session.selected, "" if part is None else part.id)
+        fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
+        if fields != self._fields or (chosen != self._owner and self._is_in_use()):
+            self._fields = fields
+            self._rebuild()
+        self._owner = chosen
+        if self._part_section is not None and part is not None:
+            self._part_section.rename(part.name)
+        for owner, found in (("", own), ("part", inner)):
+            for field, value in found:
+                self._rows[owner, field.name].show_value(value)
+        locked = any(model.locked for model in session.document if model.id == session.selected)
+        self._locked.setVisible(locked)
+        self._form.setEnabled(not locked)
+        self._empty.setText(
+            tr("Parameters", "Draw or choose an object to see its parameters.")
+            if session.selected is None
+            else tr("Parameters", "This object has no parameters.")
+        )
+        self._empty.setVisible(not own and not inner)
+        self._form.setVisible(bool(own or inner))
+
+    def _is_in_use(self) -> bool:
+        """Whether something is being typed: it is meant for what was chosen by then."""
+        focus = QApplication.focusWidget()
+        return focus is not None and self._form.isAncestorOf(focus)
+
+    def _rebuild(self) -> None:
+        session = self._session
+        old, self._form = self._form, QWidget()
+        self._rows = {}
+        self._part_section = None
+        column = QVBoxLayout(self._form)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(12)
+        self._fill(column, session.parameters, "", session.set_parameter)
+        part = session.chosen_part
+        if part is not None and session.part_parameters:
+            inner = QWidget()
+            below = QVBoxLayout(inner)
+            below.setContentsMargins(0, 4, 0, 0)
+            below.setSpacing(12)
+            self._fill(below, session.part_parameters, "part", session.set_part_parameter)
+            if column.count():
+                column.addWidget(hairline())
+            self._part_section = _section(part.name, inner, "panels/part", True)
+            column.addWidget(self._part_section)
+        self._column.replaceWidget(old, self._form)
+        put_in_tab_order(self, (self._form, self._figures_section))
+        old.hide()
+        old.deleteLater()
+
+    def _fill(
+        self,
+        column: QVBoxLayout,
+        found: Iterable[tuple[Field, Any]],
+        owner: str,
+        change: Callable[..., None],
+    ) -> None:
+        """Make the rows of a model's or a part's parameters; advanced ones are folded."""
+        advanced = QWidget()
+        folded = QVBoxLayout(advanced)
+        folded.setContentsMargins(0, 4, 0, 0)
+        folded.setSpacing(12)
+        for field, _ in found:
+            row = ParameterRow(field)
+            row.changed.connect(
+                lambda value, going, name=field.name: change(name, value, dragging=going)
+            )
+            row.drag_ended.connect(self._session.end_drag)
+            self._rows[owner, field.name] = row
+            (folded if field.parameter.advanced else column).addWidget(row)
+        if folded.count():
+            words = tr("Parameters", "Advanced")
+            column.addWidget(_section(words, advanced, "panels/advanced", False))
+        else:
+            advanced.deleteLater()
+
+    def _show_report(self) -> None:
+        report = self._session.report
+        part = self._session.chosen_part
+        self._figures.show_report(report, "" if part is None else part.id)
+        self._figures_section.setVisible(bool(report))
+        self._line.setVisible(bool(report))
+
+
+def _section(title: str, content: QWidget, key: str, is_open: bool) -> Section:
+    """A section that stays folded or open as a person left it, under a key of the settings."""
+    section = Section(title, content, open_=bool(settings().value(key, is_open, bool)))
+    section.folded.connect(lambda shown: settings().setValue(key, shown))
+    return section

@@ -1,0 +1,287 @@
+"""Keeping every stroke: the session's changes go to a journal as they are made.
+
+After a crash at most the stroke under the pen is lost. One thread writes, in order; of
+several snapshots that wait only the newest need be written. Nothing of a plugin's runs in
+it, so nothing can hold it up but the disk.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+
+from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
+from bozzetto.errors import UserError
+from bozzetto.plugin.job import Job
+from bozzetto_app.i18n import tr
+from bozzetto_app.session.document_locks import Claim
+from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot
+from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.main_thread import ring
+
+if TYPE_CHECKING:
+    from bozzetto.document.history import History
+    from bozzetto_app.session.session import Session
+
+__all__ = ["Keeper"]
+
+log = logging.getLogger(__name__)
+
+RECOVER_LIMIT = 60.0
+"""Seconds without progress after which bringing a drawing back counts as hung."""
+
+LAST_WRITES = 10.0
+"""Seconds that the end of the program waits for the disk; later the data are found at the
+next start."""
+
+
+class _OnSheet:
+    """The drawing on the sheet, as the window's thread sees it.
+
+    Attributes
+    ----------
+    last, written : Snapshot, optional
+        How it is, set by the window's thread; and what of it the writing thread has written.
+    is_unsaved : bool
+        Whether something of it is in no file.
+    given_up : Snapshot, optional
+        What the person said may go; what was drawn since may not.
+    """
+
+    def __init__(self, history: History, record: DrawingRecord) -> None:
+        self.history = history
+        self.record = record
+        self.last: Snapshot | None = None
+        self.written: Snapshot | None = None
+        self.is_unsaved = False
+        self.given_up: Snapshot | None = None
+
+    @property
+    def may_go(self) -> bool:
+        """Whether it is safe in a file, or the person said that it may go as it is."""
+        return not self.is_unsaved or (
+            self.last is not None
+            and self.given_up is not None
+            and self.last.document is self.given_up.document
+        )
+
+
+class Keeper(QObject):
+    """Writes recovery data of one session, and brings back what others left behind.
+
+    Parameters
+    ----------
+    session : Session
+    folder : Path
+        Where recovery data lie; survives a restart of the machine.
+    """
+
+    def __init__(self, session: Session, folder: Path) -> None:
+        super().__init__(session)
+        self._session = session
+        self._store = RecoveryStore(folder)
+        self._sheet = _OnSheet(session.history, DrawingRecord(self._store))
+        self._landing: BroughtBack | None = None
+        self._coming: set[str] = set()
+        self._unwritten: list[_OnSheet] = []
+        self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
+        self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
+        self._thread.start()
+        self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
+        session.document_changed.connect(self._record)
+        session.pending_changed.connect(self._record)
+        session.files.saved.connect(self._saved)
+        session.files.given_up.connect(self._given_up)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is being written or brought back."""
+        return self._tasks.unfinished_tasks > 0 or self._reads.busy
+
+    # -- what a crash left behind --
+
+    def find_crashed(self, found: Callable[[list[CrashedSession]], None]) -> None:
+        """Look for documents that were open when their program died."""
+
+        def work(job: Job) -> list[CrashedSession]:
+            self._store.tidy()
+            return self._store.crashed_sessions()
+
+        self._reads.submit(Request(work, found, self._complain))
+
+    def recover(
+        self, crashed: CrashedSession, ended: Callable[[bool], None] = lambda shown: None
+    ) -> None:
+        """Bring one back onto the sheet, complete to its last stroke.
+
+        What is on the sheet by then is asked about first, if it is not saved.
+
+        Parameters
+        ----------
+        crashed : CrashedSession
+        ended : callable
+            Called with whether it is on the sheet; if not, it is offered again.
+        """
+        session = self._session
+        if crashed.id in self._coming:
+            return
+        self._coming.add(crashed.id)
+
+        def work(job: Job) -> tuple[Recovered, Claim]:
+            recovered = self._store.recover(
+                crashed, session.registry, lambda: job.checkpoint(0.5, crashed.name)
+            )
+            claim = Claim(None)
+            try:
+                if crashed.path is not None:
+                    claim = session.files.claim(crashed.path)
+                job.checkpoint(1.0, crashed.name)
+            except BaseException:  # nobody waits for it any more
+                session.files.leave(claim)
+                self._store.keep(crashed)
+                raise
+            return recovered, claim
+
+        def arrived(answer: tuple[Recovered, Claim]) -> None:
+            recovered, claim = answer
+
+            def show() -> None:
+                self._coming.discard(crashed.id)
+                self._landing = BroughtBack(crashed, recovered.is_whole)
+                session.files.show(
+                    claim,
+                    recovered.document,
+                    crashed.path,
+                    saved=False,
+                    pending=recovered.pending,
+                    stamp=crashed.stamp,
+                )
+                for warning in recovered.warnings:
+                    session.tell(warning)
+                ended(True)
+
+            def refused() -> None:
+                self._coming.discard(crashed.id)
+                session.files.leave(claim)
+                self._tasks.put(lambda: self._store.keep(crashed))
+                ended(False)
+
+            session.when_safe(show, refused)
+
+        def failed(problem: BaseException) -> None:
+            self._coming.discard(crashed.id)
+            session.complain(problem)
+            ended(False)
+
+        self._reads.submit(Request(work, arrived, failed))
+
+    def discard(self, crashed: CrashedSession, ended: Callable[[bool], None]) -> None:
+        """Delete what a crash left behind; the person said so.
+
+        Parameters
+        ----------
+        crashed : CrashedSession
+        ended : callable
+            Called with whether it is gone.
+        """
+
+        def failed(problem: BaseException) -> None:
+            self._session.complain(problem)
+            ended(False)
+
+        self._reads.submit(
+            Request(lambda job: self._store.discard(crashed), lambda _: ended(True), failed)
+        )
+
+    # -- what is drawn now --
+
+    def close(self) -> None:
+        """The drawing leaves the sheet for good, and the program ends."""
+        self._leave(self._sheet)
+        self._tasks.put(None)
+
+    def wait(self) -> None:
+        """Wait for the last writes, at the end of the program."""
+        self._thread.join(LAST_WRITES)
+
+    def _record(self) -> None:
+        """Write down the document as it is, with the ink that waits."""
+        session = self._session
+        if session.history is not self._sheet.history:
+            self._leave(self._sheet)
+            landing, self._landing = self._landing, None
+            self._sheet = _OnSheet(session.history, DrawingRecord(self._store, landing))
+        sheet = self._sheet
+        sheet.is_unsaved = session.is_modified
+        if sheet.last is None and not sheet.is_unsaved:
+            return
+        sheet.last = self._snapshot()
+        self._tasks.put(lambda: self._write(sheet))
+
+    def _snapshot(self) -> Snapshot:
+        session = self._session
+        return Snapshot(session.title, session.path, session.files.stamp, session.document)
+
+    def _given_up(self) -> None:
+        self._sheet.given_up = self._snapshot()
+
+    def _saved(self, path: Path) -> None:
+        sheet, now = self._sheet, self._snapshot()
+        if sheet.last is not None:
+            self._tasks.put(lambda: sheet.record.saved(now, now.document))
+            self._record()
+
+    def _leave(self, sheet: _OnSheet) -> None:
+        """Another drawing takes the place of one; it goes only if the person has answered."""
+        if sheet.may_go:
+            self._tasks.put(sheet.record.give_up)
+            return
+        self._tasks.put(lambda: self._set_aside(sheet))
+        name = sheet.last.name if sheet.last is not None else ""
+        self._session.tell(
+            tr("Recovery", "“{name}” is kept, and offered at the next start.", name=name)
+        )
+
+    # -- in the writing thread --
+
+    def _run(self) -> None:
+        while True:
+            task = self._tasks.get()
+            try:
+                if task is None:
+                    return
+                task()
+            except Exception as problem:
+                ring(self, self._complain, problem)
+            finally:
+                self._tasks.task_done()
+
+    def _write(self, sheet: _OnSheet) -> None:
+        """Write the newest snapshot, if it is not written yet."""
+        for late in tuple(self._unwritten):
+            self._unwritten.remove(late)
+            self._set_aside(late)
+        now = sheet.last
+        if now is not None and now is not sheet.written:
+            sheet.record.write(now)
+            sheet.written = now
+
+    def _set_aside(self, sheet: _OnSheet) -> None:
+        """Leave a drawing to be offered again, with all that was not yet written of it."""
+        try:
+            self._write(sheet)
+        except UserError:
+            self._unwritten.append(sheet)  # its turn comes with the next write
+            raise
+        sheet.record.set_aside()
+
+    def _complain(self, problem: BaseException) -> None:
+        if not isinstance(problem, UserError):
+            log.error("the journal cannot be written", exc_info=problem)
+        self._session.complain(problem)

@@ -1,0 +1,136 @@
+"""Starting up: the window first, everything heavy after its first paint."""
+
+from __future__ import annotations
+
+import faulthandler
+import logging
+import logging.handlers
+import os
+import sys
+import threading
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from time import monotonic
+from typing import Final, TextIO
+
+from PySide6.QtCore import QEvent, QObject, QTimer
+from PySide6.QtWidgets import QApplication
+
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.application import Application
+from bozzetto_app.interrupts import InterruptWatch
+from bozzetto_app.main_window import Window
+from bozzetto_app.paths import log_file, state_folder
+from bozzetto_app.session.session import Session
+from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
+from bozzetto_app.workers.gc_on_main_thread import Tidier
+from bozzetto_app.workers.main_thread import ring
+
+__all__ = ["application", "start"]
+
+VIEWPORT = "view/backend"
+HEAVY = ("scipy.optimize", "scipy.spatial", "scipy.sparse.linalg", "shapely", "manifold3d")
+"""Imported in a thread after the first paint, so that the first stroke need not wait."""
+
+LAST_MOMENT: Final = 1.0
+"""How long a closed program waits for its threads at most, seconds; they stop within a tenth."""
+
+
+def application() -> QApplication:
+    """The one Qt application, dressed in the program's theme."""
+    existing = QApplication.instance()
+    if isinstance(existing, QApplication):
+        return existing
+    app = Application(sys.argv[:1])
+    app.setOrganizationName(ORGANISATION)
+    app.setApplicationName(PROGRAM)
+    app.setDesktopFileName("bozzetto")
+    return app
+
+
+def start(document: Path | None, *, plugins: bool = True) -> int:
+    """Open the window and stay until it is closed.
+
+    Parameters
+    ----------
+    document : Path, optional
+        Opened at the start.
+    plugins : bool
+        False is the safe mode: no plugin is used.
+
+    Returns
+    -------
+    int
+        The process's exit code.
+    """
+    app = application()
+    viewport = str(settings().value(VIEWPORT, "auto"))
+    if viewport != "auto":
+        os.environ.setdefault("BOZZETTO_VIEWPORT", viewport)
+    crash_log = _log_to_disk()
+    tidier = Tidier(app)
+    session = Session(Registry(disabled=disabled_plugins(), no_plugins=not plugins))
+    window = Window(session)
+    paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier))
+    window.installEventFilter(paint)
+    window.show()
+    interrupts = InterruptWatch(window.close)
+    code = app.exec()
+    interrupts.close()
+    window.keeper.wait()
+    _let_workers_end()
+    faulthandler.disable()
+    crash_log.close()
+    return code
+
+
+def _let_workers_end() -> None:
+    """Wait a moment for threads that have been told to stop.
+
+    An interpreter that is taken down under one of them crashes now and then; after the moment it
+    is taken down all the same, for a hung plugin must not keep a closed program alive.
+    """
+    end = monotonic() + LAST_MOMENT
+    for thread in threading.enumerate():
+        if thread.name.startswith("bozzetto-"):
+            thread.join(max(0.0, end - monotonic()))
+
+
+class _FirstPaint(QObject):
+    """Calls back once, when the window has been painted for the first time."""
+
+    def __init__(self, window: Window, then: Callable[[], None]) -> None:
+        super().__init__(window)
+        self._then = then
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Paint:
+            watched.removeEventFilter(self)
+            # The sheet is painted with the window, before the event loop turns.
+            QTimer.singleShot(0, self._then)
+        return False
+
+
+def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) -> None:
+    def import_heavy() -> None:
+        for name in HEAVY:
+            import_module(name)
+        ring(tidier, tidier.settle)
+
+    threading.Thread(target=import_heavy, name="bozzetto-imports", daemon=True).start()
+    if document is not None:
+        window.session.open(document)
+    window.offer_recovery()
+
+
+def _log_to_disk() -> TextIO:
+    """Faults go to a rotating log; crashes of native code leave a traceback beside it."""
+    handler = logging.handlers.RotatingFileHandler(
+        log_file(), maxBytes=1_000_000, backupCount=2, encoding="utf-8"
+    )
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    logging.getLogger().addHandler(handler)
+    file = open(state_folder() / "crash.log", "a", encoding="utf-8")
+    faulthandler.enable(file)
+    return file

@@ -1,0 +1,183 @@
+"""The look: a palette pair of our own on Fusion, and one style sheet made from its tones.
+
+The platform's colour scheme is only asked, never set: `QStyleHints.setColorScheme` has no
+effect on several platforms, so both themes bring all their colours.
+"""
+
+from __future__ import annotations
+
+import logging
+from enum import Enum
+from functools import lru_cache
+from pathlib import Path
+from string import Template
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QFont, QFontInfo, QGuiApplication, QPalette
+from PySide6.QtWidgets import QApplication
+
+from bozzetto.atomic_files import write_bytes
+from bozzetto.errors import UserError
+from bozzetto.scene.palette import DARK, LIGHT, Color, Palette
+from bozzetto_app.paths import cache_folder
+from bozzetto_app.style.colors import Tones, tones_of
+from bozzetto_app.style.icons import FOLDER
+
+__all__ = [
+    "Theme",
+    "apply_theme",
+    "current_palette",
+    "palette_for",
+    "qcolor",
+    "small_font",
+    "strong_font",
+    "style_sheet",
+    "tones",
+]
+
+log = logging.getLogger(__name__)
+
+SMALL = 0.86
+"""Size of the second, smaller type beside the system's own."""
+
+STYLE = Path(__file__).parent / "theme.qss"
+
+_shown: Palette = LIGHT
+
+
+class Theme(Enum):
+    """What the person asked for."""
+
+    SYSTEM = "system"
+    LIGHT = "light"
+    DARK = "dark"
+
+
+def palette_for(theme: Theme) -> Palette:
+    """The palette of a theme; the system's wish counts where the person has none."""
+    if theme is Theme.SYSTEM:
+        dark = QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark
+        return DARK if dark else LIGHT
+    return DARK if theme is Theme.DARK else LIGHT
+
+
+def current_palette() -> Palette:
+    """The palette that was applied last."""
+    return _shown
+
+
+def tones() -> Tones:
+    """The tones of the palette that was applied last; for widgets that paint themselves."""
+    return _mixed_once(_shown)
+
+
+@lru_cache(maxsize=8)
+def _mixed_once(palette: Palette) -> Tones:
+    return tones_of(palette)
+
+
+def qcolor(color: Color, opacity: float = 1.0) -> QColor:
+    """A Qt colour; opacity 0 … 1."""
+    made = QColor(*color)
+    made.setAlphaF(opacity)
+    return made
+
+
+def _body_font() -> QFont:
+    font = QFont(QApplication.font())
+    font.setFeature(QFont.Tag("tnum"), 1)
+    return font
+
+
+def small_font(font: QFont) -> QFont:
+    """The second of the two sizes."""
+    smaller = QFont(font)
+    smaller.setPixelSize(_small_pixels(font))
+    return smaller
+
+
+def strong_font(font: QFont) -> QFont:
+    """The same size with more weight, for what is chosen and for headings."""
+    stronger = QFont(font)
+    stronger.setWeight(QFont.Weight.DemiBold)
+    return stronger
+
+
+def _small_pixels(font: QFont) -> int:
+    return max(10, round(QFontInfo(font).pixelSize() * SMALL))
+
+
+def apply_theme(app: QApplication, palette: Palette) -> None:
+    """Dress the whole program in a palette; may be called again at any time."""
+    global _shown
+    _shown = palette
+    app.setStyle("Fusion")
+    app.setFont(_body_font())
+    app.setPalette(_qt_palette(_mixed_once(palette)))
+    app.setStyleSheet(style_sheet(palette))
+
+
+def _qt_palette(tones: Tones) -> QPalette:
+    made = QPalette()
+    role = QPalette.ColorRole
+    for where, color in (
+        (role.Window, tones.panel),
+        (role.WindowText, tones.text),
+        (role.Base, tones.field),
+        (role.AlternateBase, tones.panel),
+        (role.Text, tones.text),
+        (role.PlaceholderText, tones.quiet),
+        (role.Button, tones.panel),
+        (role.ButtonText, tones.text),
+        (role.BrightText, tones.accent_text),
+        (role.ToolTipBase, tones.raised),
+        (role.ToolTipText, tones.text),
+        (role.Highlight, tones.accent_fill),
+        (role.HighlightedText, tones.on_accent),
+        (role.Accent, tones.accent_fill),
+        (role.Link, tones.second),
+        (role.LinkVisited, tones.second),
+        (role.Light, tones.raised),
+        (role.Midlight, tones.hover),
+        (role.Mid, tones.hairline),
+        (role.Dark, tones.edge),
+        (role.Shadow, tones.edge),
+    ):
+        made.setColor(where, qcolor(color))
+    for where in (role.WindowText, role.Text, role.ButtonText, role.PlaceholderText):
+        made.setColor(QPalette.ColorGroup.Disabled, where, qcolor(tones.disabled))
+    return made
+
+
+def style_sheet(palette: Palette) -> str:
+    """The style sheet of a palette."""
+    mixed = _mixed_once(palette)
+    colors = {
+        name: "#{:02x}{:02x}{:02x}".format(*value)
+        for name, value in vars(mixed).items()
+        if name != "name"
+    }
+    return Template(STYLE.read_text("utf-8")).substitute(
+        colors,
+        small=_small_pixels(QApplication.font()),
+        icons=_tinted_files(mixed).as_posix(),
+    )
+
+
+def _tinted_files(tones: Tones) -> Path:
+    """A folder with the few icons that a style sheet can only take from files.
+
+    They are kept between two starts; a disk that is full costs the icons, not the start.
+    """
+    color = "#{:02x}{:02x}{:02x}".format(*tones.text)
+    folder = cache_folder() / f"icons-{color[1:]}"
+    for name in ("check", "chevron-right", "chevron-down", "cross", "panels"):
+        content = (FOLDER / f"{name}.svg").read_bytes().replace(b"currentColor", color.encode())
+        place = folder / f"{name}.svg"
+        try:
+            if not place.is_file() or place.read_bytes() != content:
+                folder.mkdir(parents=True, exist_ok=True)
+                write_bytes(place, content)
+        except (OSError, UserError):
+            log.warning("the icon %s could not be kept", place, exc_info=True)
+    return folder

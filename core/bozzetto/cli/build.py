@@ -1,0 +1,159 @@
+"""``bozzetto build``: from drawings to shapes, documents and reports."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from bozzetto.cli.output import (
+    EXIT_ERROR,
+    EXIT_FAULT,
+    complain,
+    hand_over,
+    keep_apart,
+    warn,
+    words_of_fault,
+    workbench,
+    write_report,
+)
+from bozzetto.errors import UserError
+
+__all__ = ["build"]
+
+MAX_PLACES = 3
+"""Places of a mistake that an error line names."""
+
+
+def build(options: argparse.Namespace) -> int:
+    """Build every input; the exit code."""
+    from bozzetto.exchange.formats import find, writers
+    from bozzetto.plugin.guard.guard import PluginFault
+
+    bench = workbench()
+    modeler_id = bench.registry.resolve(options.modeler)
+    values = _settings(bench.registry.modeler(modeler_id), options.set)
+    inputs = [Path(name) for name in options.inputs]
+    targets = _targets(inputs, options.output, options.format)
+    for target in targets:
+        if target.suffix.lower() != ".bozz":
+            find(target, writers("mesh", "surfaces", "curves"))
+    keep_apart(inputs, targets, options.report)
+    reports: list[dict[str, Any]] = []
+    code = 0
+    for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
+        if len(inputs) > 1:
+            print(f"[{number}/{len(inputs)}] {source.name} → {target}", file=sys.stderr)
+        try:
+            report, written = _build_one(bench, modeler_id, source, target, values, options)
+        except (UserError, PluginFault) as problem:
+            if len(inputs) == 1:
+                raise
+            fault = isinstance(problem, PluginFault)
+            words = words_of_fault(problem) if fault else str(problem)
+            complain(f"{source.name}: {words}")
+            code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
+            continue
+        told = {"input": str(source), "output": str(target), "report": report}
+        reports.append(told | written)
+    if options.report and reports:
+        single = reports[0]["report"] | {k: v for k, v in reports[0].items() if k == "written"}
+        write_report(options.report, single if len(inputs) == 1 else {"files": reports})
+    return code
+
+
+def _build_one(
+    bench: Any,
+    modeler_id: str,
+    source: Path,
+    target: Path,
+    values: dict[str, object],
+    options: argparse.Namespace,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Build one input; its report where one is wanted, and what was written of it."""
+    from bozzetto.document.model import Document
+    from bozzetto.exchange.import_file import is_picture, read_drawing, read_picture
+    from bozzetto.plugin.job import Job
+
+    picture = read_picture(source, trusted=options.trust_file) if is_picture(source) else None
+    drawing = read_drawing(source, trusted=options.trust_file) if picture is None else None
+    try:
+        if picture is not None:
+            model = bench.from_picture(modeler_id, picture, values)
+        else:
+            model = bench.from_drawing(modeler_id, drawing, values)
+        report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
+        camera = None if drawing is None else drawing.camera
+        written = hand_over(
+            bench,
+            Document((model,), camera=camera),
+            target,
+            view=options.view,
+            refuse_baseless=not options.allow_template,
+        )
+        if written is None:
+            warn(caution.message for caution in bench.cautions(model, Job()))
+    except UserError as problem:
+        raise UserError(problem.message + _places(problem, drawing)) from problem
+    return report, {} if written is None else {"written": written}
+
+
+def _places(problem: UserError, drawing: Any) -> str:
+    """Where a mistake lies, in the coordinates of the drawing's file: nothing lights up here."""
+    if not problem.places or drawing is None:
+        return ""
+    import numpy as np
+
+    from bozzetto.exchange.page_layout import Sheet
+
+    points = problem.places[:MAX_PLACES]
+    sheet = Sheet.of_front_view(drawing.camera)
+    if sheet is not None and all(stroke.tool == "imported" for stroke in drawing.strokes):
+        points = tuple(map(tuple, sheet.to_units(np.asarray(points), drawing.camera).tolist()))
+    said = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in points)
+    return f" It is at {said}{' …' if len(problem.places) > MAX_PLACES else ''}."
+
+
+def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
+    """What ``--set`` says: parameters of the modeler, of its parts, and of one part by name."""
+    from bozzetto.parameters import parameter_fields, parse_parameter
+    from bozzetto.plugin.parts import HasParts
+
+    parts = modeler.part_types if isinstance(modeler, HasParts) else ()
+    of_parts = {field.name: field for kind in parts for field in parameter_fields(kind)}
+    fields = of_parts | {field.name: field for field in parameter_fields(modeler.state_type)}
+    values: dict[str, object] = {}
+    for assignment in assignments:
+        name, sign, text = assignment.partition("=")
+        if not sign:
+            raise UserError(f"--set takes NAME=VALUE, not {assignment!r}.")
+        part, _, plain = name.rpartition(".")
+        known = of_parts if part else fields
+        if plain not in known:
+            owner = f"a part of {modeler.title}" if part else modeler.title
+            words = ", ".join(known) or "none"
+            raise UserError(f"There is no parameter {plain!r}; {owner} has: {words}.")
+        values[name] = parse_parameter(known[plain], text)
+    return values
+
+
+def _targets(inputs: Sequence[Path], output: str, ending: str | None) -> list[Path]:
+    if not output:
+        raise UserError("The output has no name. Say where to write it.")
+    folder = len(inputs) > 1 or output.endswith(("/", "\\")) or os.path.isdir(output)
+    if not folder:
+        if ending is not None:
+            raise UserError("--format goes with a folder. Name the folder with a / at its end.")
+        return [Path(output)]
+    if ending is None:
+        raise UserError("Several inputs, or a folder as output, need --format (for example stl).")
+    if os.path.isfile(output):
+        raise UserError(f"{output} is a file. Several inputs need a folder as output.")
+    suffix = f".{ending.lstrip('.').lower()}"
+    targets = [Path(output) / f"{source.stem}{suffix}" for source in inputs]
+    if len(set(targets)) < len(targets):
+        raise UserError("Two inputs have the same name, so their outputs would too. Rename one.")
+    return targets

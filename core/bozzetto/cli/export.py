@@ -1,0 +1,43 @@
+"""``bozzetto export``: a document's objects to files of other programs, and a report of them."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from bozzetto.cli.output import (
+    hand_over,
+    keep_apart,
+    open_document,
+    workbench,
+    write_report,
+)
+
+__all__ = ["export"]
+
+
+def export(options: argparse.Namespace) -> int:
+    """Export a document; the exit code."""
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.export_document import chosen_models, unusable
+
+    keep_apart([options.document], [options.output], options.report)
+    bench = workbench()
+    document = open_document(bench, options.document)
+    made = hand_over(bench, document, options.output, options.object, view=options.view)
+    if options.report:
+        models, _ = chosen_models(document, options.object)
+        said: dict[str, Any] = {
+            "input": str(options.document),
+            "output": str(options.output),
+            "objects": [
+                {
+                    "name": model.name,
+                    "modeler": model.modeler,
+                    "report": {} if unusable(bench, model) else bench.report(model, Job()),
+                }
+                for model in models
+            ],
+        }
+        write_report(options.report, said if made is None else said | {"written": made})
+    return 0

@@ -1,0 +1,64 @@
+"""What a file holds, told without building anything."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.exchange.formats import find, readers
+from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh
+
+__all__ = ["facts_of"]
+
+
+def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
+    """What a document, drawing, mesh or picture holds, in plain JSON values.
+
+    Parameters
+    ----------
+    path : Path
+    trusted : bool
+        As in `importing.read_mesh`.
+
+    Raises
+    ------
+    UserError
+        If it cannot be read, or its ending is unknown.
+    """
+    if path.suffix.lower() == ".bozz":
+        from bozzetto.document.storage.bozz_file import document_info
+
+        return document_info(path)
+    if path.is_dir():
+        raise UserError(f"“{path}” is a folder. Choose a file inside it.")
+    holds = find(path, readers()).holds
+    if "image" in holds:
+        height, width, _ = read_image(path, trusted=trusted).shape
+        return {"kind": "picture", "size_px": [width, height]}
+    if "ink" in holds:
+        drawing = read_drawing(path, trusted=trusted)
+        return {
+            "kind": "drawing",
+            "camera": drawing.camera.kind,
+            "canvas_px": list(drawing.camera.viewport),
+            "strokes": len(drawing.strokes),
+            "samples": sum(len(stroke) for stroke in drawing.strokes),
+            "pressure": any(stroke.has_pressure for stroke in drawing.strokes),
+            "facts": sorted(drawing.extra),
+            "pictures": [
+                f"{name}, {picture.width} × {picture.height} px"
+                for name, picture in drawing.pictures.items()
+            ],
+        }
+    parts = list(read_mesh(path, trusted=trusted).meshes())
+    bounds = np.array([part.mesh.bounds for part in parts])
+    return {
+        "kind": "mesh",
+        "parts": len(parts),
+        "vertices": sum(len(part.mesh.vertices) for part in parts),
+        "triangles": sum(len(part.mesh.faces) for part in parts),
+        "size_mm": [round(float(v), 6) for v in bounds[:, 1].max(0) - bounds[:, 0].min(0)],
+    }

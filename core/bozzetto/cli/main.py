@@ -1,0 +1,303 @@
+"""The command line: build, export, render, info, samples and plugins, without a window.
+
+Bad input ends with exit code 2, one line ``error: …`` that says what to do, and nothing
+written; a plugin that fails ends with exit code 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from bozzetto import __version__
+from bozzetto.cli.build import build as run_build
+from bozzetto.cli.export import export as run_export
+from bozzetto.cli.output import (
+    EXIT_ERROR,
+    EXIT_FAULT,
+    complain,
+    hand_over,
+    make_folder,
+    open_document,
+    warn,
+    words_of_fault,
+    workbench,
+)
+from bozzetto.cli.plugins import ACTIONS
+from bozzetto.cli.plugins import plugins as run_plugins
+from bozzetto.errors import UserError
+
+__all__ = ["COMMANDS", "SWITCHES", "main"]
+
+COMMANDS = ("build", "export", "render", "info", "samples", "plugins")
+"""Words after which no window opens."""
+
+SWITCHES = ("-v", "--verbose")
+"""Words that may stand before a command."""
+
+EXIT_INTERRUPTED = 130
+
+VIEW_HELP = "front, right, top, three-quarter …; by default the document's own if all lies in it"
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says its errors the way everything else does."""
+
+    def error(self, message: str) -> NoReturn:
+        command = self.prog
+        self.exit(EXIT_ERROR, f"error: {message}. See “{command} --help”.\n")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Default: the arguments of the process.
+
+    Returns
+    -------
+    int
+        0, or 1 for a plugin's fault, 2 for a mistake in the input, 130 for Ctrl+C.
+    """
+    try:
+        return _run(argv)
+    except KeyboardInterrupt:
+        complain("stopped. Nothing was left half-written.")
+        return EXIT_INTERRUPTED
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    options = _parser().parse_args(argv)
+    from bozzetto.plugin.guard.guard import PluginFault
+
+    logging.basicConfig(level=logging.DEBUG if options.verbose else logging.CRITICAL)
+    try:
+        code: int = options.run(options)
+        return code
+    except UserError as problem:
+        complain(problem.message)
+        return EXIT_ERROR
+    except PluginFault as fault:
+        complain(words_of_fault(fault))
+        return EXIT_FAULT
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="bozzetto", description="Draw, and get 3D. Without a command, the window opens."
+    )
+    parser.add_argument("--version", action="version", version=f"bozzetto {__version__}")
+    parser.add_argument(*SWITCHES, action="store_true", help="show tracebacks of faults")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    build = commands.add_parser("build", help="turn drawings into shapes")
+    build.add_argument("modeler", help="for example: silhouette")
+    build.add_argument(
+        "inputs", nargs="+", metavar="INPUT", help="ink JSON, SVG or InkML; for some a picture"
+    )
+    build.add_argument("-o", "--output", required=True, help="a file, or a folder for several")
+    build.add_argument("--format", help="file ending of the outputs, for a folder")
+    build.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="set a parameter; of one part with its name before it: “Part 2.blend=0”",
+    )
+    _add_trust(build)
+    build.add_argument("--report", type=Path, metavar="R.json", help="write how good it is")
+    build.add_argument("--view", metavar="NAME", help=VIEW_HELP)
+    build.add_argument(
+        "--allow-template",
+        action="store_true",
+        help="write the bare template where nothing can be made from the input",
+    )
+    build.set_defaults(run=run_build)
+
+    export = commands.add_parser("export", help="hand a document over to other programs")
+    export.add_argument("document", type=Path)
+    export.add_argument("-o", "--output", type=Path, required=True)
+    export.add_argument("--object", action="append", metavar="NAME", help="only these objects")
+    export.add_argument("--view", metavar="NAME", help=VIEW_HELP)
+    export.add_argument("--report", type=Path, metavar="R.json", help="write what is in the file")
+    export.set_defaults(run=run_export)
+
+    render = commands.add_parser("render", help="make a picture of a document or a mesh")
+    render.add_argument("input", type=Path)
+    render.add_argument("-o", "--output", type=Path, required=True)
+    render.add_argument("--size", default="1200x900", metavar="WxH", help="pixels")
+    render.add_argument("--view", metavar="NAME", help=VIEW_HELP)
+    render.add_argument("--theme", choices=("light", "dark"), default="light")
+    render.add_argument(
+        "--shading",
+        choices=("clay", "zebra", "curvature", "normals", "xray"),
+        default="clay",
+    )
+    _add_trust(render)
+    render.set_defaults(run=_render)
+
+    info = commands.add_parser("info", help="say what a file holds")
+    info.add_argument("input", type=Path)
+    info.add_argument("--json", action="store_true", help="for other programs")
+    _add_trust(info)
+    info.set_defaults(run=_info)
+
+    samples = commands.add_parser("samples", help="build the sample drawings of every modeler")
+    samples.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    samples.set_defaults(run=_samples)
+
+    plugins = commands.add_parser(
+        "plugins", help="list the plugins, switch one on or off, or check one"
+    )
+    plugins.add_argument("action", nargs="?", choices=ACTIONS, default="list")
+    plugins.add_argument(
+        "package",
+        nargs="?",
+        metavar="NAME",
+        help="id or package of a plugin; to check, also a file of a plugin's own kind",
+    )
+    plugins.set_defaults(run=run_plugins)
+    return parser
+
+
+def _add_trust(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--trust-file",
+        action="store_true",
+        help="read the input however much time and memory it takes; only if you know who made it",
+    )
+
+
+# -- documents --
+
+
+def _render(options: argparse.Namespace) -> int:
+    from bozzetto.images.png import write_png
+    from bozzetto.scene import DARK, LIGHT
+    from bozzetto.workbench.export_document import unusable
+
+    if options.output.suffix.lower() != ".png":
+        raise UserError("A picture is written as PNG. Let its name end in .png.")
+    width, height = _size(options.size)
+    bench = workbench()
+    document = _document_of(bench, options.input, options.trust_file)
+    unseen = (unusable(bench, model) for model in document if model.visible)
+    warn(problem.sentence("picture") for problem in unseen if problem is not None)
+    palette = DARK if options.theme == "dark" else LIGHT
+    image = _picture_of(
+        bench, document, options.view, (width, height), palette=palette, shading=options.shading
+    )
+    make_folder(options.output)
+    write_png(options.output, image)
+    return 0
+
+
+def _picture_of(
+    bench: Any, document: Any, view: str | None, size: tuple[int, int] = (1200, 900), **style: Any
+) -> Any:
+    """A document as the window shows it; `style` as in `scene.picture`.
+
+    Without a name of a view it is the document's own if all lies in it, else the three-quarter
+    view.
+    """
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.snapshot import framed, own_or_framed, picture
+
+    scene = bench.scene(document, Job())
+    if view is None:
+        camera = own_or_framed(scene, document.camera, size)
+    else:
+        camera = framed(scene, view, size)
+    shown = scene.under(bench.advice_scene(document, camera))
+    return picture(shown, camera=camera, size=size, **style)
+
+
+def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
+    """A document, or one made from a mesh file."""
+    from bozzetto.document.model import Document
+    from bozzetto.exchange.import_file import read_mesh
+
+    if path.suffix.lower() == ".bozz":
+        return open_document(bench, path)
+    return Document(
+        (bench.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
+    )
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in text.lower().replace("×", "x").split("x"))
+    except ValueError:
+        raise UserError(
+            f"A size is WIDTHxHEIGHT in pixels, such as 1200x900; not {text!r}."
+        ) from None
+    return width, height
+
+
+def _info(options: argparse.Namespace) -> int:
+    from bozzetto.cli.file_facts import facts_of
+
+    facts = facts_of(options.input, trusted=options.trust_file)
+    if options.json:
+        print(json.dumps(facts, indent=2, ensure_ascii=False))
+    else:
+        for key, value in facts.items():
+            shown = value
+            if isinstance(value, list) and not any(isinstance(v, dict | str) for v in value):
+                shown = " ".join(map(str, value)) or "none"
+            elif isinstance(value, list):
+                shown = "".join(f"\n  {_line(entry)}" for entry in value) or "none"
+            elif isinstance(value, dict):
+                shown = _line(value)
+            print(f"{key}: {shown}")
+    return 0
+
+
+def _line(entry: Any) -> str:
+    if isinstance(entry, dict):
+        return ", ".join(f"{key} {value}" for key, value in entry.items())
+    return str(entry)
+
+
+# -- samples --
+
+SAMPLE_FORMATS = ("stl", "3mf", "glb", "step")
+"""Exports of a sample, as far as they have a place for what it is."""
+
+
+def _samples(options: argparse.Namespace) -> int:
+    """Build every modeler's sample drawings: a picture, a document and exports of each."""
+    from bozzetto.document.model import Document
+    from bozzetto.exchange.export import has_room
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.images.png import write_png
+    from bozzetto.plugin.job import Job
+
+    bench = workbench()
+    for info in bench.registry.modelers():
+        for sample in info.samples:
+            drawing = read_drawing(sample, trusted=True)  # it came with its plugin
+            document = Document((bench.from_drawing(info.id, drawing, {}),))
+            shapes = bench.shapes(document, Job())
+            stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"
+            targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]
+            targets = [target for target in targets if has_room(target, shapes)]
+            for target in (*targets, stem.with_name(f"{stem.name}.bozz")):
+                hand_over(bench, document, target)
+                print(f"wrote {target}")
+            picture = stem.with_name(f"{stem.name}.png")
+            write_png(picture, _picture_of(bench, document, "three-quarter"))
+            print(f"wrote {picture}")
+    print(f"Everything is in {options.output}. To draw, run “bozzetto” where there is a screen.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,167 @@
+"""What the commands share: how they say what went wrong, and how they write what they made."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from bozzetto.errors import UserError
+
+__all__ = [
+    "EXIT_ERROR",
+    "EXIT_FAULT",
+    "complain",
+    "hand_over",
+    "keep_apart",
+    "make_folder",
+    "open_document",
+    "warn",
+    "words_of_fault",
+    "workbench",
+    "write_report",
+]
+
+ASK_FOR_IT = "To write it all the same, say --allow-template."
+
+EXIT_FAULT = 1
+EXIT_ERROR = 2
+
+
+def complain(message: str) -> None:
+    """Say in one line what went wrong."""
+    print(f"error: {' '.join(message.split())}", file=sys.stderr)
+
+
+def warn(messages: Iterable[str]) -> None:
+    """Say what a person must know of what was written, a line each."""
+    for message in messages:
+        print(f"warning: {' '.join(message.split())}", file=sys.stderr)
+
+
+def words_of_fault(fault: Exception) -> str:
+    """A plugin's fault in one line."""
+    return f"{fault} Its author can find the place with “bozzetto -v …”."
+
+
+def workbench() -> Any:
+    """A workbench with all plugins but those that the person switched off."""
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.host.switched_off import switched_off
+    from bozzetto.workbench.workbench import Workbench
+
+    return Workbench(Registry(disabled=switched_off() or ()))
+
+
+def open_document(bench: Any, path: Path) -> Any:
+    """Read a document, and say what of it stays closed."""
+    from bozzetto.document.storage.bozz_file import read_document
+
+    document, report = read_document(path, bench.registry)
+    for warning in report.warnings:
+        print(f"note: {warning}", file=sys.stderr)
+    return document
+
+
+def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | None) -> None:
+    """Refuse to write one file over another of the same command."""
+    read = {os.path.realpath(path) for path in inputs}
+    written = [os.path.realpath(path) for path in (*targets, *([report] if report else []))]
+    if read.intersection(written):
+        raise UserError("An output would replace an input. Choose another name or folder for it.")
+    if len(set(written)) < len(written):
+        raise UserError("The report would replace an output. Give it a name of its own.")
+    if report is not None and report.is_dir():
+        raise UserError(f"{report} is a folder. The report needs a file name.")
+
+
+def hand_over(
+    bench: Any,
+    document: Any,
+    target: Path,
+    names: Sequence[str] | None = None,
+    *,
+    view: str | None = None,
+    refuse_baseless: bool = False,
+) -> dict[str, Any] | None:
+    """Write a document's shapes, or the document itself, and warn of what is not in it.
+
+    Parameters
+    ----------
+    bench : Workbench
+    document : Document
+    target : Path
+    names : sequence of str, optional
+        Of the objects wanted; by default all that are visible.
+    view : str, optional
+        The standard view of a flat file; see `prepared_file`.
+    refuse_baseless : bool
+        Whether shapes that are not made from the input are an error; see `Caution`.
+
+    Returns
+    -------
+    dict or None
+        What was written and left out, as plain JSON values; None of a document.
+
+    Raises
+    ------
+    UserError
+        If there is no object of a name, nothing to write, or it cannot be written.
+    """
+    from bozzetto.atomic_files import write_bytes
+    from bozzetto.document.storage.bozz_file import write_document
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.export_document import chosen_models, object_shapes, prepared_file
+
+    models, hidden = chosen_models(document, names)
+    if target.suffix.lower() == ".bozz":
+        if names is not None:
+            raise UserError("A document keeps all its objects. Leave --object out.")
+        if view is not None:
+            raise UserError("A document keeps its own view. Leave --view out.")
+        make_folder(target)
+        write_document(document, target)
+        return None
+    objects = object_shapes(bench, models, Job())
+    objects = replace(objects, left_out=(*hidden, *objects.left_out))
+    baseless = objects.warnings(baseless_only=True)
+    if refuse_baseless and baseless:
+        raise UserError(f"{' '.join(baseless)} {ASK_FOR_IT}")
+    made = prepared_file(objects, target, document.camera, view=view)
+    make_folder(target)
+    write_bytes(target, made.data)
+    warn((*_waiting_ink(document), *objects.warnings(), *made.warnings()))
+    return made.as_values() | {"warnings": list(objects.warnings())}
+
+
+def _waiting_ink(document: Any) -> tuple[str, ...]:
+    """Return a warning of ink that no modeler has taken."""
+    if not document.waiting:
+        return ()
+    strokes = len(document.waiting)
+    return (
+        f"Ink waits in this document (strokes: {strokes}). It is no part of the shapes; open the "
+        "document to finish it.",
+    )
+
+
+def write_report(path: Path, said: dict[str, Any]) -> None:
+    """Write a report as JSON."""
+    from bozzetto.atomic_files import write_bytes
+
+    make_folder(path)
+    write_bytes(path, (json.dumps(said, indent=2, ensure_ascii=False) + "\n").encode())
+
+
+def make_folder(target: Path) -> None:
+    """Make the folder in which a file shall lie."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise UserError(
+            f"The folder {target.parent} cannot be made: {problem.strerror}. Choose another."
+        ) from None

@@ -1,0 +1,95 @@
+"""``bozzetto plugins``: list them, switch them on and off, check one."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bozzetto.cli.output import EXIT_ERROR
+from bozzetto.errors import UserError
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.host.registry import PluginInfo
+
+__all__ = ["ACTIONS", "plugins"]
+
+ACTIONS = ("list", "check", "enable", "disable")
+"""What can be done with plugins."""
+
+
+def plugins(options: argparse.Namespace) -> int:
+    """Do one of the `ACTIONS`; the exit code."""
+    if options.action == "list":
+        _list()
+        return 0
+    if options.package is None:
+        what = "package or file to check" if options.action == "check" else "plugin is meant"
+        raise UserError(f"Say which {what}: bozzetto plugins {options.action} NAME.")
+    if options.action == "check":
+        return _check(options.package)
+    _switch(options.package, options.action == "enable")
+    return 0
+
+
+def _list() -> None:
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.host.switched_off import switched_off
+
+    found = Registry(disabled=switched_off() or ()).plugins()
+    for plugin in found:
+        package = "" if plugin.package == plugin.id else f"  (package {plugin.package})"
+        told = f"{plugin.id}  {plugin.version}  {plugin.status}  {plugin.summary}".rstrip()
+        print(f"{told}{package}")
+        for reason in (plugin.fault, *plugin.warnings):
+            if reason:
+                print(f"    {reason}")
+    if not found:
+        print("No plugin is installed.")
+
+
+def _check(package: str) -> int:
+    from bozzetto.testing.lint import check_file, check_package
+
+    path = Path(package)
+    is_file = path.is_file()
+    findings = check_file(path) if is_file else check_package(package)
+    for finding in findings:
+        print(finding)
+    if not findings:
+        fine = "the file is" if is_file else "manifest, icons, import and contract are"
+        print(f"{package}: {fine} in order.")
+    return EXIT_ERROR if any(finding.serious for finding in findings) else 0
+
+
+def _switch(name: str, on: bool) -> None:
+    """Switch a plugin on or off, for the window as well."""
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.host.switched_off import switch, switched_off
+
+    off = switched_off() or frozenset()
+    found = Registry(disabled=off).plugins()
+    plugin = _named(name, found)
+    if plugin is None and not (on and name in off):
+        known = ", ".join(info.id for info in found) or "none"
+        raise UserError(f"There is no plugin {name!r}; there are: {known}.")
+    plugin_id = name if plugin is None else plugin.id
+    switch(plugin_id, on)
+    if not on:
+        print(f"{plugin_id} is switched off. Its objects are kept as they are.")
+    elif plugin is not None and plugin.fault:
+        print(f"{plugin_id} is switched on, but cannot be used. {plugin.fault}")
+    else:
+        print(f"{plugin_id} is switched on.")
+
+
+def _named(name: str, found: tuple[PluginInfo, ...]) -> PluginInfo | None:
+    """The plugin that a person means: by its id, its package, or the last part of its id."""
+    for meant in (
+        [info for info in found if info.id == name],
+        [info for info in found if info.package == name],
+        [info for info in found if info.id.rpartition(".")[2] == name],
+    ):
+        if len(meant) == 1:
+            return meant[0]
+    return None

@@ -1,0 +1,1 @@
+"""The journal, locks, and what is found after a crash."""

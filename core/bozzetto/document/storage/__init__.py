@@ -1,0 +1,1 @@
+"""The file of a document: container, records, codecs, migrations."""

@@ -1,0 +1,208 @@
+"""Models and underlays between document and file: what is written of them as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+from numpy.typing import NDArray
+
+from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, Underlay
+from bozzetto.document.storage.state_codec import (
+    EncodedState,
+    OpaqueState,
+    StateTypes,
+    decode_state,
+    encode_state,
+)
+from bozzetto.document.waiting_ink import Waiting, WaitingStatus, WaitingStroke
+from bozzetto.errors import DocumentError
+from bozzetto.geometry.placement import Placement
+from bozzetto.ink.stroke import Stroke
+
+__all__ = [
+    "ModelHeader",
+    "StoredModel",
+    "UnderlayHeader",
+    "WaitingHeader",
+    "open_model",
+    "store_model",
+    "store_underlay",
+    "store_waiting",
+]
+
+Id = Annotated[str, Meta(pattern=ID_PATTERN)]
+
+Name = Annotated[str, Meta(pattern=NAME_PATTERN)]
+Byte = Annotated[int, Meta(ge=0, le=255)]
+Point = tuple[float, float, float]
+
+
+class ModelHeader(msgspec.Struct, frozen=True):
+    """All of a model but its state."""
+
+    id: Id
+    name: Name
+    modeler: Id
+    state_version: Annotated[int, Meta(ge=0)]
+    placement: Placement
+    visible: bool
+    locked: bool
+    color: tuple[Byte, Byte, Byte] | None
+
+    @property
+    def folder(self) -> str:
+        """Where the file keeps the state."""
+        return f"plugins/{self.modeler}/{self.id}"
+
+
+class UnderlayHeader(msgspec.Struct, frozen=True):
+    """All of an underlay but its pixels."""
+
+    id: Id
+    name: Name
+    corner: Point
+    across: Point
+    down: Point
+    opacity: Annotated[float, Meta(ge=0.0, le=1.0)]
+    visible: bool
+
+    def with_pixels(self, pixels: NDArray[np.uint8]) -> Underlay:
+        """The underlay; raises `DocumentError` where these are no pixels."""
+        if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or not pixels.size:
+            raise DocumentError(f"The underlay “{self.name}” has no picture.")
+        return Underlay(
+            self.id,
+            self.name,
+            pixels,
+            self.corner,
+            self.across,
+            self.down,
+            self.opacity,
+            self.visible,
+        )
+
+
+class WaitingHeader(msgspec.Struct, frozen=True):
+    """All of a waiting stroke but the stroke."""
+
+    modeler: str
+    tool: str
+    status: WaitingStatus
+    reason: str
+    places: list[tuple[float, float]]
+
+    def with_stroke(self, stroke: Stroke) -> WaitingStroke:
+        """The waiting stroke."""
+        return WaitingStroke(
+            stroke, self.modeler, self.tool, self.status, self.reason, tuple(self.places)
+        )
+
+
+@dataclass(frozen=True)
+class StoredModel:
+    """A model as files hold it."""
+
+    header: ModelHeader
+    encoded: EncodedState
+
+
+def store_model(model: Model) -> StoredModel:
+    """Take a model apart for writing."""
+    state = model.state
+    header = ModelHeader(
+        model.id,
+        model.name,
+        model.modeler,
+        state.version if isinstance(state, OpaqueState) else model.state_version,
+        model.placement,
+        model.visible,
+        model.locked,
+        model.color,
+    )
+    return StoredModel(header, encode_state(state))
+
+
+def store_underlay(underlay: Underlay) -> UnderlayHeader:
+    """What is written of an underlay beside its pixels."""
+    return UnderlayHeader(
+        underlay.id,
+        underlay.name,
+        underlay.corner,
+        underlay.across,
+        underlay.down,
+        underlay.opacity,
+        underlay.visible,
+    )
+
+
+def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
+    """What is written of ink that waits beside its strokes."""
+    return [
+        WaitingHeader(
+            _writable(one.modeler),
+            _writable(one.tool),
+            one.status,
+            _writable(one.reason),
+            list(one.places),
+        )
+        for one in waiting
+    ]
+
+
+def _writable(text: str) -> str:
+    """A text without halves of characters: plugins may say anything, and JSON cannot hold it."""
+    return text.encode("utf-8", "replace").decode()
+
+
+def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | None]:
+    """Put a model together again, and say so where its state had to stay closed.
+
+    A modeler that is absent, older than the file, or cannot make sense of an intact state
+    does not keep the rest of the document from being opened: the state stays opaque and
+    is written back as it was.
+    """
+    header = stored.header
+    closed = OpaqueState(
+        header.state_version, stored.encoded.json, stored.encoded.strokes, stored.encoded.arrays
+    )
+    model = Model(
+        header.id,
+        header.name,
+        header.modeler,
+        closed,
+        header.placement,
+        header.visible,
+        header.locked,
+        header.color,
+        header.state_version,
+    )
+    known = states.state_type(header.modeler)
+    if known is None:
+        return model, (
+            f"“{header.name}” was made with the plugin {header.modeler!r}, which is not "
+            "installed or switched off. It is kept as it is and cannot be changed."
+        )
+    state_type, version = known
+    if header.state_version > version:
+        return model, (
+            f"“{header.name}” was made with a newer version of {header.modeler!r}. It is kept "
+            "as it is; update the plugin to change it."
+        )
+
+    def upgrade(state: dict[str, Any]) -> dict[str, Any]:
+        if header.state_version == version:
+            return state
+        return states.upgrade(header.modeler, state, header.state_version)
+
+    try:
+        state = decode_state(state_type, stored.encoded, upgrade=upgrade)
+    except DocumentError as problem:
+        return model, (
+            f"“{header.name}” cannot be read by {header.modeler!r} ({problem}). It is kept as "
+            "it is and cannot be changed."
+        )
+    return replace(model, state=state, state_version=version), None

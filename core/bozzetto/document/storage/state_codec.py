@@ -1,0 +1,185 @@
+"""Modelers' states as JSON, strokes and arrays; and the states of modelers that are absent."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
+
+import msgspec
+from numpy.typing import NDArray
+
+from bozzetto.document.storage.side_tables import Aside
+from bozzetto.document.storage.type_forms import form_of
+from bozzetto.errors import DocumentError, UserError, words_of
+from bozzetto.ink.stroke import Stroke
+from bozzetto.json_size import MAX_VALUES, json_values
+
+if TYPE_CHECKING:
+    from bozzetto.parameters import Field
+
+__all__ = [
+    "EncodedState",
+    "OpaqueState",
+    "StateTypes",
+    "check_encodable",
+    "decode_state",
+    "encode_state",
+    "state_digest",
+]
+
+State = TypeVar("State")
+
+MAX_STATE_JSON: Final = 16 << 20
+"""Longest JSON of one state, bytes: read, it may take a dozen times as much memory."""
+
+
+class StateTypes(Protocol):
+    """Who knows the modelers' state types; `bozzetto.plugin.host.registry.Registry` does."""
+
+    def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
+        """State type and version of a modeler, or None if it is absent or broken."""
+        ...
+
+    def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """The stored form of an older version's state in today's shape."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class EncodedState:
+    """A state taken apart.
+
+    Parameters
+    ----------
+    json : bytes
+        Refers to strokes and arrays by their place in the other two.
+    strokes : tuple of Stroke
+    arrays : tuple of read-only array
+    """
+
+    json: bytes
+    strokes: tuple[Stroke, ...] = ()
+    arrays: tuple[NDArray[Any], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class OpaqueState:
+    """The state of a model whose modeler is absent: kept as it was stored.
+
+    Parameters
+    ----------
+    version : int
+        The modeler's ``state_version`` when it was stored.
+    json, strokes, arrays
+        As in `EncodedState`; never looked into.
+    """
+
+    version: int
+    json: bytes
+    strokes: Sequence[Stroke] = ()
+    arrays: tuple[NDArray[Any], ...] = ()
+
+
+def check_encodable(state_type: type[Any], state: object) -> None:
+    """Make sure that a state can be stored and will be read back.
+
+    Raises
+    ------
+    TypeError
+        If the state is of another type, or its fields are of a kind that documents cannot
+        keep.
+    ValueError
+        If the state holds something else than its type says, a number that is not finite,
+        an array that can be written to, or a parameter out of range. Names the place.
+    """
+    if type(state) is not state_type:
+        raise TypeError(f"a {type(state).__name__} where a {state_type.__name__} belongs")
+    encode_state(state)
+
+
+def encode_state(state: Any) -> EncodedState:
+    """Take a state apart; an `OpaqueState` comes out as it went in.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `check_encodable`.
+    """
+    if isinstance(state, OpaqueState):
+        return EncodedState(state.json, tuple(state.strokes), state.arrays)
+    aside = Aside()
+    try:
+        text = msgspec.json.encode(form_of(type(state)).write(state, aside))
+    except RecursionError:
+        raise ValueError("state: nested too deeply") from None
+    if len(text) > MAX_STATE_JSON or json_values(text) > MAX_VALUES:
+        raise ValueError(f"state: {len(text)} bytes of JSON; keep long rows of numbers as arrays")
+    _check_parameters(state)
+    return EncodedState(text, tuple(aside.strokes), tuple(aside.arrays))
+
+
+def decode_state(
+    state_type: type[State],
+    encoded: EncodedState,
+    *,
+    upgrade: Callable[[dict[str, Any]], dict[str, Any]] | None = None,
+) -> State:
+    """Put a state together again.
+
+    Parameters
+    ----------
+    state_type : type
+    encoded : EncodedState
+    upgrade : callable, optional
+        Turns the JSON object of an older version into today's.
+
+    Raises
+    ------
+    DocumentError
+        If what was stored is not a state of this type.
+    """
+    try:
+        if len(encoded.json) > MAX_STATE_JSON:
+            raise ValueError(f"{len(encoded.json)} bytes of JSON")
+        if json_values(encoded.json) > MAX_VALUES:
+            raise ValueError(f"more than {MAX_VALUES} values of JSON")
+        raw = msgspec.json.decode(encoded.json)
+        if upgrade is not None:
+            raw = upgrade(raw)
+        aside = Aside(list(encoded.strokes), list(encoded.arrays))
+        state: State = form_of(state_type).read(raw, aside)
+        _check_parameters(state)
+    except Exception as problem:  # types, checks and upgrades are the plugin's code
+        raise DocumentError(f"{type(problem).__name__}: {words_of(problem)}") from problem
+    return state
+
+
+def state_digest(state: Any) -> bytes:
+    """16 bytes that name a state's content; equal states have equal ones."""
+    encoded = encode_state(state)
+    digest = hashlib.blake2b(encoded.json, digest_size=16)
+    for stroke in encoded.strokes:
+        digest.update(stroke.digest)
+    for array in encoded.arrays:
+        digest.update(f"{array.dtype}{array.shape}".encode())
+        digest.update(array.tobytes())
+    return digest.digest()
+
+
+def _check_parameters(state: Any) -> None:
+    """Raise ValueError where a parameter is out of its range."""
+    for entry in _parameters(cast(Hashable, type(state))):
+        try:
+            entry.check(getattr(state, entry.name))
+        except UserError as problem:
+            raise ValueError(f"state.{entry.name}: {problem}") from problem
+
+
+@cache
+def _parameters(state_type: Hashable) -> tuple[Field, ...]:
+    from bozzetto.parameters import parameter_fields  # the contract imports this room
+
+    return parameter_fields(cast("type[Any]", state_type))

@@ -1,0 +1,1 @@
+"""Formats of exact curves and surfaces: STEP, IGES, 3dm, DXF."""

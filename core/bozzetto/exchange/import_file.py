@@ -1,0 +1,242 @@
+"""Files to shapes, drawings and pictures.
+
+A file is read in a process of its own (`reading_process`), with a `Budget`, unless whoever
+asks trusts it. The formats' readers refuse what they can see to be too much; the budget ends
+what they cannot see.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path, PurePath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.damaged_files import told_as_format_error
+from bozzetto.errors import FormatError, UserError
+from bozzetto.exchange.formats import Format, Kind, find, function, readers
+from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
+from bozzetto.exchange.linked_pictures import pictures_named_in
+from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.exchange.mesh.polygons import welded
+from bozzetto.exchange.read_files import file_size, read_bytes
+from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.shapes import Shapes, Solid
+from bozzetto.images.stored_picture import Picture
+from bozzetto.ink.drawing import Drawing
+
+__all__ = [
+    "is_picture",
+    "read_drawing",
+    "read_here",
+    "read_image",
+    "read_mesh",
+    "read_picture",
+]
+
+
+def is_picture(path: str | os.PathLike[str]) -> bool:
+    """Whether a file's ending is that of a picture; the file is not looked into."""
+    ending = PurePath(path).suffix.lower()
+    return any(ending in one.endings for one in readers("image"))
+
+
+def read_mesh(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Shapes:
+    """Read a mesh file: OBJ, STL, PLY or GLB.
+
+    Parameters
+    ----------
+    path : path
+    trusted : bool
+        Read it in this process and without a `Budget`.
+    checkpoint : callable, optional
+        Called now and then while reading; what it raises ends the reading and passes.
+
+    Returns
+    -------
+    Shapes
+        A `Solid` for every part that is closed and looks outwards, a `Surface` for every
+        other. Corners that a file keeps apart only because their normals differ are one
+        vertex in a solid.
+
+    Raises
+    ------
+    UserError
+        If the ending is unknown, or the file is missing or may not be read.
+    FormatError
+        If the file is damaged, too large, takes more than its budget to be read, or uses
+        something we do not read.
+    """
+    shapes: Shapes = _read("mesh", path, trusted, checkpoint)
+    return shapes
+
+
+def read_drawing(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Drawing:
+    """Read ink JSON, InkML or SVG, with the pictures that the file names.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`, and if a picture is missing.
+    """
+    drawing: Drawing = _read("drawing", path, trusted, checkpoint)
+
+    def picture(place: Path) -> Picture:
+        return read_picture(place, trusted=trusted, checkpoint=checkpoint)
+
+    try:
+        pictures = pictures_named_in(drawing.extra, Path(path).parent, picture)
+    except UserError as error:
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+    return replace(drawing, pictures=pictures) if pictures else drawing
+
+
+def read_image(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> NDArray[np.uint8]:
+    """Read a picture, turned the way it was taken.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, sRGB, straight alpha; first row on top.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    pixels: NDArray[np.uint8] = _read("image", path, trusted, checkpoint)
+    return pixels
+
+
+def read_picture(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Picture:
+    """Read a picture as modelers keep it: packed, called like the file without its ending.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    picture: Picture = _read("picture", path, trusted, checkpoint)
+    return picture
+
+
+def _read(
+    kind: str, path: str | os.PathLike[str], trusted: bool, checkpoint: Checkpoint | None
+) -> Any:
+    size = file_size(path, _chosen(kind, path)[1])
+    if trusted:
+        with unlimited():
+            return read_here(kind, path)
+    try:
+        return read_in_child(kind, path, budget_for(size), checkpoint)
+    except FormatError as error:
+        if error.message.startswith(PurePath(path).name):
+            raise
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+
+
+# -- in this process -------------------------------------------------------------------------------
+
+
+def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
+    """Read a file in this process, without a budget.
+
+    Parameters
+    ----------
+    kind : {"mesh", "drawing", "image", "picture"}
+        A drawing is read without the pictures that it names.
+    path : path
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`.
+    """
+    chosen, limit = _chosen(kind, path)
+    data = read_bytes(path, limit)
+    stem = PurePath(path).stem
+    try:
+        with told_as_format_error():
+            match kind:
+                case "mesh":
+                    return _with_solids(function(chosen, "read_shapes")(data), stem)
+                case "drawing":
+                    return function(chosen, "read_drawing")(data, stem)
+                case "image":
+                    return function(chosen, "read_pixels")(data)
+                case _:
+                    pixels = function(chosen, "read_pixels")(data)
+                    return Picture.of_file(data, pixels, stem)
+    except UserError as error:
+        raise FormatError(f"{PurePath(path).name}: {error.message}") from error
+
+
+def _with_solids(shapes: Shapes, stem: str) -> Shapes:
+    """What is closed as solids; what has no name called like the file."""
+    solids, surfaces = list(shapes.solids), []
+    for part in shapes.surfaces:
+        closed = _as_closed(part.mesh)
+        name = part.name or stem
+        if closed is None:
+            surfaces.append(replace(part, name=name))
+        else:
+            solids.append(Solid(closed, name, part.color))
+    return Shapes(tuple(solids), tuple(surfaces))
+
+
+def _as_closed(mesh: Mesh) -> Mesh | None:
+    if bounds_volume(mesh):
+        return mesh
+    kept, faces = welded(mesh.vertices, mesh.faces)
+    if len(kept) == len(mesh.vertices):
+        return None
+    colors = None if mesh.colors is None else mesh.colors[kept]
+    joined = Mesh(mesh.vertices[kept], faces, colors=colors)
+    return joined if bounds_volume(joined) else None
+
+
+def _chosen(kind: str, path: str | os.PathLike[str]) -> tuple[Format, int]:
+    """The format of a file to be read, and how large it may be; a folder has none."""
+    if os.path.isdir(path):
+        raise UserError(f"“{os.fspath(path)}” is a folder. Choose a file inside it.")
+    held: Kind = {"mesh": "mesh", "drawing": "ink"}.get(kind, "image")  # type: ignore[assignment]
+    return find(path, readers(held)), MAX_INK_BYTES if held == "ink" else MAX_MESH_BYTES

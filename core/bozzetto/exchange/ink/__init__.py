@@ -1,0 +1,1 @@
+"""Formats of recorded ink: JSON and InkML."""

@@ -1,0 +1,1 @@
+"""Formats of triangle meshes: STL, OBJ, PLY, 3MF, glTF."""

@@ -1,0 +1,61 @@
+"""Skins in glTF: joints as nodes, and what every vertex follows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.rig import Rig, Skin
+
+__all__ = ["follows", "inverse_binds", "rig_nodes"]
+
+FEW = 256
+"""Joints that one byte can tell apart."""
+
+
+def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
+    """The nodes of a rig: one that holds all roots, as joints need a common one, then the joints.
+
+    Parameters
+    ----------
+    rig : Rig
+        In the file's axes and unit. Its turns are the rotations of the nodes. Where a loop was
+        cut, both joints name the other in their extras.
+    first : int
+        Number of the first of these nodes in the file.
+    name : str
+        What hangs on the rig.
+    """
+    nodes: list[dict[str, Any]] = [{"name": f"{name} rig"}]
+    for joint, parent in enumerate(rig.parents.tolist()):
+        start = rig.joints[parent] if parent >= 0 else np.zeros(3)
+        node: dict[str, Any] = {"name": rig.names[joint]}
+        node["translation"] = (rig.joints[joint] - start).tolist()
+        if rig.turns is not None:
+            node["rotation"] = rig.turns[joint].tolist()
+        nodes.append(node)
+        nodes[parent + 1].setdefault("children", []).append(first + 1 + joint)
+    for a, b in [] if rig.cuts is None else rig.cuts.tolist():
+        for here, there in ((a, b), (b, a)):
+            extras = nodes[here + 1].setdefault("extras", {"cut": []})
+            extras["cut"].append(rig.names[there])
+    return nodes
+
+
+def inverse_binds(rig: Rig) -> NDArray[np.float32]:
+    """From the mesh at rest to every joint, (n, 16), columns first: only moved, not turned."""
+    matrices = np.tile(np.eye(4, dtype="<f4"), (len(rig.joints), 1, 1))
+    matrices[:, 3, :3] = -rig.joints
+    return matrices.reshape(-1, 16)
+
+
+def follows(
+    skin: Skin, vertex: NDArray[np.intp]
+) -> tuple[NDArray[np.uint8] | NDArray[np.uint16], NDArray[np.float32]]:
+    """Joints and weights of the file's vertices, (n, 4) each; joint 0 where the weight is 0."""
+    weights = skin.weights[vertex].astype(np.float64)
+    shares = (weights / weights.sum(axis=1, keepdims=True)).astype("<f4")
+    joints = np.where(shares > 0.0, skin.joints[vertex], 0)
+    return joints.astype("<u1" if len(skin.rig.joints) <= FEW else "<u2"), shares

@@ -1,0 +1,341 @@
+"""PLY: polygons with colours, text or binary (Turk 1994)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.color import vertex_colors
+from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
+from bozzetto.exchange.mesh.polygons import (
+    check_places,
+    checked_mesh,
+    triangulated,
+    without_degenerate,
+)
+from bozzetto.exchange.mesh.text_words import check_words
+from bozzetto.geometry.shapes import Shapes, Surface
+
+__all__ = ["read_shapes", "write_shapes"]
+
+TYPES: Final = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
+}
+
+ORDERS: Final = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+
+MAX_HEADER: Final = 1 << 16
+"""Longest header, bytes."""
+
+MAX_PROPERTIES: Final = 256
+"""Most properties of one element."""
+
+Columns = dict[str, NDArray[Any]]
+
+
+# -- writing -------------------------------------------------------------------------------
+
+
+def write_shapes(shapes: Shapes) -> bytes:
+    """Binary little-endian PLY of all meshes together; with colours if any part has one.
+
+    Parts without a colour are white among coloured ones.
+    """
+    parts = list(shapes.meshes())
+    palettes = [vertex_colors(part) for part in parts]
+    colored = any(colors is not None for colors in palettes)
+    fields: list[Any] = [("place", "<f4", 3)] + ([("color", "u1", 4)] if colored else [])
+    rows = np.zeros(sum(len(part.mesh.vertices) for part in parts), fields)
+    faces = np.zeros(
+        sum(len(part.mesh.faces) for part in parts), [("size", "u1"), ("corners", "<i4", 3)]
+    )
+    faces["size"] = 3
+    at = face_at = 0
+    for part, colors in zip(parts, palettes, strict=True):
+        count, face_count = len(part.mesh.vertices), len(part.mesh.faces)
+        rows["place"][at : at + count] = part.mesh.vertices
+        if colored:
+            rows["color"][at : at + count] = 255 if colors is None else colors
+        faces["corners"][face_at : face_at + face_count] = part.mesh.faces + at
+        at, face_at = at + count, face_at + face_count
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        "comment Bozzetto: millimetres, Z up",
+        f"element vertex {len(rows)}",
+        *(f"property float {axis}" for axis in "xyz"),
+        *(f"property uchar {name}" for name in ("red", "green", "blue", "alpha") if colored),
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "end_header\n",
+    ]
+    return "\n".join(header).encode() + rows.tobytes() + faces.tobytes()
+
+
+# -- reading -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Property:
+    name: str
+    kind: str
+    counts: str = ""
+    """Type of the length in front; empty where the property is no list."""
+
+
+@dataclass
+class _Element:
+    name: str
+    count: int
+    properties: list[_Property]
+
+    @property
+    def has_lists(self) -> bool:
+        return any(p.counts for p in self.properties)
+
+
+def read_shapes(data: bytes) -> Shapes:
+    """Read text or binary PLY of either byte order, with vertex colours."""
+    order, elements, body = _header(data)
+    if not order:
+        check_words(body)
+    words = [] if order else body.split()
+    found: dict[str, Columns] = {}
+    at = 0
+    for element in elements:
+        found[element.name], at = (
+            _binary(element, body, at, order) if order else _text(element, words, at)
+        )
+        if {"vertex", "face"} <= found.keys():
+            break
+    return _shapes(found.get("vertex", {}), found.get("face", {}))
+
+
+def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
+    """Byte order, elements and what follows the header."""
+    end = data.find(b"end_header", 0, MAX_HEADER)
+    line_end = data.find(b"\n", end)
+    if data[:3] != b"ply" or end < 0 or line_end < 0:
+        raise FormatError("This is not a PLY file, or it is cut short.")
+    order: str | None = None
+    elements: list[_Element] = []
+    for line in data[:end].decode("latin-1").splitlines():
+        match line.split():
+            case ["format", name, *_]:
+                order = ORDERS.get(name)
+            case ["element", name, count]:
+                if not count.isascii() or not count.isdigit():
+                    raise FormatError(f"“{line[:40]}” in the header is no element.")
+                at_most(int(count[:20]), max(MAX_VERTICES, MAX_FACES), "rows")
+                elements.append(_Element(name, int(count[:20]), []))
+            case ["property", "list", counts, kind, name] if elements:
+                elements[-1].properties.append(_Property(name, _type(kind), _type(counts)))
+            case ["property", kind, name] if elements:
+                elements[-1].properties.append(_Property(name, _type(kind)))
+            case ["ply" | "comment" | "obj_info", *_] | []:
+                pass
+            case _:
+                raise FormatError(f"“{line[:40]}” in the header cannot be understood.")
+    if order is None:
+        raise FormatError("The header does not say how the numbers are stored.")
+    if any(len(element.properties) > MAX_PROPERTIES for element in elements):
+        raise FormatError("The header names more properties than can be read.")
+    return order, elements, data[line_end + 1 :]
+
+
+def _type(name: str) -> str:
+    if name not in TYPES:
+        raise FormatError(f"“{name[:40]}” is not a type of number that PLY knows.")
+    return TYPES[name]
+
+
+def _short() -> FormatError:
+    return FormatError("The file ends before its last row: it may be cut short.")
+
+
+def _binary(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
+    """The columns of one element from byte `at` on, and where the next one begins."""
+    if not element.has_lists:
+        return _table(element, body, at, order, ())
+    # Nearly always all lists are of one length: then the rows are a table, too.
+    lengths = _first_lengths(element, body, at, order)
+    if element.count and lengths is not None:
+        columns, end = _table(element, body, at, order, lengths)
+        if all(
+            (columns[f"{p.name} length"] == length).all()
+            for p, length in zip(_lists(element), lengths, strict=True)
+        ):
+            return columns, end
+    return _row_by_row(element, body, at, order)
+
+
+def _lists(element: _Element) -> list[_Property]:
+    return [p for p in element.properties if p.counts]
+
+
+def _first_lengths(element: _Element, body: bytes, at: int, order: str) -> tuple[int, ...] | None:
+    """Lengths of the lists in the first row; None if the table would not fit the file."""
+    lengths: list[int] = []
+    start = at
+    for p in element.properties:
+        size = np.dtype(p.kind).itemsize
+        if p.counts:
+            counts = np.dtype(order + p.counts)
+            if at + counts.itemsize > len(body):
+                return None
+            length = float(np.frombuffer(body, counts, 1, at)[0])
+            if not 0 <= length <= len(body):
+                return None
+            lengths.append(int(length))
+            at += counts.itemsize + int(length) * size
+        else:
+            at += size
+    return tuple(lengths) if start + (at - start) * element.count <= len(body) else None
+
+
+def _table(
+    element: _Element, body: bytes, at: int, order: str, lengths: tuple[int, ...]
+) -> tuple[Columns, int]:
+    """Columns of rows of one size; a list as its values in a row and a column of lengths."""
+    fields: list[Any] = []
+    names: list[str] = []
+    sizes = iter(lengths)
+    for index, p in enumerate(element.properties):
+        if p.counts:
+            fields.append((f"{index} length", order + p.counts))
+            fields.append((str(index), order + p.kind, (next(sizes),)))
+            names += [f"{p.name} length", p.name]
+        else:
+            fields.append((str(index), order + p.kind))
+            names.append(p.name)
+    record = np.dtype(fields)
+    end = at + record.itemsize * element.count
+    if end > len(body):
+        raise _short()
+    if not fields or not element.count:
+        return {name: np.zeros(0) for name in names}, end
+    rows = np.frombuffer(body, record, element.count, at)
+    columns = {name: rows[field[0]].ravel() for name, field in zip(names, fields, strict=True)}
+    return columns, end
+
+
+def _row_by_row(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
+    """Rows whose lists differ in length."""
+    kinds = [
+        (p.name, np.dtype(order + p.kind), np.dtype(order + p.counts) if p.counts else None)
+        for p in element.properties
+    ]
+    parts: dict[str, list[NDArray[Any]]] = {p.name: [] for p in element.properties}
+    sizes: dict[str, list[int]] = {p.name: [] for p in _lists(element)}
+    for _ in range(element.count):
+        for name, kind, counts in kinds:
+            length = 1
+            if counts is not None:
+                if at + counts.itemsize > len(body):
+                    raise _short()
+                length = _length(float(np.frombuffer(body, counts, 1, at)[0]))
+                at += counts.itemsize
+                sizes[name].append(length)
+            if at + length * kind.itemsize > len(body):
+                raise _short()
+            parts[name].append(np.frombuffer(body, kind, length, at))
+            at += length * kind.itemsize
+    columns = {name: np.concatenate(rows or [np.zeros(0)]) for name, rows in parts.items()}
+    columns |= {f"{name} length": np.array(values) for name, values in sizes.items()}
+    return columns, at
+
+
+def _length(value: float) -> int:
+    if not 0 <= value <= MAX_VERTICES:
+        raise FormatError("A list in this file has a length that cannot be.")
+    return int(value)
+
+
+def _text(element: _Element, words: list[bytes], at: int) -> tuple[Columns, int]:
+    """The columns of one element of a text file, and where the next one begins."""
+    if element.count > len(words) - at and element.properties:
+        raise _short()
+    try:
+        if not element.has_lists:
+            width = len(element.properties)
+            end = at + element.count * width
+            if end > len(words):
+                raise _short()
+            return {
+                p.name: _typed(words[at + k : end : width], p.kind)
+                for k, p in enumerate(element.properties)
+            }, end
+        values: dict[str, list[bytes]] = {p.name: [] for p in element.properties}
+        sizes: dict[str, list[int]] = {p.name: [] for p in _lists(element)}
+        for _ in range(element.count):
+            for p in element.properties:
+                length = 1
+                if p.counts:
+                    length = _length(float(words[at]))
+                    at += 1
+                    sizes[p.name].append(length)
+                if at + length > len(words):
+                    raise _short()
+                values[p.name] += words[at : at + length]
+                at += length
+        columns: Columns = {p.name: _typed(values[p.name], p.kind) for p in element.properties}
+    except IndexError:
+        raise _short() from None
+    except ValueError:
+        raise FormatError("There is something among the numbers that is none.") from None
+    columns |= {f"{name} length": np.array(column) for name, column in sizes.items()}
+    return columns, at
+
+
+def _typed(words: list[bytes], kind: str) -> NDArray[Any]:
+    """A column of text as numbers; whole ones where the header says so."""
+    values = np.array([float(word) for word in words])
+    if kind[0] == "f":
+        return values
+    if not np.isfinite(values).all():
+        raise ValueError
+    return np.asarray(np.clip(values, -(2.0**40), 2.0**40), np.int64)
+
+
+def _shapes(vertex: Columns, face: Columns) -> Shapes:
+    if not {"x", "y", "z"} <= vertex.keys():
+        raise FormatError("The vertices of this file have no x, y and z.")
+    name = next((n for n in ("vertex_indices", "vertex_index") if n in face), None)
+    if name is None or f"{name} length" not in face or not len(face[name]):
+        raise FormatError("There are no faces in this file.")
+    with np.errstate(invalid="ignore"):  # signalling NaNs; refused below
+        places = np.column_stack([np.asarray(vertex[axis], float) for axis in "xyz"])
+        at_most(len(places), MAX_VERTICES, "vertices")
+        sane = bool(((face[name] >= 0) & (face[name] < len(places))).all())
+    if not sane:
+        raise FormatError("A face names a vertex that the file does not hold.")
+    corners = np.asarray(face[name]).astype(np.int64)
+    colors = _colors(vertex)
+    check_places(places)
+    sizes = np.asarray(face[f"{name} length"]).astype(np.int64)
+    faces = without_degenerate(triangulated(places, corners, sizes))
+    return Shapes(surfaces=(Surface(checked_mesh(places, faces, colors=colors), name=""),))
+
+
+def _colors(vertex: Columns) -> NDArray[np.uint8] | None:
+    """RGBA, from bytes or from numbers 0 … 1 as the types say."""
+    if not {"red", "green", "blue"} <= vertex.keys():
+        return None
+    share = vertex["red"].dtype.kind == "f"
+    opaque = np.full(len(vertex["red"]), 1.0 if share else 255.0)
+    channels = [*(vertex[name] for name in ("red", "green", "blue")), vertex.get("alpha", opaque)]
+    with np.errstate(invalid="ignore", over="ignore"):
+        rgba = np.column_stack([np.asarray(channel, float) for channel in channels])
+        rgba = np.nan_to_num(rgba * (255.0 if share else 1.0))
+    return np.asarray(np.rint(np.clip(rgba, 0, 255)), np.uint8)

@@ -1,0 +1,1 @@
+"""SVG, read as outlines and written as curves."""

@@ -1,0 +1,279 @@
+"""SVG: drawings to strokes, strokes and projected curves to paths.
+
+One user unit is one millimetre, and the point (x, y) of the file is the world point
+(x, 0, -y): drawings from other programs stand upright on the front view.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import (
+    MAX_COORDINATE,
+    MAX_DEPTH,
+    MAX_ELEMENTS,
+    MAX_STROKES,
+    at_most,
+)
+from bozzetto.exchange.page_layout import Sheet, sheet_drawing
+from bozzetto.exchange.safe_xml import Element, parsed
+from bozzetto.exchange.svg.overlaps import Area, without_overlaps
+from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flattened
+from bozzetto.exchange.svg.shapes import (
+    LONGEST_LENGTH,
+    NUMBER,
+    SPACE,
+    length,
+    outline,
+    shift,
+    transform,
+)
+from bozzetto.exchange.svg.style import Look, Sheets
+from bozzetto.exchange.svg.writer import write_drawing, write_view
+from bozzetto.ink.drawing import Drawing
+
+__all__ = ["read_drawing", "write_drawing", "write_view"]
+
+Array = NDArray[np.float64]
+
+XLINK_HREF: Final = "http://www.w3.org/1999/xlink href"
+
+FLATTENING: Final = 2e-4
+"""How far a chord may stray from its curve, as a share of the drawing's diagonal."""
+
+GROUPS: Final = {"svg", "g", "a", "switch"}
+"""Elements that merely hold others."""
+
+FRAME: Final = ("x", "y", "width", "height", "viewBox")
+"""Attributes that say where a viewport is."""
+
+MAX_CLONES: Final = 50_000
+"""Elements repeated by reference; a few lines of text can ask for billions."""
+
+MAX_POINTS: Final = 4_000_000
+"""Points of all lines, flattened: as strokes a quarter of a gigabyte."""
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A subpath in the units of the file."""
+
+    path: Subpath
+    look: Look
+    element: int
+
+
+class _Own:
+    """What one element says, apart from where it stands.
+
+    Attributes
+    ----------
+    said : Said
+        Of its look.
+    matrix : (3, 3) array or None
+        Its transform, if it has one.
+    paths : list of Subpath or None
+        Its outline, once it was asked for.
+    """
+
+    __slots__ = ("matrix", "paths", "said")
+
+    def __init__(self, element: Element, sheets: Sheets) -> None:
+        self.said = sheets.said(element)
+        text = element.attributes.get("transform")
+        self.matrix = transform(text) if text else None
+        self.paths: list[Subpath] | None = None
+
+
+class _Reader:
+    """On its way through a document, collecting lines."""
+
+    def __init__(self, root: Element) -> None:
+        self.sheets = Sheets(root)
+        self.canvas = _canvas(root)
+        self.named: dict[str, Element] = {}
+        self.found: list[_Line] = []
+        self.pieces = 0
+        self.visited = 0
+        self.clones = 0
+        self.repeating = 0
+        self.known: dict[Element, _Own] = {}
+        waiting = [root]
+        while waiting:
+            element = waiting.pop()
+            waiting.extend(reversed(element.children))
+            if "id" in element.attributes:
+                self.named.setdefault(element.attributes["id"], element)
+        self.collect(root, np.eye(3), Look(), outermost=True)
+
+    def own(self, element: Element) -> _Own:
+        """What an element says: understood once, however often it is repeated."""
+        if not self.repeating:
+            return _Own(element, self.sheets)
+        if element not in self.known:
+            self.known[element] = _Own(element, self.sheets)
+        return self.known[element]
+
+    def collect(
+        self,
+        element: Element,
+        matrix: Array,
+        inherited: Look,
+        *,
+        frame: Element | None = None,
+        outermost: bool = False,
+        depth: int = 0,
+    ) -> None:
+        """Take the lines of an element and of all below it, transformed.
+
+        What a ``use`` shows of a symbol has a `frame`, which takes the place of its own.
+        """
+        if element.space not in ("", SPACE):
+            return
+        self.visited += 1
+        at_most(self.visited, MAX_ELEMENTS, "elements")
+        at_most(depth, MAX_DEPTH, "levels of nesting")
+        if self.repeating:
+            self.clones += 1
+            at_most(self.clones, MAX_CLONES, "repeated elements")
+        own = self.own(element)
+        if own.said.get("display") == "none":
+            return
+        if own.matrix is not None:
+            with np.errstate(all="ignore"):
+                matrix = matrix @ own.matrix
+        look = self.sheets.look(own.said, inherited)
+        if element.tag == "use":
+            self.repeat(element, matrix, look, depth)
+        elif element.tag in GROUPS or frame is not None:
+            if frame is not None or (element.tag == "svg" and not outermost):
+                matrix = matrix @ _nested_viewport(frame or element)
+            for child in element.children:
+                self.collect(child, matrix, look, depth=depth + 1)
+        else:
+            self.take(own, element, matrix, look)
+
+    def take(self, own: _Own, element: Element, matrix: Array, look: Look) -> None:
+        """Take the lines of a shape."""
+        if own.paths is None:
+            own.paths = outline(element)
+        self.pieces += sum(len(path.cubics) for path in own.paths)
+        at_most(self.pieces, MAX_PIECES, "pieces of lines")
+        at_most(len(self.found) + len(own.paths), MAX_STROKES, "strokes")
+        for path in own.paths:
+            with np.errstate(all="ignore"):
+                cubics = path.cubics @ matrix[:2, :2].T + matrix[:2, 2]
+            self.found.append(_Line(Subpath(cubics, path.closed), look, self.visited))
+
+    def repeat(self, element: Element, matrix: Array, look: Look, depth: int) -> None:
+        """Take the lines of the element that a ``use`` names (SVG 1.1, section 5.6)."""
+        name = element.attributes.get("href", element.attributes.get(XLINK_HREF, ""))
+        if not name.startswith("#"):
+            raise FormatError(
+                "It repeats something from another file (<use>). In the program that made "
+                "it, embed or unlink that, and save again."
+            )
+        target = self.named.get(name[1:])
+        if target is None:
+            return
+        frame = None
+        if target.tag in ("symbol", "svg"):
+            frame = self.frame(element, target)
+        else:
+            matrix = matrix @ shift(length(element, "x", 0.0), length(element, "y", 0.0))
+        self.repeating += 1
+        self.collect(target, matrix, look, frame=frame, depth=depth + 1)
+        self.repeating -= 1
+
+    def frame(self, use: Element, target: Element) -> Element:
+        """Where a ``use`` shows a symbol: a viewport without content."""
+        sizes = {side: use.attributes.get(side) for side in ("width", "height")}
+        if self.canvas is not None:
+            whole = {"width": f"{self.canvas.width!r}", "height": f"{self.canvas.height!r}"}
+            sizes = {side: said or target.attributes.get(side) or whole[side]
+                     for side, said in sizes.items()}  # fmt: skip
+        places = {side: use.attributes.get(side, "0") for side in ("x", "y")}
+        given = {key: said for key, said in {**sizes, **places}.items() if said is not None}
+        own = {key: target.attributes[key] for key in FRAME if key in target.attributes}
+        return Element("", "svg", own | given)
+
+
+def read_drawing(data: bytes, name: str) -> Drawing:
+    """Read the lines of an SVG file: one stroke for every stretch of the pen.
+
+    Paths and basic shapes under nested transforms are read; a closed one repeats its first
+    point at the end. Painted areas that overlap become one outline (`without_overlaps`).
+    Text, images, clips and what is not to be seen are passed over.
+
+    Parameters
+    ----------
+    data : bytes
+    name : str
+        Of the drawing.
+
+    Raises
+    ------
+    FormatError
+        If it is no SVG, is damaged or too large, defines entities, or holds no line.
+    """
+    root = parsed(data)
+    if root.tag != "svg" or root.space not in ("", SPACE):
+        raise FormatError("This is not an SVG file.")
+    reader = _Reader(root)
+    # Where nothing at all is painted, the lines themselves are meant.
+    found = [line for line in reader.found if line.look.painted] or reader.found
+    if not found:
+        raise FormatError("There are no lines in this drawing.")
+    corners = np.concatenate([line.path.cubics.reshape(-1, 2) for line in found])
+    if not (np.abs(corners) <= MAX_COORDINATE).all():
+        raise FormatError("A point lies further away than a drawing can reach.")
+    size = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    tolerance = max(FLATTENING * size, 1e-300)
+    points = sum(int(chord_counts(line.path, tolerance).sum()) for line in found)
+    at_most(points, MAX_POINTS, "points")
+    lines = [flattened(line.path, tolerance) for line in found]
+    areas = [
+        Area(line.element, line.look.rule) if line.look.filled and line.look.painted else None
+        for line in found
+    ]
+    joined = without_overlaps(lines, areas)
+    if not joined:
+        raise FormatError("The areas of this drawing cancel each other out.")
+    colors = [found[k].look.color for k, _ in joined]
+    return sheet_drawing([points for _, points in joined], reader.canvas, name, colors=colors)
+
+
+def _canvas(root: Element) -> Sheet | None:
+    """The view box, else width and height, else None."""
+    text = root.attributes.get("viewBox", "")
+    box = NUMBER.findall(text) if len(text) <= LONGEST_LENGTH else []
+    if len(box) == 4:
+        x, y, width, height = map(float, box)
+    else:
+        x = y = 0.0
+        width, height = (length(root, side, math.nan) for side in ("width", "height"))
+    sane = max(abs(x), abs(y)) <= MAX_COORDINATE
+    if sane and 0 < width <= MAX_COORDINATE and 0 < height <= MAX_COORDINATE:
+        return Sheet(x, y, width, height)
+    return None
+
+
+def _nested_viewport(element: Element) -> Array:
+    """Where an inner ``svg`` puts its own units."""
+    matrix = shift(length(element, "x", 0.0), length(element, "y", 0.0))
+    inner = _canvas(element) if "viewBox" in element.attributes else None
+    width, height = (length(element, side, 0.0) for side in ("width", "height"))
+    if inner is None or width <= 0 or height <= 0:
+        return matrix
+    scale = min(width / inner.width, height / inner.height)
+    center = shift(
+        (width - scale * inner.width) / 2 - scale * inner.x,
+        (height - scale * inner.height) / 2 - scale * inner.y,
+    )
+    return matrix @ center @ np.diag([scale, scale, 1.0])

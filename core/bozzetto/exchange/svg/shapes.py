@@ -1,0 +1,161 @@
+"""The elements of SVG that have an outline, and the numbers in their attributes."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import MAX_COORDINATE, at_most
+from bozzetto.exchange.safe_xml import Element
+from bozzetto.exchange.svg.path_data import Subpath, ellipse, parse_path, polyline
+
+__all__ = ["LONGEST_LENGTH", "NUMBER", "SPACE", "length", "outline", "shift", "transform"]
+
+Array = NDArray[np.float64]
+
+SPACE: Final = "http://www.w3.org/2000/svg"
+"""The namespace of SVG."""
+
+PIXELS: Final = {
+    "": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "in": 96.0, "pt": 96 / 72, "pc": 16.0,
+}  # fmt: skip
+"""User units in a unit of length (CSS: 96 to the inch)."""
+
+# All quantifiers give nothing back: a text that does not fit is given up in one pass.
+NUMBER: Final = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+")
+LENGTH: Final = re.compile(rf"\s*+({NUMBER.pattern})\s*+(px|mm|cm|in|pt|pc)?+\s*+")
+LONGEST_LENGTH: Final = 200
+"""Characters of a length or a view box; nobody writes as many digits."""
+
+TRANSFORM: Final = re.compile(r"[\s,]*+([A-Za-z]++)\s*+\(([^()]*+)\)[\s,]*+")
+MOST_TRANSFORMS: Final = 10_000
+"""Of one element."""
+
+
+def length(element: Element, name: str, default: float) -> float:
+    """A length in user units; the default where it is absent or relative.
+
+    Raises
+    ------
+    FormatError
+        If it is larger than a drawing can be.
+    """
+    text = element.attributes.get(name, "")
+    match = LENGTH.fullmatch(text) if len(text) <= LONGEST_LENGTH else None
+    if match is None:
+        return default
+    value = float(match[1]) * PIXELS[match[2] or ""]
+    if abs(value) > MAX_COORDINATE:
+        raise FormatError(f"The length “{name}” is larger than a drawing can be.")
+    return value
+
+
+def outline(element: Element) -> list[Subpath]:
+    """The subpaths of one shape; none for what is no shape.
+
+    Raises
+    ------
+    FormatError
+    """
+
+    def at(name: str) -> float:
+        return length(element, name, 0.0)
+
+    match element.tag:
+        case "path":
+            return parse_path(element.attributes.get("d", ""))
+        case "line":
+            ends = np.array([[at("x1"), at("y1")], [at("x2"), at("y2")]])
+            return [polyline(ends, closed=False)]
+        case "polyline" | "polygon":
+            numbers = NUMBER.findall(element.attributes.get("points", ""))
+            points = np.array(numbers[: len(numbers) // 2 * 2], float).reshape(-1, 2)
+            if len(points) < 2:
+                return []
+            if not (np.abs(points) <= MAX_COORDINATE).all():
+                raise FormatError("A point lies further away than a drawing can reach.")
+            return [polyline(points, closed=element.tag == "polygon")]
+        case "circle" | "ellipse":
+            rx, ry = (at("r"), at("r")) if element.tag == "circle" else (at("rx"), at("ry"))
+            center = complex(at("cx"), at("cy"))
+            return [ellipse(center, complex(rx, ry))] if min(rx, ry) > 0 else []
+        case "rect":
+            return _rectangle(element)
+        case _:
+            return []
+
+
+def _rectangle(element: Element) -> list[Subpath]:
+    x, y, width, height = (length(element, k, 0.0) for k in ("x", "y", "width", "height"))
+    if width <= 0 or height <= 0:
+        return []
+    rx, ry = length(element, "rx", -1.0), length(element, "ry", -1.0)
+    rx, ry = (ry if rx < 0 else rx), (rx if ry < 0 else ry)
+    rx, ry = min(max(rx, 0.0), width / 2), min(max(ry, 0.0), height / 2)
+    if rx == 0 or ry == 0:
+        corners = [[x, y], [x + width, y], [x + width, y + height], [x, y + height]]
+        return [polyline(np.array(corners), closed=True)]
+    a = f"a{rx!r} {ry!r} 0 0 1 "
+    return parse_path(
+        f"M{x + rx!r} {y!r}h{width - 2 * rx!r}{a}{rx!r} {ry!r}v{height - 2 * ry!r}{a}{-rx!r} {ry!r}"
+        f"h{2 * rx - width!r}{a}{-rx!r} {-ry!r}v{2 * ry - height!r}{a}{rx!r} {-ry!r}z"
+    )
+
+
+def shift(x: float, y: float) -> Array:
+    """A translation as a matrix (3, 3)."""
+    return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
+
+
+def transform(text: str) -> Array:
+    """A transform list as one matrix (3, 3).
+
+    Raises
+    ------
+    FormatError
+    """
+    matrix: Array = np.eye(3)
+    at = count = 0
+    while at < len(text):
+        count += 1
+        at_most(count, MOST_TRANSFORMS, "transforms of one element")
+        match = TRANSFORM.match(text, at)
+        if match is None:
+            if text[at:].strip():
+                raise FormatError(f"A transform cannot be understood: “{text[at : at + 30]}”.")
+            break
+        numbers = [float(word) for word in NUMBER.findall(match[2])]
+        with np.errstate(all="ignore"):
+            matrix = matrix @ _single_transform(match[1], numbers)
+        at = match.end()
+    if not (np.abs(matrix) <= MAX_COORDINATE).all():
+        raise FormatError("A transform moves its lines further than a drawing can reach.")
+    return matrix
+
+
+def _single_transform(kind: str, numbers: list[float]) -> Array:
+    if not all(abs(number) <= MAX_COORDINATE for number in numbers):
+        raise FormatError("A transform holds a number that is too large.")
+    match kind, numbers:
+        case "matrix", [a, b, c, d, e, f]:
+            return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
+        case "translate", [x, *rest] if len(rest) < 2:
+            return shift(x, *rest or [0.0])
+        case "scale", [x, *rest] if len(rest) < 2:
+            return np.diag([x, *(rest or [x]), 1.0])
+        case "rotate", [degrees, *center] if len(center) in (0, 2):
+            x, y = center or (0.0, 0.0)
+            c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+            turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+            return np.asarray(shift(x, y) @ turn @ shift(-x, -y))
+        case "skewX", [degrees]:
+            return np.array([[1, math.tan(math.radians(degrees)), 0], [0, 1, 0], [0, 0, 1.0]])
+        case "skewY", [degrees]:
+            return np.array([[1, 0, 0], [math.tan(math.radians(degrees)), 1, 0], [0, 0, 1.0]])
+        case _:
+            raise FormatError(f"A transform cannot be understood: “{kind[:20]}”.")

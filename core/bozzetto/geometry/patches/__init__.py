@@ -1,0 +1,1 @@
+"""Bicubic patches: evaluation, joints, curvature, nearest points, rays."""

@@ -1,0 +1,192 @@
+"""What lets a shape move: rigs and skins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.arrays import frozen
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.placement import Placement
+
+__all__ = ["Rig", "Skin"]
+
+Array = NDArray[np.float64]
+
+UNIT_SUM: float = 1e-5
+"""How far a vertex's weights may be from a sum of one: the rounding of float32."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """A tree of joints that a skin hangs on.
+
+    At rest the axes of every joint are those of the model.
+
+    Parameters
+    ----------
+    joints : (n, 3) float64
+        Places at rest, mm. Parents stand before their children.
+    parents : (n,) int32
+        Index of each joint's parent; -1 for roots.
+    names : tuple of str
+        One per joint, all different.
+    turns : (n, 4) float64, optional
+        Pose: a unit quaternion (x, y, z, w) per joint, relative to its parent; the identity
+        where none is given.
+    cuts : (k, 2) int32, optional
+        Pairs of joints that were neighbours in a loop of the shape, which was cut there.
+
+    Raises
+    ------
+    ValueError
+        If the arrays do not fit together, or the joints are no trees.
+    """
+
+    joints: NDArray[np.float64]
+    parents: NDArray[np.int32]
+    names: tuple[str, ...]
+    turns: NDArray[np.float64] | None = None
+    cuts: NDArray[np.int32] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joints", frozen(self.joints, np.float64, 3))
+        object.__setattr__(self, "parents", frozen(self.parents, np.int32))
+        count = len(self.joints)
+        if len(self.parents) != count or len(self.names) != count or len(set(self.names)) != count:
+            raise ValueError("a rig needs one parent and one name of its own per joint")
+        if (self.parents >= np.arange(count)).any() or (self.parents < -1).any():
+            raise ValueError("the parent of a joint must stand before it")
+        if self.turns is not None:
+            object.__setattr__(self, "turns", frozen(self.turns, np.float64, 4))
+            length = np.linalg.norm(self.turns, axis=1)
+            if len(self.turns) != count or not np.allclose(length, 1.0, atol=1e-6):
+                raise ValueError("a rig needs one unit quaternion per joint")
+        if self.cuts is not None:
+            object.__setattr__(self, "cuts", frozen(self.cuts, np.int32, 2))
+            if self.cuts.size and not 0 <= self.cuts.min() <= self.cuts.max() < count:
+                raise ValueError("a cut names a joint that does not exist")
+
+    def placed(self, placement: Placement) -> Rig:
+        """The rig moved by a placement; a mirror turns the other way round."""
+        turns = self.turns
+        if turns is not None:
+            # The axis of a turn is an axial vector: a mirror reverses it.
+            sense = -1.0 if placement.mirrors else 1.0
+            turns = np.column_stack((sense * placement.directions(turns[:, :3]), turns[:, 3]))
+        return Rig(placement.points(self.joints), self.parents, self.names, turns, self.cuts)
+
+    def posed(self) -> tuple[Array, Array]:
+        """Where the turns take the joints.
+
+        Returns
+        -------
+        rotations : (n, 3, 3) float64 array
+            Of every joint, in the model's axes.
+        places : (n, 3) float64 array
+            mm.
+        """
+        places = np.array(self.joints)
+        if self.turns is None:
+            return np.tile(np.eye(3), (len(places), 1, 1)), places
+        rotations = _matrices(self.turns)
+        for joint, parent in enumerate(self.parents.tolist()):
+            if parent >= 0:
+                rotations[joint] = rotations[parent] @ rotations[joint]
+                arm = self.joints[joint] - self.joints[parent]
+                places[joint] = places[parent] + rotations[parent] @ arm
+        return rotations, places
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """How the vertices of a mesh follow the joints of a rig.
+
+    Parameters
+    ----------
+    rig : Rig
+    joints : (v, 4) uint16
+        Up to four joints per vertex, all different; 0 where the weight is 0.
+    weights : (v, 4) float32
+        Not negative, sum 1 per vertex.
+    rest : Mesh, optional
+        The mesh before the rig was turned, vertex for vertex; None where it is not turned.
+
+    Raises
+    ------
+    ValueError
+        If a joint does not exist or is named twice, or a vertex's weights do not sum up to 1.
+    """
+
+    rig: Rig
+    joints: NDArray[np.uint16]
+    weights: NDArray[np.float32]
+    rest: Mesh | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joints", frozen(self.joints, np.uint16, 4))
+        object.__setattr__(self, "weights", frozen(self.weights, np.float32, 4))
+        if len(self.joints) != len(self.weights):
+            raise ValueError("a skin needs four weights for the four joints of a vertex")
+        if self.joints.size and self.joints.max() >= len(self.rig.joints):
+            raise ValueError("a skin names a joint that does not exist")
+        sums = self.weights.sum(axis=1, dtype=np.float64)
+        if (self.weights < 0).any() or (np.abs(sums - 1.0) > UNIT_SUM).any():
+            raise ValueError("the weights of a vertex must sum up to one")
+        ranked = np.sort(np.where(self.weights > 0, self.joints.astype(np.int32), -1), axis=1)
+        if ((ranked[:, 1:] == ranked[:, :-1]) & (ranked[:, 1:] >= 0)).any():
+            raise ValueError("a vertex names a joint twice")
+        if self.rest is not None and len(self.rest.vertices) != len(self.joints):
+            raise ValueError("a skin belongs to a mesh of as many vertices")
+
+    def placed(self, placement: Placement) -> Skin:
+        """The skin moved by a placement, rig and all."""
+        rest = None if self.rest is None else self.rest.placed(placement)
+        return Skin(self.rig.placed(placement), self.joints, self.weights, rest)
+
+    def posed(self, mesh: Mesh) -> Mesh:
+        """A mesh at rest as the rig's turns have it: linear blend skinning, as in glTF.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            With as many vertices as the skin; its normals turn along.
+        """
+        from scipy.sparse import csr_array
+
+        if self.rig.turns is None:
+            return mesh
+        rotations, places = self.rig.posed()
+        shifts = places - np.einsum("nij,nj->ni", rotations, self.rig.joints)
+        moves = np.concatenate((rotations.reshape(-1, 9), shifts), axis=1)
+        ends = np.arange(len(self.joints) + 1) * 4
+        follows = csr_array(
+            (self.weights.ravel().astype(np.float64), self.joints.ravel(), ends),
+            shape=(len(self.joints), len(moves)),
+        )
+        mixed = follows @ moves
+        turn = mixed[:, :9].reshape(-1, 3, 3)
+        vertices = np.einsum("vij,vj->vi", turn, mesh.vertices) + mixed[:, 9:]
+        normals = mesh.normals
+        if normals is not None:
+            turned = np.einsum("vij,vj->vi", turn, normals)
+            length = np.sqrt((turned**2).sum(axis=1, keepdims=True))
+            # Opposite turns may cancel: then the normal stays as it was.
+            known = length > 0.0
+            normals = np.divide(turned, length, out=normals.astype(np.float64), where=known)
+        return replace(mesh, vertices=vertices, normals=normals)
+
+
+def _matrices(quaternions: Array) -> Array:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4), x, y, z, w."""
+    x, y, z, w = (quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)).T
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1),
+            np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=1),
+            np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=1),
+        ],
+        axis=1,
+    )

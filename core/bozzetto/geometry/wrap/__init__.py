@@ -1,0 +1,1 @@
+"""A closed surface shrunk onto curves: from a sphere to the nearest fair skin."""

@@ -1,0 +1,1 @@
+"""Plane curves out of samples: resampling, smoothing, crossings, spline fits."""

@@ -1,0 +1,352 @@
+"""The guard: every call into a plugin passes here, and nothing of a plugin's gets past it.
+
+Whatever goes wrong inside becomes a `PluginFault` that names the plugin and keeps the
+traceback; arguments that a plugin wrote to are put back; a plugin that failed three times
+is switched off until the program is started again. To be slow is no fault.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import traceback
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
+from bozzetto.geometry.shapes import Shapes
+from bozzetto.plugin.cautions import Caution
+from bozzetto.plugin.commands import Command
+from bozzetto.plugin.guard.answer_validation import (
+    sound_advice,
+    sound_cautions,
+    sound_commands,
+    sound_hint,
+    sound_parts,
+    sound_report,
+    sound_scene,
+    sound_shapes,
+    sound_tools,
+    sound_view,
+)
+from bozzetto.plugin.guard.argument_snapshot import Remembered
+from bozzetto.plugin.part_tree import PartTree
+from bozzetto.plugin.view_advice import ViewAdvice
+from bozzetto.scene.display_list import Scene
+from bozzetto.view.camera import Camera
+
+__all__ = ["Guard", "Overrun", "PluginFault"]
+
+log = logging.getLogger("bozzetto.plugin")
+
+MOST_FAULTS = 3
+"""Faults in one session after which a plugin is switched off."""
+
+LONGEST_DETAILS = 100_000
+"""Characters of a traceback that are kept."""
+
+Answer = TypeVar("Answer")
+
+
+class PluginFault(Exception):
+    """A plugin did something it must not do. The document is as it was.
+
+    Parameters
+    ----------
+    plugin : str
+        Id of the plugin.
+    what : str
+        What happened, in words, without a full stop: "solve failed (ValueError: …)".
+    details : str
+        The traceback, for the log and the plugin's author.
+    """
+
+    def __init__(self, plugin: str, what: str, details: str = "") -> None:
+        super().__init__(f"The plugin {plugin} made a mistake: {what}.")
+        self.plugin = plugin
+        self.what = what
+        self.details = details
+
+
+class Overrun(BaseException):
+    """Raised by `watchdog.interrupt` inside a call that takes too long.
+
+    Not an `Exception`, so that a plugin's ``except Exception`` does not swallow it.
+    """
+
+
+class Guard:
+    """The border between the program and its plugins; usable from any thread.
+
+    Parameters
+    ----------
+    plugin_of : callable
+        Gives the id of the plugin that a modeler belongs to.
+    """
+
+    def __init__(self, plugin_of: Callable[[str], str] = str) -> None:
+        self._plugin_of = plugin_of
+        self._faults: Counter[str] = Counter()
+        self._listeners: list[Callable[[PluginFault], None]] = []
+        self._lock = threading.Lock()
+        self._inside: dict[threading.Thread, tuple[str, str]] = {}
+
+    # -- calling --------------------------------------------------------------------------
+
+    def call(
+        self, modeler_id: str, what: str, function: Callable[..., Answer], *arguments: Any
+    ) -> Answer:
+        """Call a plugin's function.
+
+        Parameters
+        ----------
+        modeler_id : str
+            Whose function it is.
+        what : str
+            Its name, for messages.
+        function : callable
+        *arguments
+            Frozen values; what the plugin changes in them is put back.
+
+        Raises
+        ------
+        UserError, Unfinished, Cancelled
+            As the function says; also `UserError` if the plugin is switched off.
+        PluginFault
+            If the function fails in any other way, or changed an argument.
+        """
+        plugin = self._plugin_of(modeler_id)
+        self.refuse_if_off(plugin)
+        before = Remembered(arguments)
+        here = threading.current_thread()
+        around = self._inside.get(here)
+        self._inside[here] = (modeler_id, what)
+        try:
+            answer = function(*arguments)
+        except (UserError, Unfinished, Cancelled, KeyboardInterrupt):
+            self._put_back(plugin, what, before)
+            raise
+        except Overrun as overrun:
+            # Not counted here: the one who waited for the answer says so (`blame`).
+            before.restore()
+            raise PluginFault(plugin, f"{what} did not answer in time", _told(overrun)) from None
+        except BaseException as problem:
+            before.restore()
+            name = type(problem).__name__
+            said = message_of(problem)
+            reason = f"{what} failed ({name}{': ' if said else ''}{said})"
+            raise self._fault(plugin, reason, _told(problem)) from None
+        finally:
+            if around is None:
+                del self._inside[here]
+            else:
+                self._inside[here] = around
+        self._put_back(plugin, what, before)
+        return answer
+
+    def caught_in(self, thread: threading.Thread) -> tuple[str, str] | None:
+        """Which modeler's function a thread is in, as given to `call`; None if in none."""
+        return self._inside.get(thread)
+
+    def _put_back(self, plugin: str, what: str, before: Remembered) -> None:
+        changed = before.restore()
+        if changed:
+            raise self._fault(
+                plugin, f"{what} changed its argument ({', '.join(changed[:5])})"
+            ) from None
+
+    # -- checking what came back ---------------------------------------------------------------
+
+    def check_state(self, modeler_id: str, state_type: type[Any], state: Any) -> None:
+        """Refuse a state of another type, or one that a document could not store.
+
+        Raises
+        ------
+        PluginFault
+        """
+
+        def check() -> None:
+            from bozzetto.document.storage.state_codec import check_encodable
+
+            check_encodable(state_type, state)
+
+        self._check(modeler_id, "a state", check)
+
+    def check_scene(self, modeler_id: str, scene: Any) -> Scene:
+        """Return what a modeler wants to show.
+
+        Raises
+        ------
+        PluginFault
+            If it is no `Scene`, holds other things than display items, numbers that are
+            not finite, or more than can be shown.
+        """
+        return self._check(modeler_id, "a scene", lambda: sound_scene(scene))
+
+    def check_shapes(self, modeler_id: str, shapes: Any) -> Shapes:
+        """Return what a modeler hands over.
+
+        Raises
+        ------
+        PluginFault
+            If it is not `Shapes`, or holds wrong parts or numbers that are not finite.
+        """
+        return self._check(modeler_id, "shapes", lambda: sound_shapes(shapes))
+
+    def check_tools(self, modeler_id: str, tools: Any) -> tuple[Any, ...]:
+        """Return the tools of a modeler.
+
+        Raises
+        ------
+        PluginFault
+            If one lacks something that `Tool` asks for, or two have the same id.
+        """
+        return self._check(modeler_id, "tools", lambda: sound_tools(tools))
+
+    def check_commands(self, modeler_id: str, commands: Any) -> tuple[Command, ...]:
+        """Return the commands of a modeler.
+
+        Raises
+        ------
+        PluginFault
+            If one is no `Command` or lacks something, or two have the same id.
+        """
+        return self._check(modeler_id, "commands", lambda: sound_commands(commands))
+
+    def check_advice(self, modeler_id: str, advice: Any) -> ViewAdvice:
+        """Return what a modeler says of a view.
+
+        Raises
+        ------
+        PluginFault
+            If it is no `ViewAdvice`, or holds something that cannot be shown.
+        """
+        return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
+
+    def check_view(self, modeler_id: str, view: Any) -> Camera:
+        """Return a view that a modeler made.
+
+        Raises
+        ------
+        PluginFault
+            If it is no `Camera`.
+        """
+        return self._check(modeler_id, "a view", lambda: sound_view(view))
+
+    def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
+        """Return what a modeler warns of.
+
+        Raises
+        ------
+        PluginFault
+            If one is no `Caution`, or has no words.
+        """
+        return self._check(modeler_id, "cautions", lambda: sound_cautions(cautions))
+
+    def check_hint(self, modeler_id: str, hint: Any) -> str:
+        """Return what a tool says is to be done next.
+
+        Raises
+        ------
+        PluginFault
+            If it is not a text.
+        """
+        return self._check(modeler_id, "a hint", lambda: sound_hint(hint))
+
+    def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
+        """Return the parts of a state.
+
+        Raises
+        ------
+        PluginFault
+            If they cannot be listed: fields are missing, ids not unique, groups in a circle.
+        """
+        return self._check(modeler_id, "parts", lambda: sound_parts(tree))
+
+    def check_report(self, modeler_id: str, report: Any) -> dict[str, Any]:
+        """Return a report.
+
+        Raises
+        ------
+        PluginFault
+            If it is not a mapping.
+        """
+        return self._check(modeler_id, "a report", lambda: sound_report(report))
+
+    def _check(self, modeler_id: str, what: str, check: Callable[[], Answer]) -> Answer:
+        try:
+            return check()
+        except Exception as problem:
+            # A crooked object may fail in any way when looked at; that is its maker's fault.
+            plugin = self._plugin_of(modeler_id)
+            said = message_of(problem)
+            raise self._fault(
+                plugin, f"{modeler_id} made {what} that cannot be used ({said})", _told(problem)
+            ) from None
+
+    # -- faults --------------------------------------------------------------------------------
+
+    def blame(self, modeler_id: str, what: str, details: str = "") -> PluginFault:
+        """Record a fault that was seen from outside, such as a call that never answers."""
+        return self._fault(self._plugin_of(modeler_id), what.rstrip("."), details)
+
+    def suspect(self, modeler_id: str, what: str, details: str = "") -> PluginFault:
+        """Tell of a call that gave no answer in time, without counting it as a fault.
+
+        A slow machine is nobody's fault, and from outside it cannot be told from a plugin that
+        hangs; only what a plugin did counts towards switching it off.
+        """
+        found = PluginFault(self._plugin_of(modeler_id), what.rstrip("."), _last(details))
+        log.error("%s\n%s", found, found.details)
+        return found
+
+    def on_fault(self, callback: Callable[[PluginFault], None]) -> Callable[[], None]:
+        """Have a function called with every fault, on the thread where it happened.
+
+        Returns
+        -------
+        callable
+            Ends that.
+        """
+        self._listeners.append(callback)
+
+        def dispose() -> None:
+            if callback in self._listeners:
+                self._listeners.remove(callback)
+
+        return dispose
+
+    def faults(self, plugin_id: str) -> int:
+        """How often a plugin failed in this session."""
+        return self._faults[plugin_id]
+
+    def is_off(self, plugin_id: str) -> bool:
+        """Whether a plugin failed so often that it is switched off until the next start."""
+        return self._faults[plugin_id] >= MOST_FAULTS
+
+    def refuse_if_off(self, plugin_id: str) -> None:
+        """Raise `UserError` if a plugin is switched off."""
+        if self.is_off(plugin_id):
+            raise UserError(
+                f"The plugin {plugin_id} failed {MOST_FAULTS} times and is switched off. "
+                "Save your work and start the program again to use it."
+            )
+
+    def _fault(self, plugin: str, what: str, details: str = "") -> PluginFault:
+        fault = PluginFault(plugin, what, _last(details))
+        with self._lock:
+            self._faults[plugin] += 1
+            listeners: Sequence[Callable[[PluginFault], None]] = tuple(self._listeners)
+        log.error("%s\n%s", fault, fault.details)
+        for listener in listeners:
+            listener(fault)
+        return fault
+
+
+def _last(details: str) -> str:
+    return details[-LONGEST_DETAILS:]
+
+
+def _told(problem: BaseException) -> str:
+    return "".join(traceback.format_exception(problem))

@@ -1,0 +1,412 @@
+"""The registry: which plugins there are, and their modelers on first use.
+
+The lists come from manifests alone; a plugin's code is imported when one of its modelers
+is first asked for. Plugins are found, imported and called one by one, because one raising
+implementation aborts a whole pluggy call, and pluggy's own discovery stops at the first
+package that cannot be imported.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import threading
+import traceback
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, Final
+
+import pluggy
+
+from bozzetto.errors import UserError, words_of
+from bozzetto.plugin import API_VERSION, hooks
+from bozzetto.plugin.guard.guard import Guard, PluginFault
+from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
+from bozzetto.plugin.host.loading import ask, import_plugin, look_over_modelers
+from bozzetto.plugin.host.manifest import (
+    Manifest,
+    ManifestError,
+    ModelerEntry,
+    api_accepts,
+    find_folder,
+    read_manifest,
+)
+from bozzetto.plugin.modeler import Modeler
+from bozzetto.plugin.panel import PanelHost
+
+__all__ = ["GROUP", "ModelerInfo", "PluginInfo", "Registry"]
+
+GROUP: Final = "bozzetto.plugins"
+"""Entry-point group; the value is the package that holds plugin.toml."""
+
+
+@dataclass(eq=False)
+class _Plugin:
+    """What is known about one plugin."""
+
+    package: str
+    folder: Path = Path()
+    manifest: Manifest | None = None
+    fault: str = ""
+    details: str = ""
+    modelers: dict[str, Modeler[Any, Any]] | None = None
+    id_taken: bool = False
+    loading: threading.Lock = field(default_factory=threading.Lock)
+
+    @property
+    def id(self) -> str:
+        return self.manifest.id if self.manifest and not self.id_taken else self.package
+
+    def entry(self, modeler_id: str) -> ModelerEntry | None:
+        announced = self.manifest.modelers if self.manifest else ()
+        return next((entry for entry in announced if entry.id == modeler_id), None)
+
+
+class Registry:
+    """The plugins of this session.
+
+    Parameters
+    ----------
+    disabled : iterable of str
+        Ids of plugins that are listed but never imported.
+    no_plugins : bool
+        Safe mode: all that are installed count as disabled.
+    extra : iterable of str
+        Packages to take in beside the installed ones, such as one under development.
+
+    Attributes
+    ----------
+    guard : Guard
+        Every call into a modeler goes through it.
+
+    Notes
+    -----
+    All methods may be called from any thread. Only `modeler` and what builds on it may
+    take long, as they import.
+    """
+
+    def __init__(
+        self,
+        *,
+        disabled: Iterable[str] = (),
+        no_plugins: bool = False,
+        extra: Iterable[str] = (),
+    ) -> None:
+        self.guard = Guard(self._plugin_of)
+        self._disabled = set(disabled)
+        self._plugins: dict[str, _Plugin] = {}
+        self._lock = threading.RLock()
+        self._hooks = pluggy.PluginManager(hooks.PROJECT)
+        self._hooks.add_hookspecs(hooks)
+        for package in _installed():
+            info = self.add_package(package)
+            if no_plugins:
+                self._disabled.add(info.id)
+        for package in extra:
+            self.add_package(package)
+
+    # -- the lists, from manifests alone ------------------------------------------------------
+
+    def add_package(self, package: str) -> PluginInfo:
+        """Take in a package by its import name, without importing it.
+
+        A package that is known already stays as it is.
+        """
+        with self._lock:
+            if package not in self._plugins:
+                plugin = _Plugin(package)
+                try:
+                    plugin.folder = find_folder(package)
+                    plugin.manifest = read_manifest(plugin.folder)
+                    self._look_over(plugin, plugin.manifest)
+                except ManifestError as problem:
+                    plugin.fault = problem.message
+                except Exception as problem:
+                    # Finding a package runs other people's import hooks.
+                    plugin.fault = f"{package} cannot be found: {words_of(problem)}."
+                    plugin.details = traceback.format_exc()
+                self._plugins[package] = plugin
+            return self._info(self._plugins[package])
+
+    def plugins(self) -> tuple[PluginInfo, ...]:
+        """All plugins, by their ids, broken and disabled ones too."""
+        with self._lock:
+            infos = [self._info(plugin) for plugin in self._plugins.values()]
+        return tuple(sorted(infos, key=lambda info: (info.id, info.package)))
+
+    def modelers(self) -> tuple[ModelerInfo, ...]:
+        """The modelers of all plugins that are neither broken nor disabled, in their order."""
+        with self._lock:
+            infos = [
+                _modeler_info(plugin, entry)
+                for plugin in self._plugins.values()
+                if not plugin.fault and plugin.manifest and plugin.id not in self._disabled
+                for entry in plugin.manifest.modelers
+            ]
+        return tuple(sorted(infos, key=lambda info: (info.order, info.title, info.id)))
+
+    def info(self, modeler_id: str) -> ModelerInfo:
+        """What a manifest says about a modeler.
+
+        Raises
+        ------
+        UserError
+            If no plugin announces it.
+        """
+        plugin, entry = self._find(modeler_id)
+        return _modeler_info(plugin, entry)
+
+    def resolve(self, name: str) -> str:
+        """The id of the modeler that a person means: its id, or the last part of it.
+
+        Raises
+        ------
+        UserError
+            If there is none, or several.
+        """
+        ids = [info.id for info in self.modelers()]
+        if name in ids:
+            return name
+        found = [known for known in ids if known.rpartition(".")[2] == name]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise UserError(f"{name!r} can be {' or '.join(found)}. Write out which.")
+        raise self._absent(name)
+
+    def told_by(self, facts: Mapping[str, object]) -> str:
+        """The modeler whose files say such things; "" where none is, or several are."""
+        ids = [info.id for info in self.modelers() if info.facts and info.facts in facts]
+        return ids[0] if len(ids) == 1 else ""
+
+    def standing(self, modeler_id: str) -> Standing:
+        """Whether a modeler can be used now, told without importing anything."""
+        with self._lock:
+            for plugin in self._plugins.values():
+                if plugin.entry(modeler_id):
+                    return Standing(self._info(plugin).status, plugin.id)
+        return Standing("absent")
+
+    def set_disabled(self, plugin_id: str, disabled: bool) -> None:
+        """Switch a plugin off or on again. One that is imported stays so, but is not called."""
+        with self._lock:
+            (self._disabled.add if disabled else self._disabled.discard)(plugin_id)
+
+    # -- modelers, imported on first use ----------------------------------------------------------
+
+    def modeler(self, modeler_id: str) -> Modeler[Any, Any]:
+        """A modeler, ready to work.
+
+        Raises
+        ------
+        UserError
+            If it is not installed, disabled or broken; says what to do.
+        """
+        plugin, _ = self._find(modeler_id)
+        if plugin.id in self._disabled:
+            raise UserError(
+                f"The modeler {modeler_id} belongs to the plugin {plugin.id}, which is "
+                "disabled. Enable it in the list of plugins."
+            )
+        self.guard.refuse_if_off(plugin.id)
+        with plugin.loading:
+            if plugin.modelers is None and not plugin.fault:
+                self._load(plugin)
+        if plugin.modelers is None:
+            raise UserError(
+                f"The plugin {plugin.id} cannot be used. {plugin.fault} "
+                "Update or remove it, or tell its author."
+            )
+        return plugin.modelers[modeler_id]
+
+    def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
+        """Type and version of a modeler's states; None where the modeler cannot be had."""
+        try:
+            modeler = self.modeler(modeler_id)
+        except UserError:
+            return None
+        return modeler.state_type, modeler.state_version
+
+    def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """The stored form of an older state in today's shape; as it is where nobody knows it.
+
+        Raises
+        ------
+        UserError, PluginFault
+            If the modeler is there and cannot upgrade the state.
+        """
+        try:
+            modeler = self.modeler(modeler_id)
+        except UserError:
+            return state
+        upgraded = self.guard.call(modeler_id, "upgrade", modeler.upgrade, dict(state), version)
+        if not isinstance(upgraded, dict):
+            raise self.guard.blame(
+                modeler_id, f"upgrade gave {type(upgraded).__name__} where a dict belongs"
+            )
+        return upgraded
+
+    def panel(self, modeler_id: str, parent: object, host: PanelHost) -> object | None:
+        """The plugin's own widget for a modeler, or None.
+
+        Raises
+        ------
+        UserError
+            As `modeler`.
+        PluginFault
+            If making it fails.
+        """
+        plugin, entry = self._find(modeler_id)
+        if not entry.panel:
+            return None
+        self.modeler(modeler_id)
+        made = self.guard.call(
+            modeler_id,
+            "bozzetto_panel",
+            lambda: ask(
+                self._hooks,
+                plugin.id,
+                "bozzetto_panel",
+                modeler_id=modeler_id,
+                parent=parent,
+                host=host,
+            ),
+        )
+        return made[0] if made else None
+
+    def faults_in(self, file: Path) -> list[str] | None:
+        """What is wrong with a file of a plugin's own kind; None if no plugin knows its kind.
+
+        Raises
+        ------
+        PluginFault
+            If a plugin fails over it.
+        """
+        with self._lock:
+            asked = [p for p in self._plugins.values() if p.manifest and p.manifest.checks_files]
+        for plugin in asked:
+            modeler_id = plugin.manifest.modelers[0].id if plugin.manifest else ""
+            self.modeler(modeler_id)
+            told = self.guard.call(
+                modeler_id,
+                "bozzetto_faults",
+                partial(ask, self._hooks, plugin.id, "bozzetto_faults", file=file),
+            )
+            if told:
+                return [str(fault) for fault in told[0]]
+        return None
+
+    # -- inside ------------------------------------------------------------------------------------
+
+    def _find(self, modeler_id: str) -> tuple[_Plugin, ModelerEntry]:
+        """The plugin that announces a modeler."""
+        with self._lock:
+            for plugin in self._plugins.values():
+                entry = plugin.entry(modeler_id)
+                if entry is not None:
+                    return plugin, entry
+        raise self._absent(modeler_id)
+
+    def _absent(self, name: str) -> UserError:
+        known = ", ".join(info.id for info in self.modelers()) or "none"
+        return UserError(
+            f"No plugin in use has the modeler {name!r}. Install its plugin, or choose one of "
+            f"these: {known}."
+        )
+
+    def _plugin_of(self, modeler_id: str) -> str:
+        with self._lock:
+            for plugin in self._plugins.values():
+                if plugin.entry(modeler_id):
+                    return plugin.id
+        return modeler_id
+
+    def _look_over(self, plugin: _Plugin, said: Manifest) -> None:
+        """Refuse what is written for another program version, or taken by another plugin."""
+        if not api_accepts(said.api, API_VERSION):
+            plugin.fault = (
+                f"It was written for version {said.api} of the plugin contract and this is "
+                f"{API_VERSION[0]}.{API_VERSION[1]}. Update the plugin or the program."
+            )
+        ids = {entry.id for entry in said.modelers}
+        for other in self._plugins.values():
+            if other.manifest is None:
+                continue
+            doubles = ids & {entry.id for entry in other.manifest.modelers}
+            if other.id == said.id or doubles:
+                taken = f"modeler {min(doubles)}" if doubles else f"id {said.id}"
+                plugin.fault = (
+                    f"The {taken} is already taken by the package {other.package}. "
+                    f"Remove {other.package} or {plugin.package}."
+                )
+                # Switching one of two plugins off must not switch the other off as well.
+                plugin.id_taken = plugin.id_taken or other.id == said.id
+                # Its modelers are the other's: they must not be found under this name.
+                plugin.manifest = dataclasses.replace(said, modelers=())
+
+    def _load(self, plugin: _Plugin) -> None:
+        """Import a plugin; whatever goes wrong becomes its fault."""
+        announced = [entry.id for entry in plugin.manifest.modelers] if plugin.manifest else []
+
+        def work() -> dict[str, Modeler[Any, Any]]:
+            import_plugin(self._hooks, plugin.package, plugin.id)
+            return look_over_modelers(ask(self._hooks, plugin.id, "bozzetto_modelers"), announced)
+
+        try:
+            plugin.modelers = self.guard.call(announced[0], "its import", work)
+        except UserError as problem:
+            plugin.fault = problem.message
+        except PluginFault as problem:
+            plugin.fault = f"{problem.what[:1].upper()}{problem.what[1:]}."
+            plugin.details = problem.details
+
+    def _info(self, plugin: _Plugin) -> PluginInfo:
+        said = plugin.manifest
+        status: Status = "ready" if plugin.modelers is None else "loaded"
+        fault = plugin.fault
+        if self.guard.is_off(plugin.id) and not fault:
+            fault = "It failed several times and is switched off until the next start."
+        if plugin.id in self._disabled:
+            status = "disabled"
+        elif fault:
+            status = "broken"
+        return PluginInfo(
+            plugin.id,
+            said.title if said else plugin.package,
+            said.summary if said else "",
+            said.version if said else "",
+            plugin.package,
+            status,
+            fault,
+            plugin.details,
+            said.warnings if said else (),
+        )
+
+
+def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
+    return ModelerInfo(
+        entry.id,
+        entry.title,
+        entry.hint,
+        plugin.id,
+        plugin.folder,
+        plugin.folder / entry.icon,
+        tuple(plugin.folder / sample.file for sample in entry.samples),
+        tuple(sample.title for sample in entry.samples),
+        entry.panel,
+        entry.listed,
+        entry.order,
+        entry.reads_shapes,
+        entry.facts,
+    )
+
+
+def _installed() -> list[str]:
+    """Packages that installed distributions announce, in an order that does not change.
+
+    The bundled ones come first, so that a third party's cannot take their ids.
+    """
+    packages = {entry.value.partition(":")[0].strip() for entry in entry_points(group=GROUP)}
+    return sorted(packages, key=lambda package: (not package.startswith("bozzetto_"), package))

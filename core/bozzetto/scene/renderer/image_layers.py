@@ -1,0 +1,206 @@
+"""Pictures on rectangles in space, drawn once for each pixel and laid over each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Image
+from bozzetto.scene.renderer.compositing import Sheet, lay_over
+from bozzetto.scene.renderer.homography import place_of
+from bozzetto.scene.renderer.image_warp import warped
+from bozzetto.scene.renderer.mipmaps import Kept
+from bozzetto.scene.renderer.view_transform import Sight
+
+__all__ = ["Hung", "apart", "hang", "lay_pictures", "sheet_at"]
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Bytes = NDArray[np.uint8]
+
+SAME_DEPTH: Final = 1e-9
+"""Difference of nearness, relative to the nearest, that is none: the later picture is on top."""
+
+SHOWN_KEPT: Final = 64_000_000
+"""Memory for pictures as they were on the sheet, bytes: with a camera that rests they are
+drawn once."""
+
+_shown = Kept(SHOWN_KEPT)
+
+
+@dataclass(frozen=True, eq=False)
+class Hung:
+    """A picture as it is on a window of the sheet.
+
+    Attributes
+    ----------
+    left, top : int
+        Of its part of the window, px.
+    colors : (h, w, 4) uint8
+        Multiplied by the picture's own opacity; 0 beside it.
+    plane : (3,) float
+        Nearness of its plane at (x, y, 1), px of the window.
+    opacity : float
+        Of the whole, 0 … 1.
+    """
+
+    left: int
+    top: int
+    colors: Bytes
+    plane: Array
+    opacity: float
+
+    @property
+    def right(self) -> int:
+        """Column after the last."""
+        return self.left + int(self.colors.shape[1])
+
+    @property
+    def bottom(self) -> int:
+        """Row after the last."""
+        return self.top + int(self.colors.shape[0])
+
+
+def hang(image: Image, sight: Sight) -> Hung | None:
+    """A picture on the sheet; None if nothing of it is to be seen."""
+    height, width = image.pixels.shape[:2]
+    place = place_of(image, sight) if height and width and image.opacity > 0 else None
+    if place is None:
+        return None
+    low = np.clip(np.floor(place.outline.min(0)) - 1, 0, None).astype(int)
+    high = np.ceil(place.outline.max(0)).astype(int) + 1
+    left, top = low.tolist()
+    right, bottom = np.minimum(high, (sight.width, sight.height)).tolist()
+    if right <= left or bottom <= top:
+        return None
+    box = (left, top, right, bottom)
+    name = (place.matrix.tobytes(), box, place.nearest)
+    colors = _shown.get(image.pixels, name, lambda: warped(image.pixels, place, box))
+    return Hung(left, top, colors, place.plane, min(float(image.opacity), 1.0))
+
+
+def lay_pictures(pixels: Floats, pictures: Sequence[Hung], sight: Sight) -> None:
+    """Blend pictures over what is there, the farthest first.
+
+    Parameters
+    ----------
+    pixels : (h · w, 4) float32
+        Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1).
+    pictures : sequence of Hung
+    sight : Sight
+        Of the window.
+    """
+    ordered = _from_far(pictures)
+    if ordered is None:
+        every = np.arange(sight.width * sight.height)
+        lay_over(pixels, [sheet_at(picture, every, sight.width) for picture in pictures])
+        return
+    for picture in ordered:
+        rows = np.s_[picture.top : picture.bottom, picture.left : picture.right]
+        target = pixels.reshape(sight.height, sight.width, 4)[rows]
+        own = picture.colors.astype(np.float32)
+        own *= np.float32(picture.opacity)
+        own[..., 3] *= np.float32(1 / 255)
+        target *= 1 - own[..., 3:]
+        target += own
+
+
+def apart(pictures: Sequence[Hung], corners: Array | None) -> tuple[Sequence[Hung], Sequence[Hung]]:
+    """Pictures that are to be laid before meshes are drawn, and those that may be laid after.
+
+    Parameters
+    ----------
+    pictures : sequence of Hung
+    corners : (n, 3) float or None
+        Of boxes round the meshes: x, y (px), nearness. None where some are behind the eye.
+
+    Returns
+    -------
+    before, after : sequences of Hung
+        What is laid after is in front of all meshes, and of all that is laid before.
+    """
+    ordered = _from_far(pictures)
+    if ordered is None or corners is None:
+        return pictures, ()
+    count = len(ordered)
+    while count and _is_before(ordered[count - 1], corners):
+        count -= 1
+    return ordered[:count], ordered[count:]
+
+
+def _is_before(picture: Hung, corners: Array) -> bool:
+    """Whether a picture's plane is nearer than some boxes: then it is where their corners are."""
+    nearness = corners[:, :2] @ picture.plane[:2] + picture.plane[2]
+    return bool((nearness > corners[:, 2]).all())
+
+
+def sheet_at(
+    picture: Hung,
+    samples: NDArray[np.intp],
+    width: int,
+    offset: tuple[int, int] = (0, 0),
+    fineness: int = 1,
+) -> Sheet:
+    """What a picture shows at some samples.
+
+    Parameters
+    ----------
+    picture : Hung
+    samples : (n,) int
+        Row by row in a window of its own.
+    width : int
+        Samples in a row.
+    offset : (x, y)
+        Where that window begins, px of the picture's window.
+    fineness : int
+        Samples per pixel along each axis.
+    """
+    row, column = np.divmod(samples, width)
+    x, y = column // fineness + offset[0], row // fineness + offset[1]
+    inside = (x >= picture.left) & (x < picture.right) & (y >= picture.top) & (y < picture.bottom)
+    colors = picture.colors[y[inside] - picture.top, x[inside] - picture.left]
+    seen = np.flatnonzero(inside)[colors[:, 3] > 0]
+    colors = colors[colors[:, 3] > 0].astype(np.float32)
+    right = (column[seen] + 0.5) / fineness + offset[0]
+    low = (row[seen] + 0.5) / fineness + offset[1]
+    nearness = picture.plane[0] * right + picture.plane[1] * low + picture.plane[2]
+    alpha = colors[:, 3] / np.float32(255)
+    return Sheet(
+        samples[seen],
+        nearness.astype(np.float32),
+        colors[:, :3] / alpha[:, None],
+        alpha * np.float32(picture.opacity),
+    )
+
+
+def _from_far(pictures: Sequence[Hung]) -> list[Hung] | None:
+    """The order in which to lay pictures over each other; None if there is none for all places."""
+    left = list(range(len(pictures)))
+    order: list[Hung] = []
+    while left:
+        free = [i for i in left if all(i == j or _may_be_under(pictures, i, j) for j in left)]
+        if not free:
+            return None
+        order.append(pictures[free[0]])
+        left.remove(free[0])
+    return order
+
+
+def _may_be_under(pictures: Sequence[Hung], one: int, other: int) -> bool:
+    """Whether a picture may be laid before another: it is behind it wherever both are."""
+    a, b = pictures[one], pictures[other]
+    x = max(a.left, b.left), min(a.right, b.right)
+    y = max(a.top, b.top), min(a.bottom, b.bottom)
+    if x[0] >= x[1] or y[0] >= y[1]:
+        return True
+    corners = np.array([(i, j, 1.0) for i in x for j in y])
+    nearness = corners @ np.column_stack((a.plane, b.plane))
+    slack = SAME_DEPTH * float(np.abs(nearness).max())
+    ahead = nearness[:, 0] - nearness[:, 1]
+    if one < other:
+        return bool((ahead <= slack).all())
+    return bool((ahead < -slack).all())

@@ -1,0 +1,314 @@
+"""One picture of a scene: surfaces, then lines and dots, then handles and labels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
+from bozzetto.scene.palette import Palette
+from bozzetto.scene.renderer.image_layers import apart, hang, lay_pictures
+from bozzetto.scene.renderer.labels import draw_label
+from bozzetto.scene.renderer.lines_and_points import (
+    BIAS,
+    Canvas,
+    draw_discs,
+    draw_lines,
+    draw_points,
+)
+from bozzetto.scene.renderer.shading import Shading
+from bozzetto.scene.renderer.surfaces import Pictures, Veil, draw_surfaces, see_through
+from bozzetto.scene.renderer.view_transform import Sight, sight_of
+from bozzetto.view.camera import Camera
+
+__all__ = ["MOST_PIXELS", "render"]
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Window = tuple[int, int, int, int]
+
+FINENESS = 2
+"""Samples per pixel along each axis in anti-aliased pictures."""
+
+MOST_PIXELS = 64_000_000
+"""Largest picture, px: four bytes each, about 8000 × 8000."""
+
+BAND_VALUES = 12_000_000
+"""Samples times layers worked on at once; larger pictures are made in bands."""
+
+HALO = 48
+"""Rows (px) around a band that are drawn and thrown away, so that hollows and contours do
+not know about the band."""
+
+ALIGNMENT = 8
+"""Windows begin at multiples of this (px), so that all sample depth at the same places."""
+
+SLOPE_SLACK = 2.5
+"""How many pixels' worth of its own slope a surface gives way to a line on it."""
+
+HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
+"""Radius of a handle's disc and width of the dark rim around it, px."""
+
+
+def _go_on() -> None:
+    """Nobody wants to stop it."""
+
+
+def render(
+    scene: Scene,
+    camera: Camera,
+    palette: Palette,
+    *,
+    size: tuple[float, float] | None = None,
+    scale: float = 1.0,
+    shading: Shading = "clay",
+    background: bool = True,
+    antialias: bool = True,
+    checkpoint: Callable[[], None] = _go_on,
+) -> NDArray[np.uint8]:
+    """Draw a scene as a picture; the same input gives the same picture, bit for bit.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+        Its vertical field of view fills the picture's height.
+    palette : Palette
+    size : (width, height), optional
+        Canvas pixels; the camera's viewport if absent.
+    scale : float
+        Picture pixels per canvas pixel (the screen's device pixel ratio): a picture of
+        ``size · scale``, with lines that much wider.
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    background : bool
+        Paper behind everything; else the picture is transparent there.
+    antialias : bool
+        Four samples for each pixel of a surface; lines and pictures are always smooth.
+    checkpoint : callable
+        Called between stages; what it raises is let pass, so that a picture can be given up.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, sRGB, straight alpha.
+
+    Raises
+    ------
+    UserError
+        If the picture would have no pixels, or more than `MOST_PIXELS`.
+    """
+    width, height = (round(float(v) * scale) for v in (size or camera.viewport))
+    if width < 1 or height < 1:
+        raise UserError("A picture needs a width and a height of at least one pixel.")
+    if width * height > MOST_PIXELS:
+        raise UserError(
+            f"A picture of {width} × {height} pixels is too large. Stay below "
+            f"{MOST_PIXELS // 1_000_000} million pixels, for example 8000 × 8000."
+        )
+    fineness = FINENESS if antialias else 1
+    items = [item for _, item in scene.items()]
+    result = np.empty((height, width, 4), np.uint8)
+    for top, bottom in _bands(width, height, fineness * fineness * _layers(items, shading)):
+        above = max(0, top - HALO)
+        below = min(height, bottom + HALO)
+        window = (0, above, width, below - above)
+        pixels = _drawn(
+            items,
+            camera,
+            palette,
+            (width, height),
+            window,
+            scale,
+            shading,
+            background,
+            fineness,
+            checkpoint,
+        )
+        band = pixels.reshape(below - above, width, 4)[top - above : bottom - above]
+        result[top:bottom] = _finished(band, opaque=background)
+    return result
+
+
+def _layers(items: Sequence[Item], shading: Shading) -> int:
+    """How many values are held for each sample: the surface, and every translucent sheet."""
+    sheets = [2 if see_through(i, shading) else 0 for i in items if isinstance(i, Shaded)]
+    pictures = sum(isinstance(item, Image) for item in items)
+    return 1 + sum(sheets) + (pictures if any(isinstance(i, Shaded) for i in items) else 0)
+
+
+def _bands(width: int, height: int, depth: int) -> Iterator[tuple[int, int]]:
+    rows = max(ALIGNMENT, BAND_VALUES // (width * depth) // ALIGNMENT * ALIGNMENT)
+    for top in range(0, height, rows):
+        yield top, min(height, top + rows)
+
+
+def _finished(pixels: Floats, *, opaque: bool) -> NDArray[np.uint8]:
+    """Bytes of straight alpha."""
+    if opaque:
+        result = (pixels + np.float32(0.5)).astype(np.uint8)
+        result[..., 3] = 255
+        return result
+    rgb, alpha = pixels[..., :3], pixels[..., 3:]
+    straight = np.divide(rgb, alpha, out=np.zeros_like(rgb), where=alpha > 0)
+    both = np.concatenate((straight, alpha * np.float32(255)), -1)
+    return np.clip(both + np.float32(0.5), 0, 255).astype(np.uint8)
+
+
+def _drawn(
+    items: Sequence[Item],
+    camera: Camera,
+    palette: Palette,
+    size: tuple[int, int],
+    window: Window,
+    scale: float,
+    shading: Shading,
+    background: bool,
+    fineness: int,
+    checkpoint: Callable[[], None],
+) -> Floats:
+    """A window of the picture, shape (h · w, 4): colour times opacity, opacity."""
+    width, height = size
+    _, _, w, h = window
+    paper = np.array((*palette.paper, 1.0) if background else (0.0,) * 4, np.float32)
+    pixels = np.empty((h * w, 4), np.float32)
+    pixels[:] = paper
+    sight = sight_of(camera, height, width, window)
+    images = [hang(item, sight) for item in items if isinstance(item, Image)]
+    surfaces = [item for item in items if isinstance(item, Shaded)]
+    corners = _corners(surfaces, sight)
+    before, after = apart([one for one in images if one is not None], corners)
+    lay_pictures(pixels, before, sight)
+    checkpoint()
+    canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
+    part = _occupied(corners, sight)
+    if part is not None:
+        x, y, part_w, part_h = part
+        inner = (window[0] + x, window[1] + y, part_w, part_h)
+        fine = sight_of(camera, height, width, inner, fineness)
+        inside = np.s_[y : y + part_h, x : x + part_w]
+        samples = _enlarged(pixels.reshape(h, w, 4)[inside], fineness)
+        pictures = Pictures(before, paper, (x, y))
+        drawn = draw_surfaces(
+            samples, surfaces, pictures, fine, palette, shading, fineness, checkpoint
+        )
+
+        def rows(values: Floats) -> Floats:
+            return values.reshape(fine.height, fine.width, *values.shape[1:])
+
+        def limit(nearness: Floats) -> Floats:
+            return sight.backed(_threshold(rows(nearness), fineness), BIAS * scale)
+
+        pixels.reshape(h, w, 4)[inside] = _reduced(rows(samples), fineness)
+        canvas.surface[inside] = limit(drawn.nearness)
+        if drawn.veil is not None:
+            veil = Veil(
+                np.full((h, w), -np.inf, np.float32), np.zeros((h, w), np.float32), pixels.copy()
+            )
+            veil.nearness[inside] = limit(drawn.veil.nearness)
+            veil.opacity[inside] = _reduced(rows(drawn.veil.opacity), fineness)
+            veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
+            lay_pictures(veil.behind, after, sight)
+            canvas = replace(canvas, veil=veil)
+        checkpoint()
+    lay_pictures(pixels, after, sight)
+    _draw_marks(canvas, items, palette)
+    return pixels
+
+
+def _enlarged(pixels: Floats, fineness: int) -> Floats:
+    """Each pixel (h, w, 4) as so many samples along both axes, row by row, (n, 4)."""
+    return np.repeat(np.repeat(pixels, fineness, 0), fineness, 1).reshape(-1, 4)
+
+
+def _corners(items: Sequence[Shaded], sight: Sight) -> Array | None:
+    """Corners of the boxes round meshes: x, y (px), nearness; None if some are behind the eye."""
+    boxes = [item.mesh.bounds for item in items if np.isfinite(item.mesh.bounds).all()]
+    corners = [np.array(list(product(*box.T))) for box in boxes]
+    seen = sight.seen(np.concatenate([np.zeros((0, 3)), *corners]))
+    return None if (seen[:, 2] < sight.near).any() else sight.placed(seen)
+
+
+def _occupied(corners: Array | None, sight: Sight) -> Window | None:
+    """The part of a window that meshes can reach; None if they reach nothing."""
+    if corners is None:
+        return (0, 0, sight.width, sight.height)
+    if not len(corners):
+        return None
+    limit = np.array((sight.width, sight.height))
+    low = np.clip(corners[:, :2].min(0) - 2, 0, limit).astype(int) // ALIGNMENT * ALIGNMENT
+    high = np.clip(np.ceil(corners[:, :2].max(0)) + 2, 0, limit).astype(int)
+    if (high <= low).any():
+        return None
+    return (int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1]))
+
+
+def _reduced(samples: Floats, fineness: int) -> Floats:
+    """The mean of each pixel's samples."""
+    total = samples[::fineness, ::fineness].copy()
+    for row, column in product(range(fineness), repeat=2):
+        if row or column:
+            total += samples[row::fineness, column::fineness]
+    total *= np.float32(1.0 / fineness**2)
+    return total
+
+
+def _threshold(nearness: Floats, fineness: int) -> Floats:
+    """Nearness above which a line at a pixel is in front of the surface there, or on it.
+
+    The surface's slope is allowed for, since the line crosses the pixel anywhere: on each
+    axis the smaller of the steps to both neighbours, so that an edge of the surface,
+    where one step is large, hides what passes behind it right up to its rim.
+    """
+    near = nearness[::fineness, ::fineness].copy()
+    for row, column in product(range(fineness), repeat=2):
+        np.maximum(near, nearness[row::fineness, column::fineness], out=near)
+    slack = np.zeros_like(near)
+    for axis in (0, 1):
+        with np.errstate(invalid="ignore"):  # nothing beside nothing
+            step = np.nan_to_num(np.abs(np.diff(near, axis=axis)), nan=np.inf, posinf=np.inf)
+        before, after = [(0, 0), (0, 0)], [(0, 0), (0, 0)]
+        before[axis], after[axis] = (1, 0), (0, 1)
+        least = np.minimum(
+            np.pad(step, before, constant_values=np.inf),
+            np.pad(step, after, constant_values=np.inf),
+        )
+        slack += np.where(np.isfinite(least), least, np.float32(0))
+    return np.asarray(near - np.float32(SLOPE_SLACK) * slack, np.float32)
+
+
+def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None:
+    marks = [i for i in items if isinstance(i, Lines | Points) and len(i.points) and i.opacity > 0]
+    for style, group in groupby(marks, _style):
+        color = np.array(palette.color(style[0]), float)
+        batch = list(group)
+        lines = [item for item in batch if isinstance(item, Lines)]
+        if lines:
+            draw_lines(canvas, lines, color)
+        for item in batch:
+            if isinstance(item, Points):
+                draw_points(canvas, item, color)
+    for handle in (item for item in items if isinstance(item, Handle)):
+        _draw_handle(canvas, handle, palette)
+    for label in (item for item in items if isinstance(item, Label)):
+        draw_label(canvas, label, palette)
+
+
+def _style(item: Lines | Points) -> tuple[str | tuple[int, int, int], float, str, bool]:
+    """Neighbours in drawing order that share this are drawn as one."""
+    return item.color, item.opacity, item.hidden, isinstance(item, Lines)
+
+
+def _draw_handle(canvas: Canvas, item: Handle, palette: Palette) -> None:
+    seen = canvas.sight.seen([item.point])
+    if seen[0, 2] < canvas.sight.near:
+        return
+    places = canvas.sight.placed(seen)
+    radius, rim = HANDLE_RADIUS * canvas.scale, HANDLE_RIM * canvas.scale
+    dark = np.array(min(palette.ink, palette.paper, key=sum), float)
+    draw_discs(canvas, places, radius, dark, 1.0)
+    draw_discs(canvas, places, radius - rim, np.array(palette.color(item.color), float), 1.0)

@@ -1,0 +1,250 @@
+"""The matter of surfaces: from visible triangles to colours.
+
+Only what is seen is shaded. Normals are interpolated (Phong) by the plane through a
+triangle's corners, weighted with nearness so that they are right in perspective.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.palette import Color, Palette
+from bozzetto.scene.renderer.triangle_soup import Soup
+from bozzetto.scene.renderer.view_transform import Sight
+
+__all__ = ["SHADINGS", "Fragments", "Shading", "colored", "curvature_colors", "fragments"]
+
+Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
+SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
+
+Floats = NDArray[np.float32]
+
+KEY: Final = np.array((-0.46, 0.62, 0.64), np.float32)
+"""Towards the key light, in the frame of the view: from the upper left, tied to the camera."""
+
+WRAP: Final = 0.28
+"""How far the key light reaches round the terminator; matte clay scatters."""
+
+KEY_SHARE: Final = 0.76
+SKY_SHARE: Final = 0.38
+RIM_SHARE: Final = 0.10
+"""Parts of key, soft fill from above, and rim in the light."""
+
+INSIDE: Final = 0.80
+"""Light left on the inside of open surfaces."""
+
+STEPS: Final = 1024
+"""Entries in a ramp from dark to light."""
+
+SHADOW: Final = (0.44, 0.39, 0.36)
+"""Share of a colour that is left without light."""
+
+BRIGHTEST: Final = 1.25
+"""Light at the end of a ramp; the colour itself is shown at 1."""
+
+CURVATURE_STEPS: Final = 1.6
+"""Slope of the colour scale of curvature at zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fragments:
+    """What is seen, pixel by pixel.
+
+    Attributes
+    ----------
+    pixel : (n,) int
+        Index in the window, row by row.
+    triangle : (n,) int32
+        In the soup.
+    normal : (3, n) float32
+        Unit vectors right, up, towards the eye; turned to the seen side.
+    facing : (n,) float32
+        Cosine between normal and line of sight, 0 … 1.
+    inside : (n,) bool
+        Where a triangle shows its back.
+    color : (n, 4) float32
+        Interpolated vertex colours, 0 … 255.
+    """
+
+    pixel: NDArray[np.intp]
+    triangle: NDArray[np.int32]
+    normal: Floats
+    facing: Floats
+    inside: NDArray[np.bool_]
+    color: Floats
+
+
+def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: bool) -> Fragments:
+    """Interpolate over the visible triangles.
+
+    Parameters
+    ----------
+    triangle : (h · w,) int32
+        Of a buffer; −1 where nothing is seen.
+    soup : Soup
+    sight : Sight
+    tinted : bool
+        Whether vertex colours are wanted; else `Fragments.color` is empty.
+    """
+    pixel = np.flatnonzero(triangle >= 0)
+    seen = triangle[pixel]
+    visible = np.zeros(len(soup.faces), bool)
+    visible[seen] = True
+    row = np.cumsum(visible, dtype=np.int32)[seen] - 1
+    faces, corners = soup.faces[visible], soup.corners[visible]
+    places = soup.places[faces]
+    weight = places[:, :, 2:] if sight.perspective else np.ones((len(faces), 3, 1))
+
+    y, x = np.divmod(pixel, sight.width)
+    right, down = x + 0.5, y + 0.5
+    dx = (right - places[row, 0, 0]).astype(np.float32)
+    dy = (down - places[row, 0, 1]).astype(np.float32)
+
+    normal = _interpolated(places, soup.normals[corners] * weight, row, dx, dy)
+    length = np.sqrt(np.einsum("kn,kn->n", normal, normal))
+    normal /= np.where(length > 0, length, 1.0)
+    inside = _backs(places)[row]
+    normal *= np.where(inside, np.float32(-1), np.float32(1))
+    normal[2, length == 0] = 1.0
+
+    facing = normal[2].copy()
+    if sight.perspective:
+        slope_x = ((sight.middle[0] - right) / sight.focal).astype(np.float32)
+        slope_y = ((down - sight.middle[1]) / sight.focal).astype(np.float32)
+        facing += normal[0] * slope_x + normal[1] * slope_y
+        facing /= np.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+    np.clip(facing, 0.0, 1.0, out=facing)
+
+    color = np.zeros((0, 4), np.float32)
+    if tinted:
+        weighted = np.concatenate((soup.colors[faces] * weight, weight), 2)
+        values = _interpolated(places, weighted, row, dx, dy)
+        color = np.clip((values[:4] / values[4]).T, 0.0, 255.0)
+    return Fragments(pixel, seen, normal, facing, inside, color)
+
+
+def _interpolated(
+    places: NDArray[np.float64],
+    values: NDArray[np.floating],
+    row: NDArray[np.int32],
+    dx: Floats,
+    dy: Floats,
+) -> Floats:
+    """Affine interpolation of (t, 3, k) corner values at offsets from first corners; (k, n)."""
+    edge = places[:, 1:, :2] - places[:, :1, :2]
+    area = edge[:, 0, 0] * edge[:, 1, 1] - edge[:, 0, 1] * edge[:, 1, 0]
+    scale = np.divide(1.0, area, out=np.zeros_like(area), where=area != 0)[:, None]
+    rise1, rise2 = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0]
+    by_x = (rise1 * edge[:, 1, 1:] - rise2 * edge[:, 0, 1:]) * scale
+    by_y = (rise2 * edge[:, 0, :1] - rise1 * edge[:, 1, :1]) * scale
+    count = values.shape[2]
+    table = np.concatenate((values[:, 0], by_x, by_y), 1).astype(np.float32)
+    result = np.empty((count, len(row)), np.float32)
+    rows = table.take(row, 0)
+    for k in range(count):
+        result[k] = rows[:, k] + rows[:, count + k] * dx + rows[:, 2 * count + k] * dy
+    # Rounding in slivers must not leave the range of the corners by much.
+    limit = np.float32(np.abs(values).max(initial=0.0))
+    return np.clip(result, -limit, limit, out=result)
+
+
+def _backs(places: NDArray[np.float64]) -> NDArray[np.bool_]:
+    x, y = places[:, :, 0], places[:, :, 1]
+    area = (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0]) - (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0])
+    return np.asarray(area < 0)
+
+
+def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
+    """How much light matte clay sends to the eye: 1 shows its colour; shape (n,).
+
+    Parameters
+    ----------
+    seen : Fragments
+    cavity : (n,) float32, optional
+        Part of the light that is kept out of hollows, 0 … 1.
+    """
+    key = KEY / np.linalg.norm(KEY)
+    across, up, near = seen.normal
+    light = across * key[0] + up * key[1] + near * key[2]
+    light += np.float32(WRAP)
+    np.maximum(light, 0.0, out=light)
+    light *= np.float32(KEY_SHARE / (1.0 + WRAP))
+    light += np.float32(SKY_SHARE) * (np.float32(0.72) + np.float32(0.28) * up)
+    grazing = np.float32(1) - seen.facing
+    grazing *= grazing
+    light += np.float32(RIM_SHARE) * grazing * grazing
+    if cavity is not None:
+        light *= np.float32(1) - cavity
+    light[seen.inside] *= np.float32(INSIDE)
+    return np.asarray(light, np.float32)
+
+
+def ramp(color: Color) -> Floats:
+    """Colours of a matte surface from no light to `BRIGHTEST`, shape (STEPS, 3), 0 … 255.
+
+    Shadows keep some warmth instead of going grey; highlights tend to white without
+    reaching it.
+    """
+    light = np.linspace(0.0, BRIGHTEST, STEPS, dtype=np.float32)[:, None]
+    base = np.array(color, np.float32)
+    shadow = base * np.array(SHADOW, np.float32)
+    dark = shadow + (base - shadow) * np.clip(light, 0, 1) ** np.float32(1.15)
+    bright = base + (np.float32(255) - base) * np.float32(0.55)
+    over = np.clip((light - 0.86) / (BRIGHTEST - 0.86), 0, 1)
+    return np.asarray(dark + (bright - dark) * over * over, np.float32)
+
+
+def colored(
+    seen: Fragments,
+    part: NDArray[np.int32],
+    colors: Sequence[Color],
+    tinted: NDArray[np.bool_],
+    shading: Shading,
+    palette: Palette,
+    cavity: Floats | None = None,
+) -> Floats:
+    """Colours of what is seen, shape (n, 3), 0 … 255.
+
+    Parameters
+    ----------
+    seen : Fragments
+    part : (n,) int32
+        Which of `colors` each pixel has.
+    colors : sequence of (r, g, b)
+    tinted : (parts,) bool
+        Which parts show their vertex colours instead.
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    palette : Palette
+    cavity : (n,) float32, optional
+    """
+    if shading == "normals":
+        return np.asarray((seen.normal.T * 0.5 + 0.5) * 255.0, np.float32)
+    light = lit(seen, cavity)
+    step = np.clip(light * np.float32((STEPS - 1) / BRIGHTEST), 0, STEPS - 1).astype(np.intp)
+    ramps = np.concatenate([ramp(color) for color in colors])
+    result = ramps.take(part.astype(np.intp) * STEPS + step, 0)
+    own = np.flatnonzero(tinted[part])
+    if len(own):
+        white = ramp((255, 255, 255))[step[own]]
+        result[own] = seen.color[own, :3] * white / np.float32(255)
+    return np.asarray(result, np.float32)
+
+
+def curvature_colors(curvature: Floats, palette: Palette) -> Floats:
+    """RGBA per vertex: hollows in the second colour, bulges in the accent; (v, 4), 0 … 255.
+
+    Scaled by the mesh's own 90th percentile, so that detail shows at any size.
+    """
+    scale = float(np.percentile(np.abs(curvature), 90)) if len(curvature) else 0.0
+    value = np.tanh(curvature * (CURVATURE_STEPS / scale)) if scale > 0 else 0.0 * curvature
+    base = np.array(palette.clay, np.float32)
+    warm = np.array(palette.accent, np.float32) - base
+    cool = np.array(palette.second, np.float32) - base
+    value = value[:, None].astype(np.float32)
+    rgb = base + warm * np.maximum(value, 0) + cool * np.maximum(-value, 0)
+    return np.asarray(np.concatenate((rgb, np.full((len(rgb), 1), 255)), 1), np.float32)

@@ -1,0 +1,285 @@
+"""Shaded meshes before pictures on a window of the sheet, opaque first, then translucent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Shaded
+from bozzetto.scene.palette import Palette
+from bozzetto.scene.renderer.compositing import Sheet, lay_over, veil_of
+from bozzetto.scene.renderer.image_layers import Hung, sheet_at
+from bozzetto.scene.renderer.normals import mean_curvature
+from bozzetto.scene.renderer.screen_space import cavities, contours
+from bozzetto.scene.renderer.shading import (
+    Fragments,
+    Shading,
+    colored,
+    curvature_colors,
+    fragments,
+)
+from bozzetto.scene.renderer.triangle_soup import Soup, gather
+from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
+from bozzetto.scene.renderer.zebra import mirroring
+
+__all__ = ["Drawn", "Veil", "draw_surfaces", "is_polished", "see_through"]
+
+Floats = NDArray[np.float32]
+Samples = NDArray[np.intp]
+
+XRAY_LEAST, XRAY_MOST = 0.10, 0.80
+"""Opacity of x-rayed surfaces seen face on and edge on."""
+
+XRAY_INK = 0.55
+"""Part of ink in their colour."""
+
+
+@dataclass(frozen=True, eq=False)
+class Veil:
+    """What translucent meshes do to lines behind them.
+
+    Attributes
+    ----------
+    nearness, opacity : (h · w,) float32
+        Of the nearest of them; −inf and 0 where there is none.
+    behind : (h · w, 4) float32
+        The picture without them.
+    """
+
+    nearness: Floats
+    opacity: Floats
+    behind: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """The depths at which surfaces were drawn.
+
+    Attributes
+    ----------
+    nearness : (h · w,) float32
+        Of the opaque surfaces; −inf where there is none.
+    veil : Veil or None
+        None if no mesh is translucent.
+    """
+
+    nearness: Floats
+    veil: Veil | None
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """Pictures round the part of the sheet where meshes are drawn.
+
+    Attributes
+    ----------
+    hung : sequence of Hung
+    paper : (4,) float32
+        What is behind them: colour multiplied by opacity, opacity.
+    offset : (x, y)
+        Where the part begins, px of the pictures' window.
+    """
+
+    hung: Sequence[Hung]
+    paper: Floats
+    offset: tuple[int, int]
+
+    def in_front(self, buffer: Buffer, glass: Sequence[Sheet], fineness: int) -> Samples:
+        """Samples at which some picture is in front of some mesh."""
+        if not self.hung:
+            return np.zeros(0, np.intp)
+        farthest = np.where(buffer.triangle >= 0, buffer.nearness, np.float32(np.inf))
+        for sheet in glass:
+            farthest[sheet.pixel] = np.minimum(farthest[sheet.pixel], sheet.nearness)
+        least = farthest.min()
+        farthest = farthest.reshape(buffer.height, buffer.width)
+        found = np.zeros(farthest.shape, bool)
+        for picture in self.hung:
+            window, nearness = self._nearness(picture, buffer, fineness)
+            if nearness.size and nearness[[0, 0, -1, -1], [0, -1, 0, -1]].max() >= least:
+                found[window] |= nearness >= farthest[window]
+        return np.flatnonzero(found)
+
+    def _nearness(
+        self, picture: Hung, buffer: Buffer, fineness: int
+    ) -> tuple[tuple[slice, slice], Floats]:
+        """The samples in a picture's box, and the nearness of its plane there."""
+        ends = []
+        sizes = (buffer.width, buffer.height)
+        boxes = ((picture.left, picture.right), (picture.top, picture.bottom))
+        for box, begin, size in zip(boxes, self.offset, sizes, strict=True):
+            low, high = (int(np.clip((edge - begin) * fineness, 0, size)) for edge in box)
+            ends.append((low, high))
+        x, y = (
+            begin + (np.arange(low, high) + 0.5) / fineness
+            for begin, (low, high) in zip(self.offset, ends, strict=True)
+        )
+        across = (picture.plane[0] * x + picture.plane[2]).astype(np.float32)
+        down = (picture.plane[1] * y).astype(np.float32)
+        return (slice(*ends[1]), slice(*ends[0])), across + down[:, None]
+
+
+def draw_surfaces(
+    pixels: Floats,
+    items: Sequence[Shaded],
+    pictures: Pictures,
+    sight: Sight,
+    palette: Palette,
+    shading: Shading,
+    fineness: int,
+    checkpoint: Callable[[], None],
+) -> Drawn:
+    """Draw meshes over pictures, and pictures over meshes where those are in front.
+
+    Parameters
+    ----------
+    pixels : (h · w, 4) float32
+        Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1). The pictures are
+        there already.
+    items : sequence of Shaded
+    pictures : Pictures
+    sight : Sight
+    palette : Palette
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    fineness : int
+        Samples per pixel along each axis.
+    checkpoint : callable
+        Called between stages.
+    """
+    shaded = [i for i in items if len(i.mesh.faces) and i.opacity > 0]
+    solid = [i for i in shaded if not see_through(i, shading)]
+    buffer = blank(sight.width, sight.height)
+    if solid:
+        _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
+        checkpoint()
+    glass: list[Sheet] = []
+    for item in shaded:
+        if see_through(item, shading):
+            sheets = _mesh_sheets(item, sight, palette, shading)
+            glass += [sheet.before(buffer.nearness) for sheet in sheets] if solid else sheets
+            checkpoint()
+    crossing = pictures.in_front(buffer, glass, fineness)
+    hung: list[Sheet] = []
+    if len(crossing):
+        pixels[crossing[buffer.triangle[crossing] < 0]] = pictures.paper
+        hung = [
+            sheet_at(one, crossing, sight.width, pictures.offset, fineness).before(buffer.nearness)
+            for one in pictures.hung
+        ]
+    veil = None
+    if glass:
+        behind = pixels.copy()
+        lay_over(behind, hung)
+        veil = Veil(*veil_of(glass, len(pixels)), behind)
+    lay_over(pixels, hung + glass)
+    return Drawn(buffer.nearness, veil)
+
+
+def see_through(item: Shaded, shading: Shading) -> bool:
+    """Whether what lies behind a mesh shows."""
+    colors = item.mesh.colors
+    return (
+        shading == "xray"
+        or item.opacity < 1
+        or (colors is not None and bool((colors[:, 3] < 255).any()))
+    )
+
+
+def is_polished(item: Shaded, shading: Shading) -> bool:
+    """Whether a mesh mirrors the tubes of the zebra."""
+    return shading == "zebra" or (shading == "clay" and item.finish == "zebra")
+
+
+def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
+    if shading == "curvature":
+        return curvature_colors(mean_curvature(item.mesh), palette)
+    return item.mesh.colors_over(palette.color(item.color))
+
+
+def _gathered(
+    items: Sequence[Shaded], sight: Sight, palette: Palette, shading: Shading
+) -> tuple[Soup, NDArray[np.bool_]]:
+    colors = [_vertex_colors(item, palette, shading) for item in items]
+    tinted = np.array([own is not None for own in colors])
+    return gather([item.mesh for item in items], colors, sight), tinted
+
+
+def _draw_opaque(
+    pixels: Floats,
+    items: Sequence[Shaded],
+    buffer: Buffer,
+    sight: Sight,
+    palette: Palette,
+    shading: Shading,
+    fineness: int,
+) -> None:
+    soup, tinted = _gathered(items, sight, palette, shading)
+    rasterize(buffer, soup.places, soup.faces, soup.doubled_areas() > 0)
+    seen = fragments(buffer.triangle, soup, sight, tinted=bool(tinted.any()))
+    if not len(seen.pixel):
+        return
+    normal = _spread_normals(seen, buffer)
+    cavity = None
+    matte = not all(is_polished(item, shading) for item in items)
+    if matte and shading in ("clay", "curvature"):
+        cavity = cavities(buffer, sight, normal, fineness).ravel()[seen.pixel]
+    rgb = _colors_of(seen, soup, items, tinted, sight, palette, shading, cavity)
+    line = contours(buffer, sight, normal, fineness).ravel()[seen.pixel]
+    drawn = np.flatnonzero(line)
+    ink = np.array(palette.ink, np.float32)
+    rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
+    pixels[seen.pixel, :3] = rgb
+    pixels[seen.pixel, 3] = 1.0
+
+
+def _colors_of(
+    seen: Fragments,
+    soup: Soup,
+    items: Sequence[Shaded],
+    tinted: NDArray[np.bool_],
+    sight: Sight,
+    palette: Palette,
+    shading: Shading,
+    cavity: Floats | None = None,
+) -> Floats:
+    """Colours of what is seen of some meshes, (n, 3), 0 … 255."""
+    part = soup.part[seen.triangle]
+    colors = [palette.color(item.color) for item in items]
+    polished = np.array([is_polished(item, shading) for item in items])
+    if polished.any():
+        seen = mirroring(seen, part, colors, tinted, polished, sight)
+        if cavity is not None:  # what is mirrored lies outside of the hollow
+            cavity = np.where(polished[part], np.float32(0), cavity)
+    return colored(seen, part, colors, tinted | polished, shading, palette, cavity)
+
+
+def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
+    normal = np.zeros((3, buffer.height * buffer.width), np.float32)
+    normal[:, seen.pixel] = seen.normal
+    return normal.reshape(3, buffer.height, buffer.width)
+
+
+def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading) -> list[Sheet]:
+    """The nearest back and the nearest front of a mesh."""
+    soup, tinted = _gathered([item], sight, palette, shading)
+    front = soup.doubled_areas() > 0
+    sheets = []
+    for side in (~front, front):
+        half = soup.only(side)
+        buffer = blank(sight.width, sight.height)
+        rasterize(buffer, half.places, half.faces)
+        seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
+        rgb = _colors_of(seen, half, [item], tinted, sight, palette, shading)
+        opacity = np.full(len(seen.pixel), item.opacity, np.float32)
+        if item.mesh.colors is not None and tinted.any():
+            opacity *= seen.color[:, 3] / np.float32(255)
+        if shading == "xray":
+            grazing = np.square(np.float32(1) - seen.facing)
+            rgb += np.float32(XRAY_INK) * (np.array(palette.ink, np.float32) - rgb)
+            opacity *= np.float32(XRAY_LEAST) + np.float32(XRAY_MOST - XRAY_LEAST) * grazing
+        sheets.append(Sheet(seen.pixel, buffer.nearness[seen.pixel], rgb, opacity))
+    return sheets

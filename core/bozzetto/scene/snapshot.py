@@ -1,0 +1,107 @@
+"""Pictures of a whole scene, framed by themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene.display_list import Handle, Layer, Scene, Shaded
+from bozzetto.scene.palette import LIGHT, Palette
+from bozzetto.scene.renderer import Shading, render
+from bozzetto.view.camera import Camera
+from bozzetto.view.page import framing, page_view
+
+__all__ = ["framed", "own_or_framed", "picture", "thumbnail"]
+
+
+def picture(
+    scene: Scene,
+    *,
+    view: str = "three-quarter",
+    camera: Camera | None = None,
+    palette: Palette = LIGHT,
+    size: tuple[int, int] = (1200, 900),
+    scale: float = 1.0,
+    shading: Shading = "clay",
+    background: bool = True,
+) -> NDArray[np.uint8]:
+    """A still picture of a scene, without what is there for the hand only.
+
+    Handles are left out, and so are layers that hold handles and no surface: the lines and
+    dots beside them belong to them.
+
+    Parameters
+    ----------
+    scene : Scene
+    view : str
+        Name of a standard view (see `bozzetto.view.standard_views`) that frames the scene.
+    camera : Camera, optional
+        Looks through this instead, whatever the view.
+    palette : Palette
+    size : (width, height)
+        Pixels; ``scale`` multiplies them, and the widths of lines with them.
+    scale : float
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    background : bool
+        Paper behind the scene, or nothing.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        RGBA, sRGB, straight alpha.
+
+    Raises
+    ------
+    UserError
+        If the view has no such name, or the picture is too large.
+    """
+    scene = _without_handles(scene)
+    if camera is None:
+        camera = framed(scene, view, size)
+    return render(
+        scene, camera, palette, size=size, scale=scale, shading=shading, background=background
+    )
+
+
+def framed(
+    scene: Scene, view: str = "three-quarter", size: tuple[int, int] = (1200, 900)
+) -> Camera:
+    """The camera of a `picture`: a standard view that frames all but what is for the hand.
+
+    Raises
+    ------
+    UserError
+        If the view has no such name.
+    """
+    return framing(_without_handles(scene).points(), view, _page(size))
+
+
+def own_or_framed(scene: Scene, own: Camera | None, size: tuple[int, int] = (1200, 900)) -> Camera:
+    """A person's own view if all that a `picture` shows lies in it, else the three-quarter view."""
+    return page_view(_without_handles(scene).points(), own, _page(size))
+
+
+def _page(size: tuple[int, int]) -> tuple[float, float]:
+    """A size that a camera takes; `render` refuses the others."""
+    return max(size[0], 1), max(size[1], 1)
+
+
+def thumbnail(
+    scene: Scene, size: int = 256, palette: Palette = LIGHT, camera: Camera | None = None
+) -> NDArray[np.uint8]:
+    """A square picture of a scene in the three-quarter view, shape (size, size, 4)."""
+    return picture(scene, camera=camera, palette=palette, size=(size, size))
+
+
+def _without_handles(scene: Scene) -> Scene:
+    """A scene as nobody's hand is near it; itself where it holds no handle."""
+    if not any(isinstance(item, Handle) for _, item in scene.items()):
+        return scene
+    kept = []
+    for layer in scene.layers:
+        items = tuple(item for item in layer.items if not isinstance(item, Handle))
+        if len(items) == len(layer.items):
+            kept.append(layer)
+        elif any(isinstance(item, Shaded) for item in items):
+            kept.append(Layer(layer.name, items, layer.owner, layer.tool))
+    return Scene(tuple(kept))

@@ -1,0 +1,218 @@
+"""The contract of what a modeler may do besides.
+
+Commands, view advice, curves, shapes and pictures taken, taps that are aimed: each check passes
+where the modeler does not do it; see `checks` for the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from bozzetto.document.storage.state_codec import state_digest
+from bozzetto.errors import UserError
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
+from bozzetto.images.stored_picture import Picture
+from bozzetto.plugin.gesture import Tap
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.modeler import Aims, OffersCurves, ReadsShapes, TellsNext
+from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.testing.deep_equal import same
+from bozzetto.testing.headless_shell import Shell
+from bozzetto.testing.subject import Broken, Subject, ensure, odd_cameras
+from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import pan, zoom
+
+__all__ = ["ABILITIES"]
+
+WORSE: Final = {"good": 0, "warn": 1, "refuse": 2}
+"""The levels of advice, best first."""
+
+PREVIEW: Final = Job(quality="preview")
+
+
+def check_commands(subject: Subject) -> None:
+    """Every command runs or refuses in plain words; what it makes can be stored and solved."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            commands = shell.workbench.commands
+            for command in shell.commands():
+                ensure(bool(command.help.strip()), f"the command {command.id} needs a help")
+                if not commands.can_run(shell.model, command):
+                    continue
+                digest = state_digest(shell.state)
+                try:
+                    made = commands.run(shell.model, command, shell.context())
+                    again = commands.run(shell.model, command, shell.context())
+                    ensure(same(made.state, again.state), f"{command.id} differs the second time")
+                    shell.workbench.solve(made, PREVIEW)
+                except UserError as problem:
+                    ensure(bool(problem.message.strip()), "a UserError needs words")
+                except PluginFault as problem:
+                    raise Broken(f"the command {command.id}: {problem}") from problem
+                ensure(state_digest(shell.state) == digest, f"{command.id} changed its argument")
+
+
+def check_view_advice(subject: Subject) -> None:
+    """Advice can be given of every view; better is not worse, and pinned views stay pinned."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            if not isinstance(shell.registry.modeler(subject.modeler), AdvisesView):
+                return
+            for camera in odd_cameras():
+                advice = _advice(shell, camera)
+                ensure(bool(advice.message.strip()), "view advice needs a message")
+                if advice.better is not None:
+                    better = _advice(shell, advice.better)
+                    ensure(
+                        WORSE[better.level] <= WORSE[advice.level],
+                        f"the view that is called better is {better.level!r}, not {advice.level!r}",
+                    )
+                    _check_pinned(shell, advice.better, better)
+                _check_pinned(shell, camera, advice)
+
+
+def _check_pinned(shell: Shell, camera: Camera, advice: ViewAdvice) -> None:
+    if advice.pinned:
+        for moved in (
+            pan(camera, 40.0, -30.0, eye_fixed=True),
+            zoom(camera, 2.0, eye_fixed=True),
+        ):
+            ensure(
+                _advice(shell, moved).pinned,
+                "a view that is pinned must stay so while it is moved and zoomed about its eye",
+            )
+
+
+def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
+    try:
+        advice = shell.advice(camera)
+    except UserError as problem:
+        raise Broken(f"view_advice raised UserError ({problem}); say it in the advice") from problem
+    assert advice is not None
+    return advice
+
+
+def check_next_hint(subject: Subject) -> None:
+    """Tools that say what to do next have words for an empty and for a drawn state."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            for tool in shell.tools():
+                if isinstance(tool, TellsNext):
+                    said = shell.workbench.next_hint(shell.model, tool)
+                    ensure(bool(said.strip()), f"next_hint of {tool.id} needs words")
+
+
+def check_curves(subject: Subject) -> None:
+    """Curves that are offered are sound, in both qualities; an empty state offers none."""
+    with subject.shell() as shell:
+        if not isinstance(shell.registry.modeler(subject.modeler), OffersCurves):
+            return
+        shell.workbench.curves.learn(shell.model, shell.solve())
+        ensure(not shell.context().curves, "an empty state must offer no curves")
+    with subject.drawn() as shell:
+        for job in (PREVIEW, Job()):
+            shell.workbench.curves.learn(shell.model, shell.solve(job))
+
+
+def check_read_shapes(subject: Subject) -> None:
+    """Shapes of any kind are taken, or refused in plain words."""
+    with subject.shell() as shell:
+        able = isinstance(shell.registry.modeler(subject.modeler), ReadsShapes)
+        told = shell.registry.info(subject.modeler).reads_shapes
+        ensure(able or not told, "the manifest says reads_shapes, and there is no read_shapes")
+        for shapes in _given() if able else ():
+            try:
+                model = shell.workbench.from_shapes(subject.modeler, shapes, "Given")
+                shell.workbench.solve(model, PREVIEW)
+            except UserError as problem:
+                ensure(bool(problem.message.strip()), "a UserError needs words")
+
+
+def check_pictures(subject: Subject) -> None:
+    """Pictures of any kind are taken and can be stored, or are refused in plain words."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            if not shell.workbench.takes_pictures(subject.modeler):
+                return
+            for picture in _pictures():
+                digest = state_digest(shell.state)
+                before = shell.state
+                try:
+                    shell.place(picture)
+                    shell.workbench.model_scene(shell.model, shell.solve(PREVIEW))
+                except UserError as problem:
+                    ensure(bool(problem.message.strip()), "a UserError needs words")
+                ensure(state_digest(before) == digest, "with_picture changed its argument")
+            digest = state_digest(shell.state)
+            shell.reopen()
+            ensure(state_digest(shell.state) == digest, "a state with pictures comes back another")
+
+
+def _pictures() -> tuple[Picture, ...]:
+    """A sketch, one that is a single pixel, a strip, and one of which nothing is to be seen."""
+    paper = np.full((120, 160, 4), 240, np.uint8)
+    paper[..., 3] = 255
+    paper[40:80, 30:130, :3] = 60
+    return (
+        Picture.of(paper, "sketch"),
+        Picture.of(paper[:1, :1], "one pixel"),
+        Picture.of(np.repeat(paper[:2], 8, axis=1), "strip"),
+        Picture.of(np.zeros((9, 9, 4), np.uint8), "nothing"),
+    )
+
+
+def check_aims(subject: Subject) -> None:
+    """Tools that aim take no ink, and preview a tap wherever it is."""
+    for opened in (subject.shell, subject.drawn):
+        with opened() as shell:
+            for tool in shell.tools():
+                if not (isinstance(tool, Aims) and tool.aims):
+                    continue
+                ensure(tool.gesture != "ink", f"the tool {tool.id} aims, so it cannot take ink")
+                for camera in odd_cameras():
+                    for x, y in ((600.0, 450.0), (-50.0, 2000.0)):
+                        try:
+                            shell.preview(Tap(x, y, camera), tool=tool)
+                        except UserError as problem:
+                            raise Broken(f"preview of {tool.id} raised ({problem})") from problem
+
+
+def _given() -> tuple[Shapes, ...]:
+    """A solid, a straight curve, a rational circle and a skeleton, each alone."""
+    corners = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], np.float32)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
+    straight = Curve(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([[0.0, 0, 0], [30.0, 5, 9]]))
+    square = [[5, 0], [5, 5], [0, 5], [-5, 5], [-5, 0], [-5, -5], [0, -5], [5, -5], [5, 0]]
+    around = np.column_stack([np.array(square, float), np.zeros(9)])
+    quarter = np.sqrt(0.5)
+    circle = Curve(
+        2,
+        np.array([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4], float),
+        around,
+        np.array([1.0, quarter] * 4 + [1.0]),
+        closed=True,
+    )
+    bone = Skeleton(np.array([[0.0, 0, 0], [9.0, 0, 0]]), np.ones(2), np.array([[0, 1]], np.int32))
+    return (
+        Shapes(solids=(Solid(Mesh(corners, faces)),)),
+        Shapes(curves=(straight,)),
+        Shapes(curves=(circle, straight)),
+        Shapes(skeletons=(bone,)),
+    )
+
+
+ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
+    check_commands,
+    check_view_advice,
+    check_next_hint,
+    check_curves,
+    check_read_shapes,
+    check_pictures,
+    check_aims,
+)
+"""What `checks.CHECKS` asks besides."""

@@ -1,0 +1,188 @@
+"""``bozzetto plugins check``: what an author should know before anybody else does."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from xml.parsers import expat
+
+from bozzetto.errors import Unfinished, UserError, words_of
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.manifest import ManifestError, find_folder, read_manifest
+from bozzetto.plugin.host.registry import Registry
+
+__all__ = ["Finding", "check_file", "check_package"]
+
+LARGEST_ICON = 64 * 1024
+"""Bytes; an icon is a few strokes."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong, or could be better.
+
+    Attributes
+    ----------
+    serious : bool
+        Whether the plugin cannot be used like this.
+    where : str
+        File, modeler or article of the contract.
+    message : str
+    """
+
+    serious: bool
+    where: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{'error' if self.serious else 'note'}: {self.where}: {self.message}"
+
+
+def check_package(package: str) -> list[Finding]:
+    """Check a plugin: manifest, icons, import, hooks, modelers, and the whole contract.
+
+    Parameters
+    ----------
+    package : str
+        Import name; it need not be installed with an entry point. The id of an installed
+        plugin does as well.
+
+    Returns
+    -------
+    list of Finding
+        Empty where there is nothing to say.
+    """
+    ids = {known.id: known.package for known in Registry().plugins()}
+    package = ids.get(package, package)
+    try:
+        folder = find_folder(package)
+        manifest = read_manifest(folder)
+    except ManifestError as problem:
+        return [Finding(True, package, problem.message)]
+    findings = [Finding(False, package, warning) for warning in manifest.warnings]
+    findings += _check_icons(folder, [entry.icon for entry in manifest.modelers])
+    info = Registry(extra=(package,)).add_package(package)
+    if info.status == "broken":
+        return [*findings, Finding(True, manifest.id, info.fault)]
+    for entry in manifest.modelers:
+        findings += _check_modeler(package, entry.id)
+    return findings
+
+
+def check_file(path: Path) -> list[Finding]:
+    """Check a file that a plugin reads besides drawings, such as a template.
+
+    Raises
+    ------
+    UserError
+        If no plugin knows files of this kind.
+    """
+    faults = Registry().faults_in(path)
+    if faults is None:
+        raise UserError(
+            f"No plugin knows the kind of file that {path.name} is. Check its format, or give the "
+            "name of a package."
+        )
+    return [Finding(True, path.name, fault) for fault in faults]
+
+
+def _check_icons(folder: Path, icons: Iterable[str]) -> list[Finding]:
+    told = {icon: icon_fault(folder / icon) for icon in icons}
+    return [Finding(True, icon, fault) for icon, fault in sorted(told.items()) if fault]
+
+
+def icon_fault(path: Path) -> str:
+    """What is wrong with an icon, or "".
+
+    An icon must be an SVG without scripts, entities, event handlers and outside content:
+    it is drawn wherever the list of modelers is, before its plugin is trusted to run.
+    """
+    if not path.is_file():
+        return "this icon is missing"
+    content = path.read_bytes()
+    if len(content) > LARGEST_ICON:
+        return f"an icon has at most {LARGEST_ICON} bytes"
+    found: list[str] = []
+    names: list[str] = []
+
+    def element(name: str, attributes: dict[str, str]) -> None:
+        names.append(name)
+        if name.lower().rpartition(":")[2] in ("script", "foreignobject", "image", "style"):
+            found.append(f"<{name}>")
+        for key, value in attributes.items():
+            outside = key.rpartition(":")[2] == "href" and not value.startswith("#")
+            if key.lower().startswith("on") or outside or "url(http" in value.lower():
+                found.append(key)
+
+    def doctype(*_: object) -> None:
+        found.append("<!DOCTYPE>")
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = element
+    parser.StartDoctypeDeclHandler = doctype
+    parser.EntityDeclHandler = doctype
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as problem:
+        return f"not an SVG file: {words_of(problem)}"
+    if names[0].rpartition(":")[2] != "svg":
+        return f"its first element is <{names[0]}> and not <svg>"
+    return f"an icon must not contain {', '.join(found)}" if found else ""
+
+
+def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
+    from bozzetto.testing.checks import CHECKS
+    from bozzetto.testing.subject import Subject
+
+    registry = Registry(extra=(package,))
+    info = registry.info(modeler_id)
+    folder = info.folder
+    try:
+        modeler = registry.modeler(modeler_id)
+        tools = registry.guard.check_tools(
+            modeler_id, registry.guard.call(modeler_id, "tools", modeler.tools)
+        )
+    except (UserError, PluginFault) as problem:
+        return [Finding(True, modeler_id, _with_place(problem, folder))]
+    looked_at = info.icon.relative_to(folder).as_posix()
+    icons = {tool.icon for tool in tools if tool.icon} - {looked_at}
+    findings = _check_icons(folder, icons)
+    if info.panel and not hasattr(sys.modules[package], "bozzetto_panel"):
+        told = "the manifest says panel = true, and the package has no hook bozzetto_panel"
+        findings.append(Finding(True, modeler_id, told))
+    subject = Subject(modeler_id, (package,))
+    told_by: dict[tuple[bool, str], list[str]] = {}
+    for check in CHECKS:
+        try:
+            check.run(subject)
+        except (UserError, Unfinished) as problem:
+            told = f"could not be tried with a plain drawing ({problem}); use ModelerContract"
+            told_by.setdefault((False, told), []).append(check.name)
+        except (AssertionError, PluginFault) as problem:
+            told = _with_place(problem, folder)
+            told_by.setdefault((True, told), []).append(check.name)
+    return findings + [
+        Finding(serious, f"{modeler_id}, {_few(names)}", told)
+        for (serious, told), names in told_by.items()
+    ]
+
+
+def _few(names: list[str]) -> str:
+    """The first two names, and how many more there are."""
+    return ", ".join(names[:2]) + (f" and {len(names) - 2} more" if len(names) > 2 else "")
+
+
+def _with_place(problem: BaseException, folder: Path) -> str:
+    """What went wrong, and the line of the plugin where it did.
+
+    A fault is told in its own words whatever check met it, so that the same fault is told once.
+    """
+    fault = problem if isinstance(problem, PluginFault) else problem.__cause__
+    if not isinstance(fault, PluginFault):
+        return str(problem)
+    frames = re.findall(r'File "([^"]+)", line (\d+)', fault.details)
+    own = [(path, line) for path, line in frames if Path(path).is_relative_to(folder)]
+    return f"{fault} ({own[-1][0]}, line {own[-1][1]})" if own else str(fault)

@@ -1,0 +1,1 @@
+"""Documents, modelers and pictures brought together, without a window."""

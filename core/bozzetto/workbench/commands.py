@@ -1,0 +1,92 @@
+"""Commands of modelers, found and run through the guard."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from bozzetto.document.model import Model
+from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.errors import UserError
+from bozzetto.plugin.commands import Command, HasCommands
+from bozzetto.plugin.context import Context
+from bozzetto.plugin.host.registry import Registry
+
+__all__ = ["ModelCommands"]
+
+
+class ModelCommands:
+    """What modelers can do to a model at one word; see `bozzetto.plugin.Command`.
+
+    Parameters
+    ----------
+    registry : Registry
+        Where modelers come from, and the guard.
+
+    Notes
+    -----
+    All methods may be called from any thread; what goes wrong in a plugin is a `PluginFault`.
+    """
+
+    def __init__(self, registry: Registry) -> None:
+        self._registry = registry
+
+    def of(self, modeler_id: str) -> tuple[Command, ...]:
+        """All commands of a modeler; empty where it has none."""
+        modeler = self._registry.modeler(modeler_id)
+        if not isinstance(modeler, HasCommands):
+            return ()
+        made = self._registry.guard.call(modeler_id, "commands", modeler.commands)
+        return self._registry.guard.check_commands(modeler_id, made)
+
+    def find(self, modeler_id: str, command_id: str) -> Command:
+        """A command by its id.
+
+        Raises
+        ------
+        UserError
+            If the modeler has no such command; it names those that there are.
+        """
+        known = self.of(modeler_id)
+        for command in known:
+            if command.id == command_id:
+                return command
+        title = self._registry.modeler(modeler_id).title
+        there = ", ".join(command.id for command in known) or "none"
+        raise UserError(f"{title} has no command {command_id!r}; there are: {there}.")
+
+    def can_run(self, model: Model, command: Command) -> bool:
+        """Whether a command means something to a model as it is."""
+        if model.locked or isinstance(model.state, OpaqueState):
+            return False
+        return self._registry.guard.call(
+            model.modeler,
+            f"{command.id}.enabled",
+            lambda state: bool(command.enabled(state)),
+            model.state,
+        )
+
+    def run(self, model: Model, command: Command, context: Context) -> Model:
+        """The model after a command.
+
+        Parameters
+        ----------
+        model : Model
+        command : Command
+        context : Context
+            In the world; the command gets it in the model's own frame.
+
+        Raises
+        ------
+        UserError
+            If the model is locked, the command means nothing now, or as the command says.
+        PluginFault
+        """
+        if model.locked:
+            raise UserError(f"“{model.name}” is locked. Unlock it in the object list first.")
+        if not self.can_run(model, command):
+            raise UserError(f"“{command.title}” means nothing here now. {command.help}".rstrip())
+        guard, modeler = self._registry.guard, self._registry.modeler(model.modeler)
+        seen = context.moved(model.placement.inverse())
+        state = guard.call(model.modeler, f"{command.id}.run", command.run, model.state, seen)
+        guard.check_state(model.modeler, modeler.state_type, state)
+        return replace(model, state=state)

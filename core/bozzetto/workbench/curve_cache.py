@@ -1,0 +1,103 @@
+"""The curves of solved models, kept for tools that snap to them or start from them.
+
+A tool may be asked sixty times a second, and solves of other models must not hold it up. So
+curves are learnt where a model is solved anyway, and only looked up where a gesture is made.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from bozzetto.document.model import Model
+from bozzetto.errors import UserError
+from bozzetto.geometry.shapes import Curve, Shapes
+from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.registry import Registry
+from bozzetto.plugin.modeler import OffersCurves
+from bozzetto.workbench.placed import shapes_in_world
+
+__all__ = ["KnownCurves"]
+
+KEPT = 64
+"""Models whose curves are kept; they can always be learnt again."""
+
+
+class _Known(NamedTuple):
+    """A model, what it offered in its own frame, and the same in the world."""
+
+    model: Model
+    own: Shapes
+    placed: tuple[Curve, ...]
+
+
+class KnownCurves:
+    """What models offered when they were solved; usable from any thread.
+
+    Parameters
+    ----------
+    registry : Registry
+        Where modelers come from, and the guard.
+    """
+
+    def __init__(self, registry: Registry) -> None:
+        self._registry = registry
+        self._kept: OrderedDict[int, _Known] = OrderedDict()
+        self._failed: set[str] = set()
+        self._lock = threading.Lock()
+
+    def learn(self, model: Model, result: Any) -> None:
+        """Remember the curves of a result.
+
+        Raises
+        ------
+        PluginFault
+            If the modeler fails over it; then nothing is remembered.
+        """
+        modeler = self._registry.modeler(model.modeler)
+        if not isinstance(modeler, OffersCurves):
+            return
+        guard = self._registry.guard
+        try:
+            told = guard.call(
+                model.modeler,
+                "curves",
+                lambda state, result: tuple(modeler.curves(state, result)),
+                model.state,
+                result,
+            )
+        except UserError:
+            told = ()
+        own = guard.check_shapes(model.modeler, Shapes(curves=told))
+        with self._lock:
+            self._kept[id(model.state)] = _Known(model, own, shapes_in_world(own, model).curves)
+            self._kept.move_to_end(id(model.state))
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+
+    def try_to_learn(self, model: Model, result: Any) -> None:
+        """As `learn`, but a modeler that fails over it is told so once and not asked again.
+
+        Its shape is none the worse for it.
+        """
+        if model.modeler not in self._failed:
+            try:
+                self.learn(model, result)
+            except PluginFault:
+                self._failed.add(model.modeler)
+
+    def of(self, models: Iterable[Model]) -> tuple[Curve, ...]:
+        """The curves of the visible models among some, in the world; asks no plugin."""
+        found: list[Curve] = []
+        for model in models:
+            with self._lock:
+                known = self._kept.get(id(model.state))
+                if known is None or known.model.state is not model.state or not model.visible:
+                    continue
+                if known.model is not model:  # renamed, moved or coloured since
+                    known = _Known(model, known.own, shapes_in_world(known.own, model).curves)
+                    self._kept[id(model.state)] = known
+            found.extend(known.placed)
+        return tuple(found)

@@ -1,0 +1,196 @@
+"""Objects of a document to files of other programs, with word of all that is not in them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.document.model import Document, Model
+from bozzetto.errors import UserError
+from bozzetto.exchange.cad.cad_curves import points_on
+from bozzetto.exchange.export import Exported, prepared
+from bozzetto.exchange.formats import find, writers
+from bozzetto.exchange.left_out import LeftOut
+from bozzetto.geometry.shapes import Shapes
+from bozzetto.plugin.cautions import Caution
+from bozzetto.plugin.job import Job
+from bozzetto.view.camera import Camera
+from bozzetto.view.page import framing, page_view
+
+if TYPE_CHECKING:
+    from bozzetto.workbench.workbench import Workbench
+
+__all__ = ["ObjectShapes", "chosen_models", "object_shapes", "prepared_file", "unusable"]
+
+ABSENT = {
+    "absent": (
+        "its plugin is not installed",
+        "install the plugin that has the modeler {modeler}",
+    ),
+    "disabled": (
+        "its plugin {plugin} is switched off",
+        "switch it on in the list of plugins",
+    ),
+    "broken": (
+        "its plugin {plugin} cannot be used",
+        "look in the list of plugins for the reason",
+    ),
+    "ready": (
+        "this version of its plugin {plugin} cannot read it",
+        "update the plugin",
+    ),
+}
+"""Why an object cannot be handed over and what to do, by how its plugin stands."""
+
+
+@dataclass(frozen=True)
+class ObjectShapes:
+    """What objects hand over, and what a person must know of it.
+
+    Attributes
+    ----------
+    shapes : Shapes
+    left_out : tuple of LeftOut
+        Objects that are not in the shapes.
+    cautions : tuple of (str, Caution)
+        What their modelers warn of, each with the name of the object.
+    """
+
+    shapes: Shapes
+    left_out: tuple[LeftOut, ...] = ()
+    cautions: tuple[tuple[str, Caution], ...] = ()
+
+    def warnings(self, *, baseless_only: bool = False) -> tuple[str, ...]:
+        """The cautions in words; with the objects' names where there are several objects."""
+        several = len({name for name, _ in self.cautions}) > 1
+        return tuple(
+            f"{name}: {caution.message}" if several else caution.message
+            for name, caution in self.cautions
+            if caution.baseless or not baseless_only
+        )
+
+
+def chosen_models(
+    document: Document, names: Sequence[str] | None
+) -> tuple[list[Model], list[LeftOut]]:
+    """The objects to hand over, and those that stay behind because they are hidden.
+
+    Parameters
+    ----------
+    document : Document
+    names : sequence of str, optional
+        Names of the objects wanted, hidden or not; all of one name. By default all that are
+        visible.
+
+    Raises
+    ------
+    UserError
+        If there is no object of a name.
+    """
+    if names is not None:
+        missing = sorted(set(names) - {model.name for model in document})
+        if missing:
+            known = ", ".join(dict.fromkeys(model.name for model in document)) or "none"
+            raise UserError(f"There is no object {', '.join(missing)}; there are: {known}.")
+        return [model for model in document if model.name in names], []
+    hidden = [
+        LeftOut(f"“{model.name}”", (model.name,), "it is hidden", "show it, or ask for it by name")
+        for model in document
+        if not model.visible
+    ]
+    return [model for model in document if model.visible], hidden
+
+
+def unusable(bench: Workbench, model: Model) -> LeftOut | None:
+    """Why an object cannot be shown or handed over now; None if it can."""
+    standing = bench.registry.standing(model.modeler)
+    usable = standing.status not in ("absent", "disabled", "broken")
+    if usable and not bench.is_foreign(model):
+        return None
+    reason, advice = ABSENT["ready" if usable else standing.status]
+    facts = {"modeler": model.modeler, "plugin": standing.plugin}
+    what = f"“{model.name}”"
+    return LeftOut(what, (model.name,), reason.format(**facts), advice.format(**facts))
+
+
+def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> ObjectShapes:
+    """What objects hand over, in the world.
+
+    Objects whose plugin cannot be used and empty ones do not keep the others back.
+
+    Raises
+    ------
+    UserError
+        If the recipe of an object has no solution.
+    PluginFault
+        If its plugin fails.
+    """
+    shapes = Shapes()
+    left_out: list[LeftOut] = []
+    cautions: list[tuple[str, Caution]] = []
+    for model in models:
+        problem = unusable(bench, model)
+        if problem is not None:
+            left_out.append(problem)
+            continue
+        made = bench.shapes([model], job)
+        cautions += [(model.name, caution) for caution in bench.cautions(model, job)]
+        if not made:
+            what, advice = f"“{model.name}”", "draw more of it, then export"
+            left_out.append(LeftOut(what, (model.name,), "it has no shape yet", advice))
+        shapes += made
+    return ObjectShapes(shapes, tuple(left_out), tuple(cautions))
+
+
+def prepared_file(
+    objects: ObjectShapes,
+    path: str | os.PathLike[str],
+    camera: Camera | None,
+    *,
+    view: str | None = None,
+    whole: bool = True,
+) -> Exported:
+    """The file of some objects, in the format that its ending names.
+
+    Parameters
+    ----------
+    objects : ObjectShapes
+    path : path
+        Nothing is written there.
+    camera : Camera, optional
+        The person's view, for flat formats. Where the shapes do not lie in it, the
+        three-quarter view that frames them takes its place.
+    view : str, optional
+        A standard view to take instead.
+    whole : bool
+        Whether the person's view must show all of the shapes, or some are enough.
+
+    Raises
+    ------
+    UserError
+        As `bozzetto.exchange.export.export`; names the objects that were left out where nothing
+        else is there.
+    """
+    chosen = find(path, writers("mesh", "surfaces", "curves"))
+    if objects.left_out and not objects.shapes:
+        said = [part.sentence(f"{chosen.short} file") for part in objects.left_out]
+        raise UserError(" ".join(("There is nothing to export.", *said, *objects.warnings())))
+    if chosen.flat:
+        points = _points_of(objects.shapes)
+        if view is not None:
+            camera = framing(points, view, plans=True)
+        else:
+            camera = page_view(points, camera, whole=whole)
+    made = prepared(objects.shapes, path, camera=camera)
+    return replace(made, left_out=(*objects.left_out, *made.left_out))
+
+
+def _points_of(shapes: Shapes) -> NDArray[np.float64]:
+    """Points of all that a flat file shows, mm."""
+    lines = [points_on(curve) for curve in shapes.curves]
+    return np.concatenate(lines) if lines else np.zeros((0, 3))

@@ -1,0 +1,379 @@
+"""A cubic edge bent until it is seen where a stroke runs, and no more than that.
+
+Kara & Shimada (2008) lift two points of the stroke, those for the parameters 1/3 and 2/3, to the
+places on their view rays that are nearest to the old edge, and take the cubic through them and
+the two ends. Between these four points it may leave the stroke. Here that cubic is a start only:
+the inner control points are then refined by Gauss–Newton steps on the distances of all samples of
+the stroke from the edge as it is seen, with the foot points found anew at each step (Hoschek
+1988). A handle gets longer or shorter, and goes across the edge at a right angle to the rays: what
+a view does not see stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry.patches.patch import bernstein
+from bozzetto.ink.checked_points import is_on_sheet
+from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.oversketch.lift import lifted
+from bozzetto.view import Camera
+from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
+
+__all__ = ["Sighting", "fitted", "four_point_cubic", "paper_cubic", "seen", "seen_slopes"]
+
+Array = NDArray[np.float64]
+
+INNER: Final = np.array([1.0, 2.0]) / 3.0
+"""Parameters of the inner points that the cubic of the paper goes through."""
+
+MOST_SAMPLES: Final = 96
+"""Most samples of a stroke that a fit looks at: a cubic has no detail that is finer."""
+
+RESOLVED: Final = 1e-3
+"""Distance, px, within which a stroke runs where the edge is seen already: samples are kept to
+some 1e-4 px. The edge stays as it is then, and tracing it to and fro does not wear it out."""
+
+WORTH: Final = 20.0
+"""How many independent places a stroke along an edge is worth, each known to a pixel. A hand
+errs in long waves, so that more samples tell no more."""
+
+LEEWAY: Final = 0.1
+"""How far a control point may go from its place, per chord of the edge, before that weighs as
+much as a pixel. It matters where the stroke leaves a direction open only: elsewhere it shifts an
+edge by less than a hundredth of a pixel."""
+
+UNSEEN: Final = 0.17
+"""Sine of the angle to the view rays, ten degrees, below which a direction is not seen: a pixel
+of the hand would be more than six of depth."""
+
+FORESHORTENED: Final = 0.35
+"""Sine of the angle to the view rays, twenty degrees, below which handles do not move along their
+tangents: they would go too far into the depth."""
+
+STEPS: Final = 40
+"""Most Gauss–Newton steps. Five to ten are usual."""
+
+HALVINGS: Final = 8
+"""Most halvings of a step that does not help."""
+
+SETTLED: Final = 2e-5
+"""Longest step of a control point, per chord of the edge, at which the iteration ends."""
+
+FOOT_PLACES: Final = 48
+"""Places on an edge among which the search for foot points begins."""
+
+FOOT_STEPS: Final = 8
+"""Most Gauss–Newton steps to a foot point."""
+
+FOOT_SETTLED: Final = 1e-6
+"""Longest step of the parameter at which they end."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """A part of a stroke that tells how an edge looks.
+
+    Attributes
+    ----------
+    points : (k, 2) float
+        Samples of the stroke, px.
+    camera : Camera
+    flip : (3,) float
+        Factors of the coordinates of the edge before it is looked at: ones, or `MIRROR` where
+        the stroke shows the edge's image on the other side of the car.
+    """
+
+    points: Array
+    camera: Camera
+    flip: Array
+
+
+def seen(camera: Camera, points: Array) -> Array:
+    """Where points (n, 3), mm, are seen, (n, 2) px; infinite where they are behind the eye."""
+    pixels = camera.project(points)[0]
+    return np.where(np.isfinite(pixels), pixels, np.inf)
+
+
+def seen_slopes(camera: Camera, points: Array) -> Array:
+    """Derivatives of the places on the sheet by those in space, (n, 2, 3) px/mm.
+
+    Parameters
+    ----------
+    camera : Camera
+    points : (n, 3) float
+        In front of the eye, mm.
+    """
+    right, up, forward = camera.axes
+    if camera.kind == "orthographic":
+        rows = camera.pixels_per_mm * np.stack((right, -up))
+        return np.broadcast_to(rows, (len(points), 2, 3))
+    across, above, depth = camera.view_space(points).T
+    scale = camera.pixels_per_mm * camera.distance / depth
+    along_x = right - (across / depth)[:, None] * forward
+    along_y = up - (above / depth)[:, None] * forward
+    return np.stack((scale[:, None] * along_x, -scale[:, None] * along_y), axis=1)
+
+
+def four_point_cubic(points: ArrayLike) -> Array:
+    """Bézier points of the cubic that goes through four points at 0, 1/3, 2/3 and 1.
+
+    Parameters
+    ----------
+    points : (4, 3) array_like
+
+    Returns
+    -------
+    (4, 3) float
+        The ends are those given, bit for bit.
+    """
+    p = np.asarray(points, float)
+    first = (-5.0 * p[0] + 18.0 * p[1] - 9.0 * p[2] + 2.0 * p[3]) / 6.0
+    second = (2.0 * p[0] - 9.0 * p[1] + 18.0 * p[2] - 5.0 * p[3]) / 6.0
+    return np.stack((p[0], first, second, p[3]))
+
+
+def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) -> Array:
+    """The edge as the paper traces it: through two points lifted from the stroke.
+
+    The points of the stroke are those at the shares of its length at which the old edge, as it
+    is seen, has its parameters 1/3 and 2/3.
+
+    Parameters
+    ----------
+    control_points : (4, 3) array_like
+        Of the old edge, mm, in front of the eye.
+    stroke : (k, 2) array_like
+        From near the start of the edge to near its end, px.
+    camera : Camera
+
+    Returns
+    -------
+    (4, 3) float
+    """
+    old = np.asarray(control_points, float)
+    at = np.linspace(0.0, 1.0, 3 * FOOT_PLACES + 1)
+    length = arc_length(seen(camera, bernstein(at) @ old))
+    share = length[[FOOT_PLACES, 2 * FOOT_PLACES]] / max(length[-1], np.finfo(float).tiny)
+    places = np.asarray(stroke, float)
+    along = arc_length(places)
+    goal = [np.interp(share * along[-1], along, places[:, axis]) for axis in (0, 1)]
+    inner = lifted(bernstein(INNER) @ old, camera, np.column_stack(goal))
+    return four_point_cubic((old[0], *inner, old[3]))
+
+
+def fitted(
+    control_points: ArrayLike,
+    sightings: Sequence[Sighting],
+    directions: tuple[Array, Array],
+    start: ArrayLike | None = None,
+) -> Array:
+    """The edge that is seen along all strokes, as near to an old one as they allow.
+
+    Parameters
+    ----------
+    control_points : (4, 3) array_like
+        Of the old edge, mm. It comes back if a part of it is behind an eye.
+    sightings : sequence of Sighting
+    directions : ((3, a), (3, b)) float
+        Unit vectors, as columns, along which the first and the second handle may move; a
+        handle that may not move has none.
+    start : (4, 3) array_like, optional
+        Where to begin, if the strokes are nearer there than at the old edge.
+
+    Returns
+    -------
+    (4, 3) float
+        The first and the last are those of the old edge, bit for bit.
+    """
+    old = np.asarray(control_points, float)
+    chord = float(np.linalg.norm(old[3] - old[0]))
+    data = [_Samples.of(sighting) for sighting in sightings]
+    moves = _moves(old, data, directions)
+    if not moves.shape[2] or not chord > 0.0:
+        return old.copy()
+    problem = _Problem(old, data, moves, 1.0 / (LEEWAY * chord) ** 2)
+    best = problem.at(np.zeros(moves.shape[2]))
+    if problem.is_met(best):
+        return old.copy()
+    if start is not None:
+        offset = (np.asarray(start, float) - old)[1:3]
+        best = min(best, problem.at(np.einsum("ikq,ik->q", moves, offset)), key=_price)
+    if not np.isfinite(best.price):  # a part of the edge is behind the eye
+        return old.copy()
+    for _ in range(STEPS):
+        step = problem.step(best)
+        for _ in range(HALVINGS):
+            tried = problem.at(best.by + step)
+            if tried.price < best.price:
+                break
+            step = 0.5 * step
+        else:
+            break
+        best = tried
+        if np.abs(step).max() < SETTLED * chord:
+            break
+    return best.curve
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """A sighting with its samples thinned out and weighted by the length they stand for."""
+
+    sighting: Sighting
+    points: Array
+    weights: Array
+    matrix: Array
+
+    @classmethod
+    def of(cls, sighting: Sighting) -> _Samples:
+        points = sighting.points[distinct(sighting.points)]
+        if len(points) > MOST_SAMPLES:
+            points = points[np.linspace(0, len(points) - 1, MOST_SAMPLES).round().astype(int)]
+        along = arc_length(points)
+        share = np.diff(along, append=along[-1]) + np.diff(along, prepend=0.0)
+        whole = share.sum()
+        weights = share / whole if whole > 0.0 else np.full(len(points), 1.0 / len(points))
+        matrix = camera_matrix(sighting.camera)
+        matrix[:, :3] *= sighting.flip
+        return cls(sighting, points, WORTH * weights, matrix)
+
+    def feet(self, curve: Array) -> tuple[Array, Array]:
+        """Parameters of the foot points on an edge, and the way from the samples to them, px."""
+        pictured = Pictured.of(self.matrix, curve)
+        path = pictured.laid_out(FOOT_PLACES)
+        if not is_on_sheet(path):
+            return np.zeros(len(self.points)), np.full((len(self.points), 2), np.inf)
+        begin, piece = path[:-1], np.diff(path, axis=0)
+        squares = np.maximum((piece**2).sum(axis=1), np.finfo(float).tiny)
+        along = self.points @ piece.T - (begin * piece).sum(axis=1)
+        share = np.clip(along / squares, 0.0, 1.0)
+        # Squares of the distances, less what is the same for all pieces.
+        away = (begin**2).sum(axis=1) - 2.0 * self.points @ begin.T
+        away += share * (share * squares - 2.0 * along)
+        which = np.argmin(away, axis=1)
+        feet = (which + share[np.arange(len(which)), which]) / FOOT_PLACES
+        for _ in range(FOOT_STEPS):
+            places, speed, _ = pictured.rates(feet)
+            way = self.points - places
+            pace = np.maximum((speed**2).sum(axis=1), np.finfo(float).tiny)
+            shift = np.clip((way * speed).sum(axis=1) / pace, -1.0 / FOOT_PLACES, 1.0 / FOOT_PLACES)
+            moved = np.clip(feet + shift, 0.0, 1.0)
+            settled = np.abs(moved - feet).max() < FOOT_SETTLED
+            feet = moved
+            if settled:
+                break
+        return feet, pictured.places(feet) - self.points
+
+    def across(self, curve: Array, feet: Array) -> tuple[Array, Array]:
+        """Unit vectors across the picture of an edge at foot points, (n, 2).
+
+        And how fast a place on the edge that moves is seen to go that way, (n, 3) px/mm.
+        """
+        places, speed, w = Pictured.of(self.matrix, curve).rates(feet)
+        normal = np.stack((-speed[:, 1], speed[:, 0]), axis=1)
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        normal /= np.maximum(length, np.finfo(float).tiny)
+        rows = normal @ self.matrix[:2, :3]
+        rows -= (normal * places).sum(axis=1, keepdims=True) * self.matrix[2, :3]
+        return normal, rows / w[:, None]
+
+
+def _moves(old: Array, data: Sequence[_Samples], directions: tuple[Array, Array]) -> Array:
+    """The seen moves of both handles, (2, 3, q): each column moves one of them."""
+    found = []
+    for number, allowed in enumerate(directions):
+        handle = old[number + 1][None]
+        rows = np.concatenate(
+            [
+                seen_slopes(own.sighting.camera, handle * own.sighting.flip)[0] * own.sighting.flip
+                for own in data
+            ]
+        )
+        if not allowed.shape[1]:
+            continue
+        largest = np.linalg.norm(rows, ord=2)
+        _, sizes, ways = np.linalg.svd(rows @ allowed)
+        kept = allowed @ ways[: len(sizes)][sizes > UNSEEN * largest].T
+        if allowed.shape[1] == 3 and kept.shape[1] == 2:
+            kept = _along_and_across(old[2 * number + 1] - old[2 * number], rows, kept)
+        column = np.zeros((2, 3, kept.shape[1]))
+        column[number] = kept
+        found.append(column)
+    return np.concatenate(found, axis=2) if found else np.zeros((2, 3, 0))
+
+
+def _along_and_across(leg: Array, rows: Array, seen_ways: Array) -> Array:
+    """The moves of a free handle in one view: along its own tangent, and across it and the ray.
+
+    Where a stroke is nearly the edge's own picture, it hardly tells how long a handle is. To move
+    it in a plane across the ray would push an edge that runs into the depth off its line then;
+    along its tangent it stays on it.
+    """
+    length = float(np.linalg.norm(leg))
+    largest = np.linalg.norm(rows, ord=2)
+    if not length > 0.0 or np.linalg.norm(rows @ leg) < FORESHORTENED * largest * length:
+        return seen_ways
+    along = leg / length
+    across = np.cross(np.cross(seen_ways[:, 0], seen_ways[:, 1]), along)
+    return np.stack((along, across / np.linalg.norm(across)), axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Try:
+    """Handles moved by so much, and what that costs."""
+
+    by: Array
+    curve: Array
+    feet: list[tuple[Array, Array]]
+    price: float
+
+
+def _price(tried: _Try) -> float:
+    return tried.price
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Distances of all samples from an edge, weighed with how far its handles have moved."""
+
+    old: Array
+    data: Sequence[_Samples]
+    moves: Array
+    ease: float
+
+    def at(self, by: Array) -> _Try:
+        curve = self.old.copy()
+        curve[1:3] += self.moves @ by
+        feet = [own.feet(curve) for own in self.data]
+        far = sum(
+            float(own.weights @ (way**2).sum(axis=1))
+            for own, (_, way) in zip(self.data, feet, strict=True)
+        )
+        return _Try(by, curve, feet, far + self.ease * float(by @ by))
+
+    def is_met(self, now: _Try) -> bool:
+        """Whether all samples lie where the edge is seen, as far as samples can tell."""
+        if not np.isfinite(now.price):
+            return False
+        for own, (feet, way) in zip(self.data, now.feet, strict=True):
+            normal, _ = own.across(now.curve, feet)
+            if np.abs((normal * way).sum(axis=1)).max() > RESOLVED:
+                return False
+        return True
+
+    def step(self, now: _Try) -> Array:
+        """The Gauss–Newton step on the distances across the edge."""
+        form, slope = self.ease * np.eye(len(now.by)), self.ease * now.by
+        for own, (feet, way) in zip(self.data, now.feet, strict=True):
+            normal, across = own.across(now.curve, feet)
+            handles = bernstein(feet)[:, 1:3]
+            rows = sum(handles[:, [k]] * (across @ self.moves[k]) for k in (0, 1))
+            form += rows.T @ (own.weights[:, None] * rows)
+            slope = slope + rows.T @ (own.weights * (normal * way).sum(axis=1))
+        return np.asarray(-np.linalg.solve(form, slope))

@@ -1,0 +1,241 @@
+"""Edges traced: a stroke along the picture of the car, in the sketch or from any side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.patches.patch import bernstein
+from bozzetto.ink.checked_points import FARTHEST
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto.view import Camera
+from bozzetto_car.body.chain_smoothing import smoothed
+from bozzetto_car.body.drag import dragged_place
+from bozzetto_car.body.edge_fit import UNSEEN, Sighting, fitted, paper_cubic, seen, seen_slopes
+from bozzetto_car.body.edge_runs import Run, run_along
+from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
+from bozzetto_car.template.model import MIRROR
+from bozzetto_car.template.network import Network, as_hermite, joints, with_positions, with_tangents
+
+__all__ = ["Traced", "traced"]
+
+Array = NDArray[np.float64]
+Directions = tuple[Array, Array]
+
+NEAR_END: Final = 0.25
+"""Distance of the end of a stroke from a node, per length of the edge as it is seen, within
+which the stroke is meant to reach the node."""
+
+PIECES: Final = 20
+"""Pieces that an edge is laid out in where its length is looked at."""
+
+PLACES: Final = 100
+"""Pieces that an edge is laid out in where lengths and distances on the sheet are measured."""
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A network after a stroke.
+
+    Attributes
+    ----------
+    network : Network
+    run : Run
+        The edges that the stroke was taken to trace.
+    camera : Camera
+    """
+
+    network: Network
+    run: Run
+    camera: Camera
+
+    @cached_property
+    def deviations(self) -> tuple[float, ...]:
+        """Largest distance on the sheet of each edge from its part of the stroke, px.
+
+        It is measured on the stretch of the edge that the stroke runs beside.
+        """
+        return _deviations(self.network, self.run, self.camera)
+
+
+def traced(
+    network: Network,
+    stroke: ArrayLike,
+    camera: Camera,
+    *,
+    edges: Sequence[int] = (),
+    nodes_follow: bool = False,
+) -> Traced:
+    """Bend the edges that a stroke runs along until they are seen where it is.
+
+    Neighbours in smooth chains take the new directions and keep the lengths of their tangents.
+    The other side of the car follows. A stroke that goes over the middle shows the same edge
+    from two sides, and with that how deep it lies.
+
+    Parameters
+    ----------
+    network : Network
+    stroke : (k, 2) array_like
+        px; in either direction.
+    camera : Camera
+    edges : sequence of int, optional
+        The edges that are meant, in the order of the row that they make; by default the
+        nearest ones.
+    nodes_follow : bool
+        Nodes that the stroke passes, or reaches with an end, go to it, parallel to the image
+        plane. Otherwise no node moves.
+
+    Raises
+    ------
+    UserError
+        If the stroke runs along no edge, or along nothing but edges that are seen end-on.
+    """
+    run = run_along(network, stroke, camera, edges)
+    shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
+    if not shown:
+        names = ", ".join(network.template.edge_names[max(edge, ~edge)] for edge in run.edges)
+        raise UserError(
+            f"The stroke runs along {names}, seen end-on from here: it cannot tell the shape. "
+            "Turn the view and trace it again."
+        )
+    if nodes_follow:
+        network = _with_nodes_on_stroke(network, run, camera)
+    own = {_own(network, edge) for edge in shown}
+    free = {edge: _free_directions(network, edge) for edge in own}
+    bent = smoothed(_bent(network, run, camera, free), leading=own, nodes=run.nodes)
+    # Where two traced edges meet smoothly both have given way. Their common direction is kept
+    # from now on, and all the rest is fitted once more.
+    held = _held_directions(bent, own)
+    if held:
+        bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
+        bent = smoothed(bent, leading=own, nodes=run.nodes)  # rounding, no more
+    return Traced(bent, run, camera)
+
+
+def _own(network: Network, signed: int) -> int:
+    """The edge of a side of a patch or chain, or its mirror image, whichever comes first."""
+    edge = max(signed, ~signed)
+    image = int(network.template.mirrored_edges[edge])
+    return min(edge, max(image, ~image))
+
+
+def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
+    """Whether an edge is not so foreshortened that its picture tells nothing of it."""
+    curve = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ network.control_points[edge]
+    scale = float(np.linalg.norm(seen_slopes(camera, curve[[PIECES // 2]])[0], ord=2))
+    length = float(arc_length(seen(camera, curve))[-1])
+    return length >= UNSEEN * scale * float(arc_length(curve)[-1])
+
+
+def _with_nodes_on_stroke(network: Network, run: Run, camera: Camera) -> Network:
+    """Nodes of a run at the places of the stroke that speak of them."""
+    pixels = [run.parts[0][0], *(part[-1] for part in run.parts)]
+    old = seen(camera, network.positions[list(run.nodes)])
+    image = network.template.mirrored
+    goals: dict[int, list[Array]] = {}
+    for number, (node, pixel) in enumerate(zip(run.nodes, pixels, strict=True)):
+        beside = [at for at in (number - 1, number) if 0 <= at < len(run.edges)]
+        length = min(float(arc_length(_path(network, run.edges[at], camera))[-1]) for at in beside)
+        if np.linalg.norm(pixel - old[number]) > NEAR_END * length:
+            continue
+        free = np.array([True, bool(image[node] != node), True])
+        place = dragged_place(network.positions[node], pixel, camera, free)
+        right = min(node, int(image[node]), key=lambda k: -float(network.positions[k, 1]))
+        goals.setdefault(right, []).append(place if right == node else place * MIRROR)
+    return with_positions(
+        network, {node: np.mean(places, axis=0) for node, places in goals.items()}
+    )
+
+
+def _free_directions(network: Network, edge: int) -> Directions:
+    """Directions, as columns, in which the handles of an edge may move."""
+    first, last = (np.eye(3)[:, axes] for axes in network.free_axes[edge])
+    return first, last
+
+
+def _held_directions(network: Network, edges: set[int]) -> dict[int, Directions]:
+    """The same, for edges in a joint of two of them: there along their tangents only."""
+    held: dict[int, Directions] = {}
+    for joint in joints(network.template):
+        places = (joint.before, joint.after)
+        if joint.crosses or not all(edge in edges for edge, _ in places):
+            continue
+        for edge, end in places:
+            tangent = network.tangents[edge, end]
+            length = float(np.linalg.norm(tangent))
+            ways = list(held.get(edge, _free_directions(network, edge)))
+            ways[end] = tangent[:, None] / length if length > 0.0 else np.zeros((3, 0))
+            held[edge] = ways[0], ways[1]
+    return held
+
+
+def _bent(
+    network: Network, run: Run, camera: Camera, directions: Mapping[int, Directions]
+) -> Network:
+    """The network with each edge in `directions` fitted to the parts of the stroke."""
+    changed = {}
+    for edge, ways in directions.items():
+        old = network.control_points[edge]
+        sightings, start = [], None
+        for signed, part in zip(run.edges, run.parts, strict=True):
+            if _own(network, signed) != edge:
+                continue
+            flip = np.ones(3) if max(signed, ~signed) == edge else MIRROR
+            sightings.append(Sighting(part, camera, flip))
+            start = _paper_start(old, sightings[-1])
+        points = fitted(old, sightings, ways, start)
+        for end, tangent in enumerate(as_hermite(points)[1]):
+            if not np.array_equal(points[1 + end], old[1 + end]):
+                changed[edge, end] = tangent
+    return with_tangents(network, changed)
+
+
+def _paper_start(old: Array, sighting: Sighting) -> Array | None:
+    """The paper's cubic, if the stroke goes all the way from one node to the other."""
+    own, stroke = old * sighting.flip, sighting.points
+    ends = seen(sighting.camera, own[[0, 3]])
+    if np.linalg.norm(stroke[[0, -1]] - ends) > np.linalg.norm(stroke[[-1, 0]] - ends):
+        stroke = stroke[::-1]
+    away = np.linalg.norm(stroke[[0, -1]] - ends, axis=1)
+    if away.max() > NEAR_END * arc_length(stroke)[-1]:
+        return None
+    return paper_cubic(own, stroke, sighting.camera) * sighting.flip
+
+
+def _path(network: Network, signed: int, camera: Camera) -> Array:
+    """The picture of an edge, the way that it is run through, (k, 2) px.
+
+    Both nodes are in view; what lies between them behind the eye is left out.
+    """
+    points = network.control_points[max(signed, ~signed)]
+    pictured = Pictured.of(camera_matrix(camera), points if signed >= 0 else points[::-1])
+    pixels = pictured.laid_out(PLACES)
+    return np.asarray(pixels[(np.abs(pixels) <= FARTHEST).all(axis=1)])
+
+
+def _deviations(network: Network, run: Run, camera: Camera) -> tuple[float, ...]:
+    found = []
+    for signed, part in zip(run.edges, run.parts, strict=True):
+        path = _path(network, signed, camera)
+        first, last = (
+            int(np.argmin(np.linalg.norm(path - end, axis=1))) for end in (part[0], part[-1])
+        )
+        beside = path[min(first, last) : max(first, last) + 1]
+        there = distances_to_polyline(beside, part).max()
+        inside = distances_to_polyline(part, path)
+        back = inside[_beside(part, path)].max(initial=0.0)
+        found.append(float(max(there, back)))
+    return tuple(found)
+
+
+def _beside(part: Array, path: Array) -> NDArray[np.bool_]:
+    """Samples that are nearer to the inside of a polyline than to either of its ends."""
+    away = np.linalg.norm(part[:, None] - path, axis=2).argmin(axis=1)
+    return np.asarray((away > 0) & (away < len(path) - 1))

@@ -1,0 +1,257 @@
+"""Wheels, to be looked at: tyre, rim and spokes, and the arch that they leave in the body.
+
+A template has no wheel arches: its panels run down to the sill, and wheels stand inside them. So
+the outer face of a wheel is set just outside the panel beside it, and round it the gap below the
+arch is laid on the panel. None of it is handed over.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Mesh
+from bozzetto.geometry.patches.patch import Places, grid, points_at
+from bozzetto_car.template.model import MIRROR
+from bozzetto_car.template.network import Network
+
+__all__ = ["wheel_meshes"]
+
+Array = NDArray[np.float64]
+Color = tuple[int, int, int, int]
+Piece = tuple[Array, Array, NDArray[np.integer[Any]], Array]
+
+RUBBER: Final = (46, 45, 44, 255)
+METAL: Final = (198, 196, 192, 255)
+SHADED_METAL: Final = (122, 120, 117, 255)
+DARK: Final = (30, 29, 28, 255)
+
+TURNED: Final[tuple[tuple[Color, tuple[tuple[float, float], ...]], ...]] = (
+    (RUBBER, ((0.700, -0.020), (0.725, -0.004), (0.80, 0.0), (0.90, -0.012), (0.965, -0.045),
+              (0.99, -0.09), (1.0, -0.16), (1.0, -0.46), (0.99, -0.53), (0.93, -0.60),
+              (0.70, -0.62))),
+    (METAL, ((0.645, -0.030), (0.665, -0.012), (0.69, -0.008), (0.705, -0.020))),
+    (SHADED_METAL, ((0.63, -0.052), (0.645, -0.030))),
+    (DARK, ((0.0, -0.052), (0.63, -0.052))),
+    (METAL, ((0.0, -0.012), (0.09, -0.016), (0.125, -0.028), (0.135, -0.050))),
+)  # fmt: skip
+"""Parts turned about the axle: colour and section, as distances from the axle and places along
+it, per radius of the wheel. The outermost place is 0, inward is below."""
+
+SPOKES: Final = 10
+
+SPOKE: Final = ((0.10, 0.050, -0.030), (0.38, 0.030, -0.026), (0.655, 0.036, -0.016))
+"""Of a spoke from the hub to the rim: distance from the axle, half width, and place along it."""
+
+SPOKE_DEPTH: Final = 0.028
+"""How deep the flanks of a spoke are, per radius."""
+
+STEPS: Final = 56
+"""Round the axle."""
+
+DEEPEST: Final = 0.055
+"""How deep a rim is, per radius: the panel beside the wheel is behind it."""
+
+FELT: Final = (0.05, 0.36, 0.68)
+"""Circles, per radius, on which the panel beside a wheel is felt for."""
+
+GAP: Final = (0.88, 0.98, 1.075)
+"""The same on which the gap below the arch is laid."""
+
+LAID: Final = 4.0
+"""How far outside the panel that is, mm: more than triangles of the body differ from it."""
+
+GUESSES: Final = 7
+"""Places along each side of a patch from which the search for a place seen from the side starts."""
+
+REFINED: Final = 5
+"""Steps of Newton's method from there."""
+
+MET: Final = 0.1
+"""Distance, mm, at which the place is found."""
+
+OVER_EDGE: Final = 1e-3
+"""How far beyond its border a patch is met, in u and v, so that there is no slit between two."""
+
+
+def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
+    """The four wheels, and the gaps below their arches.
+
+    They stand on the ground, so their height tells their radius.
+
+    Parameters
+    ----------
+    network : Network
+    nets : (k, 4, 4, 3) array_like
+        The patches of the body, mm.
+    """
+    pieces: list[Piece] = []
+    for centre, radius in _wheels(network):
+        face, band = _beside(nets, centre, radius)
+        vertices, normals, faces, colors = _unit_wheel()
+        placed = vertices * radius + (centre[0], face, centre[2])
+        pieces += [(placed, normals, faces, colors), *_gap(band)]
+    if not pieces:
+        return ()
+    right = _joined(pieces)
+    return _as_mesh(right), _as_mesh(_mirrored(right))
+
+
+def _wheels(network: Network) -> list[tuple[Array, float]]:
+    """Centre and radius, mm, of the right wheels that are above the ground."""
+    centres = network.positions[network.template.wheels[:, 0]]
+    return [(centre, float(centre[2])) for centre in centres if centre[2] > 0.0]
+
+
+# -- the body beside a wheel -----------------------------------------------------------------------
+
+
+def _beside(nets: Array, centre: Array, radius: float) -> tuple[float, Array]:
+    """Where the outer face of a wheel is, y in mm, and the circles (c, n, 3) of the gap.
+
+    Places of these where there is no panel are NaN.
+    """
+    ring = np.linspace(0.0, 2.0 * np.pi, STEPS, endpoint=False) - 0.5 * np.pi
+    circles = radius * np.array((*FELT, *GAP))[:, None]
+    x, z = centre[0] + circles * np.cos(ring), centre[2] + circles * np.sin(ring)
+    y = _panel(nets, np.stack((x.ravel(), z.ravel()), axis=1)).reshape(x.shape) + LAID
+    felt = y[:-1]
+    face = float(np.max(felt[np.isfinite(felt)], initial=float(centre[1])))
+    return face + DEEPEST * radius, np.stack((x, y, z), axis=-1)[len(FELT) :]
+
+
+def _panel(nets: Array, places: Array) -> Array:
+    """How far right the body reaches at places (n, 2), x and z, seen from the side; or NaN."""
+    flat = nets[..., [0, 2]].reshape(len(nets), -1, 2)
+    near = (flat.min(axis=1) <= places.max(axis=0)) & (flat.max(axis=1) >= places.min(axis=0))
+    own = nets[near.all(axis=1) & (nets[..., 1].max(axis=(1, 2)) > 0.0)]
+    at = np.linspace(0.0, 1.0, GUESSES)
+    laid = grid(own, at, at)[..., [0, 2]].reshape(len(own), GUESSES**2, 2)
+    away = (laid[:, None] - places[:, None]) ** 2
+    first = away.sum(axis=3).argmin(axis=2).ravel()
+    patches = np.repeat(np.arange(len(own)), len(places))
+    found = Places(patches, np.stack((at[first // GUESSES], at[first % GUESSES]), axis=1))
+    goal = np.tile(places, (len(own), 1))
+    for _ in range(REFINED):
+        way = goal - points_at(own, found)[:, [0, 2]]
+        by_u, by_v = (points_at(own, found, du=1 - k, dv=k)[:, [0, 2]] for k in (0, 1))
+        area = by_u[:, 0] * by_v[:, 1] - by_u[:, 1] * by_v[:, 0]
+        area = np.where(np.abs(area) > 1.0, area, np.inf)
+        step = np.stack(
+            (way[:, 0] * by_v[:, 1] - way[:, 1] * by_v[:, 0],
+             by_u[:, 0] * way[:, 1] - by_u[:, 1] * way[:, 0]), axis=1,
+        ) / area[:, None]  # fmt: skip
+        found = Places(patches, np.clip(found.parameters + step, -OVER_EDGE, 1.0 + OVER_EDGE))
+    met = points_at(own, found)
+    good = np.linalg.norm(met[:, [0, 2]] - goal, axis=1) <= MET
+    reach = np.where(good, met[:, 1], -np.inf).reshape(len(own), len(places))
+    highest = reach.max(axis=0, initial=-np.inf)
+    return np.where(np.isfinite(highest), highest, np.nan)
+
+
+def _gap(band: Array) -> list[Piece]:
+    """The gap round a wheel, where circles lie on the panel."""
+    rows, count = band.shape[:2]
+    at = np.arange(rows * count).reshape(rows, count)
+    quads = np.stack(
+        (at[:-1], np.roll(at[:-1], -1, axis=1), np.roll(at[1:], -1, axis=1), at[1:]), axis=-1
+    ).reshape(-1, 4)
+    quads = quads[np.isfinite(band[..., 1]).ravel()[quads].all(axis=1)]
+    if not len(quads):
+        return []
+    used, faces = np.unique(quads[:, [0, 1, 2, 0, 2, 3]], return_inverse=True)
+    vertices = band.reshape(-1, 3)[used]
+    normals = np.tile((0.0, 1.0, 0.0), (len(vertices), 1))
+    return [(vertices, normals, faces.reshape(-1, 3), _paint(DARK, len(vertices)))]
+
+
+# -- a wheel ---------------------------------------------------------------------------------------
+
+
+@cache
+def _unit_wheel() -> Piece:
+    """A right wheel of radius 1 whose outer face is at y = 0."""
+    spoke = _spoke()
+    turns = np.arange(SPOKES) * 2.0 * np.pi / SPOKES
+    spokes = [_turned_about(spoke, float(turn)) for turn in turns]
+    return _joined([*(_turned(color, np.array(line)) for color, line in TURNED), *spokes])
+
+
+def _turned(color: Color, section: Array) -> Piece:
+    """A section (k, 2) turned about the axle, with smooth normals along it."""
+    ring = np.linspace(0.0, 2.0 * np.pi, STEPS + 1)
+    away, along = (
+        section[:, None, 0],
+        np.broadcast_to(section[:, 1, None], (len(section), STEPS + 1)),
+    )
+    vertices = np.stack((away * np.cos(ring), along, away * np.sin(ring)), axis=-1)
+    steps = np.diff(section, axis=0)
+    across = np.stack((-steps[:, 1], steps[:, 0]), axis=1)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    tilt = np.concatenate((across[:1], across[:-1] + across[1:], across[-1:]))
+    tilt /= np.linalg.norm(tilt, axis=1, keepdims=True)
+    out, side = tilt[:, None, 0], np.broadcast_to(tilt[:, 1, None], along.shape)
+    normals = np.stack((out * np.cos(ring), side, out * np.sin(ring)), axis=-1)
+    at = np.arange(away.shape[0] * (STEPS + 1)).reshape(away.shape[0], -1)
+    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]
+    faces = np.stack((np.stack((a, b, c), -1), np.stack((a, c, d), -1)), -2).reshape(-1, 3)
+    return vertices.reshape(-1, 3), normals.reshape(-1, 3), faces, _paint(color, vertices.size // 3)
+
+
+def _spoke() -> Piece:
+    """A spoke along x: a face and two flanks."""
+    away, half, along = np.array(SPOKE).T
+    low, high = np.stack((away, along, -half), 1), np.stack((away, along, half), 1)
+    deep = np.array((0.0, -SPOKE_DEPTH, 0.0))
+    strips = (
+        (METAL, low, high), (SHADED_METAL, high, high + deep), (SHADED_METAL, low + deep, low)
+    )  # fmt: skip
+    return _joined([_strip(color, one, other) for color, one, other in strips])
+
+
+def _strip(color: Color, one: Array, other: Array) -> Piece:
+    """A flat-shaded strip between two polylines (k, 3)."""
+    corners = np.stack((one[:-1], one[1:], other[1:], other[:-1]), axis=1)
+    normal = np.cross(corners[:, 3] - corners[:, 0], corners[:, 1] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    first = 4 * np.arange(len(corners))[:, None]
+    faces = np.concatenate((first + np.array((0, 3, 2)), first + np.array((0, 2, 1))))
+    vertices = corners.reshape(-1, 3)
+    return vertices, np.repeat(normal, 4, axis=0), faces, _paint(color, len(vertices))
+
+
+# -- pieces of meshes ------------------------------------------------------------------------------
+
+
+def _paint(color: Color, count: int) -> Array:
+    return np.tile(np.array(color, float), (count, 1))
+
+
+def _turned_about(piece: Piece, turn: float) -> Piece:
+    cos, sin = np.cos(turn), np.sin(turn)
+    matrix = np.array([[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]])
+    return piece[0] @ matrix.T, piece[1] @ matrix.T, piece[2], piece[3]
+
+
+def _mirrored(piece: Piece) -> Piece:
+    return piece[0] * MIRROR, piece[1] * MIRROR, piece[2][:, ::-1], piece[3]
+
+
+def _joined(pieces: list[Piece]) -> Piece:
+    starts = np.cumsum([0, *(len(piece[0]) for piece in pieces)])
+    faces = [piece[2] + start for piece, start in zip(pieces, starts, strict=False)]
+    vertices, normals, colors = (np.concatenate([p[n] for p in pieces]) for n in (0, 1, 3))
+    return vertices, normals, np.concatenate(faces), colors
+
+
+def _as_mesh(piece: Piece) -> Mesh:
+    vertices, normals, faces, colors = piece
+    return Mesh(
+        vertices.astype(np.float32),
+        faces.astype(np.int32),
+        normals.astype(np.float32),
+        colors.astype(np.uint8),
+    )

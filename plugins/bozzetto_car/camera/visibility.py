@@ -1,0 +1,52 @@
+"""Which nodes of a car a camera sees, as far as the patches' own directions tell."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.view import Camera
+from bozzetto_car.template.model import Template
+
+__all__ = ["facing"]
+
+Array = NDArray[np.float64]
+
+GRAZING: Final = 0.08
+"""Least cosine between a patch's normal and the ray to the eye: at less than five degrees a
+patch is too narrow in the sketch for anybody to tell where it ends."""
+
+
+def facing(template: Template, positions: Array, camera: Camera) -> NDArray[np.bool_]:
+    """Nodes in front of the camera with a patch that faces it, and wheels on its side, (n,).
+
+    A node that another part of the car hides counts as seen: on a car that is next to convex
+    these are few.
+
+    Parameters
+    ----------
+    template : Template
+    positions : (n, 3) float
+        Nodes of the car, mm.
+    camera : Camera
+    """
+    if camera.kind == "orthographic":
+        toward = np.broadcast_to(-camera.axes[2], positions.shape)
+    else:
+        toward = np.asarray(camera.eye) - positions
+        lengths = np.linalg.norm(toward, axis=1, keepdims=True)
+        toward = toward / np.where(lengths > 0.0, lengths, 1.0)
+    loops = np.array([patch.nodes for patch in template.patches])
+    corners = positions[loops]
+    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals /= np.where(sizes > 0.0, sizes, 1.0)
+    seen = np.zeros(len(positions), bool)
+    cosines = np.einsum("kij,kj->ki", toward[loops], normals)
+    seen[loops[cosines > GRAZING]] = True
+    wheels = template.wheels.ravel()
+    seen[wheels] = toward[wheels, 1] * np.sign(positions[wheels, 1]) > GRAZING
+    in_front = camera.view_space(positions)[:, 2] > 0.0
+    return seen & (in_front | (camera.kind == "orthographic"))

@@ -1,0 +1,1 @@
+"""Which point to mark next, and where it is expected. Imports body and below."""

@@ -1,0 +1,85 @@
+"""Where a sketch will show a node that has no mark yet, and how sure that is.
+
+A place is unsure by what is not known of the camera and of the car. The two hang together: a car
+that is a little longer is seen by a camera a little farther off. So the covariance is carried
+through both, as the normal equations of the solve have them (Triggs et al. 2000, section 6).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.plugin import Memory
+from bozzetto.view.calibration import Places
+from bozzetto_car.camera.marked_view import Sight
+from bozzetto_car.solver.bundle_adjustment import Joint
+from bozzetto_car.solver.pipeline import Solved
+from bozzetto_car.solver.prior import robust_weights
+
+__all__ = ["expected"]
+
+Array = NDArray[np.float64]
+
+OPEN: Final = 1e-12
+"""Share of the largest part of a form below which it says nothing of a number of the camera."""
+
+
+_known: Memory[Places | None] = Memory(64)
+
+
+def expected(solved: Solved, sketch: str, node: int) -> Places | None:
+    """Where a sketch is expected to show a node; remembered.
+
+    Parameters
+    ----------
+    solved : Solved
+    sketch : str
+        Id of a sketch.
+    node : int
+
+    Returns
+    -------
+    Places or None
+        One place, with its covariance; None while the sketch has no camera, or where the node is
+        not before it.
+    """
+    return _known.recall((solved, sketch, node), lambda: _expected(solved, sketch, node))
+
+
+def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
+    joint = solved.joint
+    if joint is None or sketch not in solved.solid:
+        return None
+    view = joint.views[solved.solid.index(sketch)]
+    sight, pose = Sight.of(solved.template, view, held=False)
+    one = replace(sight, nodes=np.array([node]), marks=np.zeros((1, 2)))
+    known, asked = (each.residuals(pose, solved.positions) for each in (sight, one))
+    if known is None or asked is None:
+        return None
+    follow = _following(solved, joint)
+    free = follow.shape[2]
+    hand = solved.cost.hand
+    rows = sight.rows(known, follow) / hand
+    weights, _ = robust_weights(((known.missed / hand) ** 2).sum(axis=1), solved.cost.stray)
+    told = (rows * np.repeat(weights, 2)[:, None]).T @ rows
+    # Given the car, the camera is what the marks say; it goes along with the car by `led`.
+    spread = np.linalg.pinv(told[free:, free:] + sight.middle(pose)[0], OPEN, True)
+    led = spread @ told[free:, :free]
+    by_all = one.rows(asked, follow)
+    by_camera = by_all[:, free:]
+    by_car = by_all[:, :free] - by_camera @ led
+    car = np.linalg.pinv(joint.information, OPEN, True)
+    unit = sight.extent * sight.framing.diagonal
+    covariance = unit**2 * (by_car @ car @ by_car.T + by_camera @ spread @ by_camera.T)
+    place = view.camera.project(solved.positions[[node]])[0] + view.shift
+    return Places(np.asarray(place), covariance[None])
+
+
+def _following(solved: Solved, joint: Joint) -> Array:
+    """How the nodes follow the free directions of the car, (n, 3, f)."""
+    span = joint.span
+    return np.asarray((solved.template.basis @ span).reshape(-1, 3, span.shape[1]))

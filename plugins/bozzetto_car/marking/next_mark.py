@@ -1,0 +1,193 @@
+"""Which mark is asked for next, in which words, and where the sketch will show it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_car.camera.visibility import facing
+from bozzetto_car.marking.edit_marks import near_wheels
+from bozzetto_car.marking.mark_prediction import expected
+from bozzetto_car.solver.pipeline import FEWEST, Placed, Solved
+from bozzetto_car.state import CarState, Sketch
+from bozzetto_car.template.model import Template
+
+__all__ = [
+    "ALL_MARKED",
+    "HIDDEN",
+    "Asked",
+    "asked_of",
+    "hint_of",
+    "in_work",
+    "neighbour_of",
+    "open_nodes",
+    "shown_nodes",
+    "titled",
+]
+
+Array = NDArray[np.float64]
+
+HIDDEN: Final = "This sketch is hidden. Show it to mark it."
+
+ALL_MARKED: Final = "All points are marked. Drag a mark to move it, or add another sketch."
+
+SIDES: Final = {"L": "left", "R": "right"}
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """The node that is to be marked.
+
+    Attributes
+    ----------
+    node : str
+    place : (2,) float or None
+        Where the picture shows it as far as is known, px; None while the camera is not known.
+    ellipse : (2, 2) float or None
+        Half axes of the region in which it lies nine times of ten, px, as rows.
+    hidden : bool
+        It is on a side of the car that this sketch does not show.
+    """
+
+    node: str
+    place: Array | None = None
+    ellipse: Array | None = None
+    hidden: bool = False
+
+
+def in_work(state: CarState, solved: Solved) -> Placed | None:
+    """The sketch in work as it is solved, with all that the person said of it.
+
+    A solve is remembered by the marks, so that its sketches may be those of a state in which
+    another thing was passed over or another side was shown.
+    """
+    sketch = state.sketch
+    placed = None if sketch is None else solved.placed.get(sketch.id)
+    return None if sketch is None or placed is None else replace(placed, sketch=sketch)
+
+
+def asked_of(state: CarState, solved: Solved) -> Asked | None:
+    """The node that the sketch in work is to be marked with next; None if it has all.
+
+    That is the one that the person chose, or the next one of `open_nodes`.
+    """
+    placed = in_work(state, solved)
+    if placed is None:
+        return None
+    template = solved.template
+    shown = shown_nodes(placed, solved)
+    if state.asked in template.node:
+        return _described(template.node[state.asked], placed, solved, shown)
+    rest = open_nodes(placed, solved)
+    return _described(rest[0], placed, solved, shown) if rest else None
+
+
+def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
+    """Nodes that are neither marked nor noted as not to be seen, in the order of asking.
+
+    The order is the template's. It goes on from the newest mark and begins anew at its end, so
+    that what was passed over comes again, but not at once. Once the camera is known, nodes on
+    a side of the car that the sketch does not show come last.
+    """
+    template, sketch = solved.template, placed.sketch
+    order = _order_after_newest(sketch, template)
+    done = {mark.node for mark in sketch.marks} | {*sketch.skipped}
+    rest = [node for node in order if template.names[node] not in done]
+    shown = shown_nodes(placed, solved)
+    if shown is None:
+        return tuple(rest)
+    return tuple(sorted(rest, key=lambda node: not shown[node]))
+
+
+def neighbour_of(asked: str, step: int, placed: Placed, solved: Solved) -> str:
+    """The node one step before (-1) or after (1) another in the template's order.
+
+    Forward are only nodes that are open; back are all, so that a mark can be set again.
+    """
+    template, sketch = solved.template, placed.sketch
+    order = [template.names[node] for node in template.asked(sketch.shows)]
+    if asked not in order:
+        return order[0]
+    if step > 0:
+        left = {template.names[node] for node in open_nodes(placed, solved)}
+        begin = order.index(asked) + 1
+        later = (name for name in (*order[begin:], *order[:begin]) if name in left)
+        return next(later, asked)
+    return order[order.index(asked) - 1]
+
+
+def _order_after_newest(sketch: Sketch, template: Template) -> tuple[int, ...]:
+    order = template.asked(sketch.shows)
+    newest = sketch.marks[-1].node if sketch.marks else ""
+    if newest not in template.node:
+        return order
+    begin = order.index(template.node[newest]) + 1
+    return (*order[begin:], *order[:begin])
+
+
+def shown_nodes(placed: Placed, solved: Solved) -> NDArray[np.bool_] | None:
+    """Which nodes a sketch shows, (n,); None while that is not known."""
+    if not placed.is_known:
+        return None
+    return facing(solved.template, solved.positions, placed.stand.camera)
+
+
+def _described(node: int, placed: Placed, solved: Solved, shown: NDArray[np.bool_] | None) -> Asked:
+    name = solved.template.names[node]
+    if shown is None:
+        return Asked(name)
+    places = expected(solved, placed.sketch.id, node)
+    if places is None:
+        return Asked(name, hidden=True)
+    return Asked(name, places.pixels[0], places.ellipses()[0], hidden=not bool(shown[node]))
+
+
+# -- in words --------------------------------------------------------------------------------------
+
+
+def side_of(node: str, sketch: Sketch) -> str:
+    """``near side`` or ``far side``, as the sketch has it; "" for a node in the middle."""
+    _, _, side = node.partition(".")
+    if not side:
+        return ""
+    return "near side" if side == sketch.shows else "far side"
+
+
+def titled(node: str, sketch: Sketch, template: Template) -> str:
+    """What a node is called in a sketch: ``Front wheel, near side``."""
+    title = template.titles.get(node, node)
+    side = side_of(node, sketch)
+    return f"{title}, {side}" if side else title
+
+
+def hint_of(state: CarState, solved: Solved) -> str:
+    """What to mark next, and what that will bring."""
+    placed = in_work(state, solved)
+    if placed is None:
+        return HIDDEN if state.sketch is not None else "Drop a sketch of a car on the sheet."
+    asked = asked_of(state, solved)
+    if asked is None:
+        return ALL_MARKED
+    return " ".join(_sentences(asked, placed, solved))
+
+
+def _sentences(asked: Asked, placed: Placed, solved: Solved) -> Iterator[str]:
+    template, sketch = solved.template, placed.sketch
+    front, rear = near_wheels(sketch, template)
+    newest = sketch.marks[-1].node if sketch.marks else ""
+    if newest in (front, rear) and sketch.mark_of(front) and sketch.mark_of(rear):
+        yield f"This is the {SIDES[sketch.shows]} side of the car."
+    prompt = template.prompts.get(asked.node, template.titles.get(asked.node, asked.node))
+    side = side_of(asked.node, sketch)
+    yield f"Touch: {prompt}{f', on the {side}' if side else ''}."
+    if asked.hidden:
+        yield "It is not seen from here: skip it, unless the drawing shows it."
+    missing = FEWEST - len(sketch.marks)
+    if missing > 0:
+        yield f"The camera is found with {missing} more {'mark' if missing == 1 else 'marks'}."
+    elif not placed.is_known:
+        yield placed.problem

@@ -1,0 +1,1 @@
+"""The guide beside the sheet, in Qt. Imports marking and below."""

@@ -1,0 +1,158 @@
+"""The small car that shows what is asked for: the template, turned to where a node is seen best."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.patches.coons import coons_nets
+from bozzetto.geometry.patches.patchwork import Patchwork
+from bozzetto.geometry.patches.tessellation import shaded
+from bozzetto.plugin import Memory
+from bozzetto.scene import Layer, Palette, Scene, Shaded
+from bozzetto.scene.renderer import render
+from bozzetto.view import Camera
+from bozzetto.view.navigation import fit_points
+from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.network import Network
+from bozzetto_car.view.edge_items import network_lines
+
+__all__ = ["Pose", "SmallCar", "between", "pose_of", "small_car"]
+
+DIVISIONS: Final = 8
+"""Steps along each side of a patch."""
+
+AWAY: Final = 12_000.0
+"""Of the eye from the middle of the car, mm."""
+
+OPENING: Final = 24.0
+"""Degrees."""
+
+MARGIN: Final = 0.04
+"""Part of the picture left free on each side."""
+
+GLASS: Final = (74, 84, 98)
+"""Of windows."""
+
+GLAZED: Final = ("glass", "windscreen", "backlight")
+"""Words in the names of patches that are windows."""
+
+TINT: Final = 0.62
+"""Share of the accent in the colour of the patches that a prompt speaks of, and of glass in that
+of windows: the clay below keeps them together."""
+
+USUAL: Final = Picture(40.0, 15.0)
+"""From where a node is seen for which a template tells nothing."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """From where the small car is looked at, degrees; see `template.Picture`."""
+
+    azimuth: float
+    elevation: float
+
+
+@dataclass(frozen=True, eq=False)
+class SmallCar:
+    """A picture of the template with what is asked for.
+
+    Attributes
+    ----------
+    pixels : (h, w, 4) uint8
+        RGBA, transparent around the car.
+    place : (x, y)
+        Where the node is seen, in the units of the size that was asked for.
+    """
+
+    pixels: NDArray[np.uint8]
+    place: tuple[float, float]
+
+
+_meshes: Memory[Scene] = Memory(8)
+
+
+def pose_of(template: Template, node: str) -> Pose:
+    """From where a node is seen best."""
+    picture = template.pictures.get(node, USUAL)
+    return Pose(picture.azimuth, picture.elevation)
+
+
+def between(start: Pose, end: Pose, share: float) -> Pose:
+    """A pose on the shorter way from one to another, with a soft start and end; share 0 … 1."""
+    soft = share * share * (3.0 - 2.0 * share)
+    turn = (end.azimuth - start.azimuth + 180.0) % 360.0 - 180.0
+    rise = end.elevation - start.elevation
+    return Pose(start.azimuth + soft * turn, start.elevation + soft * rise)
+
+
+def small_car(
+    template: Template,
+    node: str,
+    pose: Pose,
+    palette: Palette,
+    size: tuple[int, int],
+    scale: float = 1.0,
+) -> SmallCar:
+    """The template as it is seen from a pose, with the patches of a prompt tinted.
+
+    Parameters
+    ----------
+    template : Template
+    node : str
+        What is asked for; "" for nothing.
+    pose : Pose
+    palette : Palette
+    size : (width, height)
+        px.
+    scale : float
+        Pixels of the picture per px of `size`.
+    """
+    scene = _painted(template, node, palette)
+    camera = _camera(template, pose, size)
+    pixels = render(scene, camera, palette, size=size, scale=scale, background=False)
+    at = template.positions[[template.node.get(node, 0)]]
+    x, y = camera.project(at)[0][0].tolist()
+    return SmallCar(pixels, (x, y))
+
+
+def _camera(template: Template, pose: Pose, size: tuple[int, int]) -> Camera:
+    middle = 0.5 * (template.positions.min(axis=0) + template.positions.max(axis=0))
+    eye = middle + AWAY * Picture(pose.azimuth, pose.elevation).toward_eye
+    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
+    camera = Camera(
+        "perspective", (x, y, z), (tx, ty, tz), fov_y=OPENING, viewport=(size[0], size[1])
+    )
+    return fit_points(camera, _outline(template), MARGIN)
+
+
+def _outline(template: Template) -> NDArray[np.float64]:
+    """The nodes, and the lowest points of the wheels."""
+    wheels = template.positions[template.wheels.ravel()]
+    return np.vstack((template.positions, wheels * (1.0, 1.0, 0.0)))
+
+
+def _painted(template: Template, node: str, palette: Palette) -> Scene:
+    tinted = template.pictures.get(node, USUAL).patches
+    return _meshes.recall((template, tinted, palette), lambda: _scene(template, tinted, palette))
+
+
+def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Scene:
+    network = Network.of(template)
+    sides = template.sides.astype(np.int32)
+    nets = coons_nets(network.control_points, sides)
+    mesh = shaded(Patchwork(nets, network.control_points, sides), DIVISIONS)
+    clay = np.array(palette.clay, float)
+    colors = np.full((len(template.patches), (DIVISIONS + 1) ** 2, 4), 255, np.uint8)
+    for number, patch in enumerate(template.patches):
+        glazed = any(word in patch.name for word in GLAZED)
+        over = palette.accent if patch.name in tinted else GLASS if glazed else palette.clay
+        colors[number, :, :3] = np.rint(TINT * np.array(over) + (1.0 - TINT) * clay)
+    body = Shaded(replace(mesh, colors=colors.reshape(-1, 4)))
+    lines = network_lines(network.control_points, "ink", 1.0, 0.35, hidden="hide")
+    wheels = tuple(Shaded(wheel) for wheel in wheel_meshes(network, nets))
+    return Scene((Layer("car", (body, *wheels, lines)),))

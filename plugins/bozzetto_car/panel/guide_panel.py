@@ -1,0 +1,236 @@
+"""The guide panel: what to mark next, what is marked, and what is known of the car."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtWidgets import (
+    QFormLayout,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from bozzetto.plugin import PanelHost
+from bozzetto_car.marking.edit_marks import with_asked, with_skipped
+from bozzetto_car.panel.node_chart import NodeChart
+from bozzetto_car.panel.turning_car import TurningCar
+from bozzetto_car.panel.view_model import Guide, guide_of
+from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
+from bozzetto_car.panel.worker import Work
+from bozzetto_car.state import CarState
+
+__all__ = ["GuidePanel"]
+
+PATIENCE: Final = 60
+"""Time after a change before the panel looks at it, ms: the program solves the car first, and
+then its answer is remembered."""
+
+WORDS: Final = ("Back", "Skip", "Not visible")
+
+TIPS: Final = (
+    "Ask once more for the point before",
+    "Ask for the next point; this one comes again",
+    "Do not ask for this point any more in this sketch",
+)
+
+CHECKED, UNCHECKED = Qt.CheckState.Checked, Qt.CheckState.Unchecked
+
+
+class GuidePanel(QScrollArea):
+    """Guides through the marking of a car's sketches.
+
+    Parameters
+    ----------
+    host : PanelHost
+    parent : QWidget
+    """
+
+    def __init__(self, host: PanelHost, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("car-guide")
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._host = host
+        self._guide: Guide | None = None
+        self._state: CarState | None = None
+        self._work = Work(self)
+        self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
+        self._soon.timeout.connect(self._look)
+        self._build()
+        host.on_change(self._soon.start)
+        self._soon.start()
+
+    @property
+    def busy(self) -> bool:
+        """Whether what is shown is not that of the newest state yet."""
+        return self._soon.isActive() or self._work.busy
+
+    def sizeHint(self) -> QSize:
+        return QSize(280, 560)
+
+    # -- what there is -----------------------------------------------------------------------------
+
+    def _build(self) -> None:
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(0, 0, 4, 0)
+        column.setSpacing(6)
+        self.car = TurningCar(inside)
+        self.title = label(inside, kind="heading")
+        self.prompt = label(inside)
+        self.note = label(inside, kind="small", tone="quiet")
+        self.progress = Progress(inside)
+        self.count = label(inside, kind="small", tone="quiet")
+        self.chart = NodeChart(inside)
+        self.chart.chosen.connect(self._choose)
+        for widget in (self.car, self.title, self.prompt, self.note):
+            column.addWidget(widget)
+        column.addLayout(self._buttons(inside))
+        column.addSpacing(2)
+        column.addWidget(self.progress)
+        column.addWidget(self.count)
+        column.addWidget(self.chart)
+        self._rows = QWidget(inside)
+        self._sketches = QVBoxLayout(self._rows)
+        self._sketches.setContentsMargins(0, 0, 0, 0)
+        self._sketches.setSpacing(2)
+        self.advice = label(self._rows, kind="small", tone="quiet")
+        self._sketches.addWidget(self.advice)
+        found = QWidget(inside)
+        self._found = QFormLayout(found)
+        self._found.setContentsMargins(20, 0, 8, 0)
+        self._found.setVerticalSpacing(2)
+        self.rules = QListWidget(inside)
+        self.rules.setObjectName("car-guide-rules")
+        self.rules.setAccessibleName("Soundness")
+        self.rules.setWordWrap(True)
+        self.rules.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.rules.setMinimumHeight(220)
+        self.rules.itemChanged.connect(self._switch)
+        column.addWidget(Fold("Sketches", self._rows, inside, is_open=True))
+        column.addWidget(Fold("Dimensions as found", found, inside, is_open=False))
+        column.addWidget(Fold("Soundness", self.rules, inside, is_open=False))
+        column.addStretch(1)
+        self.setWidget(inside)
+
+    def _buttons(self, inside: QWidget) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setSpacing(6)
+        self.back, self.skip, self.hide_ = (QPushButton(words, inside) for words in WORDS)
+        for button, tip in zip((self.back, self.skip, self.hide_), TIPS, strict=True):
+            button.setToolTip(tip)
+            button.setProperty("type", "small")
+            row.addWidget(button, 1)
+        self.back.clicked.connect(self._go_back)
+        self.skip.clicked.connect(self._pass_over)
+        self.hide_.clicked.connect(self._not_visible)
+        return row
+
+    # -- what is shown -----------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        state = self._host.state
+        if isinstance(state, CarState) and state is not self._state:
+            self._work.ask(lambda: guide_of(state), lambda guide: self._show(state, guide))
+
+    def _show(self, state: CarState, guide: Guide) -> None:
+        self._state, self._guide = state, guide
+        self.car.show_node(guide.template, guide.asked)
+        self.title.setText(guide.title or guide.note)
+        self.prompt.setText(guide.prompt)
+        self.prompt.setVisible(bool(guide.prompt))
+        self.note.setText(guide.note if guide.title else "")
+        self.note.setVisible(bool(self.note.text()))
+        self.progress.set_share(guide.count / len(guide.template.names))
+        self.count.setText(f"{guide.count} of {len(guide.template.names)} marked")
+        self.chart.show_guide(guide)
+        self.back.setEnabled(bool(guide.before))
+        self.skip.setEnabled(bool(guide.after))
+        self.hide_.setEnabled(bool(guide.asked))
+        self._show_sketches(guide)
+        self._show_dimensions(guide)
+        self._show_rules(guide)
+
+    def _show_sketches(self, guide: Guide) -> None:
+        while self._sketches.count() > 1:
+            item = self._sketches.takeAt(0)
+            widget = None if item is None else item.widget()
+            if widget is not None:
+                widget.hide()
+                widget.deleteLater()
+        for number, row in enumerate(guide.sketches):
+            button = SketchButton(row, self._rows)
+            button.clicked.connect(lambda _, key=row.id: self._choose_sketch(key))
+            self._sketches.insertWidget(number, button)
+        self.advice.setText(guide.advice)
+        self.advice.setVisible(bool(guide.advice))
+
+    def _show_dimensions(self, guide: Guide) -> None:
+        while self._found.rowCount():
+            self._found.removeRow(0)
+        for name, value in guide.dimensions:
+            figure = QLabel(f"{value:,.0f} mm".replace(",", "\u2009"))
+            figure.setAlignment(Qt.AlignmentFlag.AlignRight)
+            words = QLabel(name)
+            words.setProperty("tone", "quiet")
+            self._found.addRow(words, figure)
+
+    def _show_rules(self, guide: Guide) -> None:
+        self.rules.blockSignals(True)
+        names = [self.rules.item(number).text() for number in range(self.rules.count())]
+        if names != [rule.name for rule in guide.rules]:
+            self.rules.clear()
+            for rule in guide.rules:
+                self.rules.addItem(QListWidgetItem(rule.name))
+        for number, rule in enumerate(guide.rules):
+            item = self.rules.item(number)
+            item.setCheckState(CHECKED if rule.is_on else UNCHECKED)
+            item.setToolTip("The car does not keep to it." if rule.is_broken else "")
+        self.rules.blockSignals(False)
+
+    # -- what can be done --------------------------------------------------------------------------
+
+    def _choose(self, node: str) -> None:
+        self._change(lambda state: with_asked(state, node), "Choose a point")
+
+    def _choose_sketch(self, key: str) -> None:
+        self._change(lambda state: replace(state, selected=key, asked=""), "Choose a sketch")
+
+    def _go_back(self) -> None:
+        if self._guide is not None and self._guide.before:
+            self._choose(self._guide.before)
+
+    def _pass_over(self) -> None:
+        if self._guide is not None and self._guide.after:
+            self._choose(self._guide.after)
+
+    def _not_visible(self) -> None:
+        if self._guide is not None and self._guide.asked:
+            node = self._guide.asked
+            self._change(lambda state: with_skipped(state, [node]), "Point is not visible")
+
+    def _switch(self, item: QListWidgetItem) -> None:
+        name, is_on = item.text(), item.checkState() == CHECKED
+
+        def switched(state: CarState) -> CarState:
+            others = tuple(other for other in state.without if other != name)
+            return replace(state, without=others if is_on else (*others, name))
+
+        self._change(switched, "Switch soundness")
+
+    def _change(self, change: Callable[[CarState], CarState], label: str) -> None:
+        """Change the newest state, which may be ahead of what is shown."""
+        state = self._host.state
+        if isinstance(state, CarState) and state.sketch is not None:
+            self._host.change(change(state), label)

@@ -1,0 +1,302 @@
+"""What the guide panel says of a car, as plain values: nothing is computed where it is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.patches.patch import bernstein
+from bozzetto.view import Camera
+from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.camera.visibility import facing
+from bozzetto_car.marking.next_mark import (
+    HIDDEN,
+    asked_of,
+    in_work,
+    neighbour_of,
+    shown_nodes,
+    titled,
+)
+from bozzetto_car.solver.pipeline import FEWEST, Placed, Solved
+from bozzetto_car.solver.uncertainty import further_views
+from bozzetto_car.state import CarState, Sketch
+from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.shape_constraints import soundness_names
+
+__all__ = ["Chart", "Guide", "NodeRow", "Rule", "SketchRow", "Status", "chart_of", "guide_of"]
+
+Array = NDArray[np.float64]
+Status = Literal["asked", "set", "wrong", "skipped", "open", "hidden"]
+
+CHART_POSE: Final = Picture(69.0, 20.0)
+"""From where the chart of all nodes shows the car: no two nodes lie on each other, in none of the
+three templates."""
+
+CHART_SIZE: Final = (1000.0, 1000.0)
+"""Canvas of the chart's camera, px; only its shape counts."""
+
+NOT_SEEN: Final = "Not seen from here, as it seems. Pass it over, unless the drawing shows it."
+
+PIECES: Final = 10
+"""Of an edge in the chart."""
+
+
+@dataclass(frozen=True)
+class NodeRow:
+    """A node in the sketch in work.
+
+    Attributes
+    ----------
+    node, title : str
+    status : {"asked", "set", "wrong", "skipped", "open", "hidden"}
+        ``wrong``: its mark was set aside; ``skipped``: noted as not visible; ``hidden``: still
+        open, and on a side that the sketch does not show.
+    off : float or None
+        Distance of its mark from where the car has it, or, of a wrong one, from where the
+        others have it, px.
+    """
+
+    node: str
+    title: str
+    status: Status
+    off: float | None = None
+
+
+@dataclass(frozen=True)
+class SketchRow:
+    """A sketch, and in a few words its camera, marks and what they are missed by."""
+
+    id: str
+    name: str
+    told: str
+    in_work: bool
+    wrong: bool = False
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A soundness constraint: its name, whether it is on, and whether the car breaks it."""
+
+    name: str
+    is_on: bool
+    is_broken: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """The template as a drawing to click on; places in a box 1 wide, y down.
+
+    Attributes
+    ----------
+    places : (n, 2) float
+        Of the nodes.
+    edges : (m, k, 2) float
+    front : (m,) bool
+        Edges on the side that is seen.
+    height : float
+        Of the box, per width.
+    """
+
+    places: Array
+    edges: Array
+    front: NDArray[np.bool_]
+    height: float
+
+
+@dataclass(frozen=True, eq=False)
+class Guide:
+    """All that the panel shows.
+
+    Attributes
+    ----------
+    template : Template
+    near : {"L", "R"}
+        The side that the sketch in work shows.
+    asked, title, prompt : str
+        The node that is asked for, its name, and how to ask for it; "" for none.
+    before, after : str
+        The nodes to which one goes back or on; "" for none.
+    note : str
+        What to know beside: how many marks are missing, that the node is not seen from here.
+    count : int
+        How many nodes are marked.
+    rows : tuple of NodeRow
+        All nodes, in the order in which they are asked for.
+    sketches : tuple of SketchRow
+    advice : str
+        Which further sketch would help most; "" while that is not known.
+    dimensions : tuple of (str, float)
+        As measured on the body, mm.
+    rules : tuple of Rule
+    """
+
+    template: Template
+    near: str
+    asked: str
+    title: str
+    prompt: str
+    before: str
+    after: str
+    note: str
+    count: int
+    rows: tuple[NodeRow, ...]
+    sketches: tuple[SketchRow, ...]
+    advice: str
+    dimensions: tuple[tuple[str, float], ...]
+    rules: tuple[Rule, ...]
+
+
+def guide_of(state: CarState) -> Guide:
+    """What the panel shows of a car.
+
+    Raises
+    ------
+    UserError
+        As of `solved`.
+    """
+    body = body_of(state)
+    solved, template = body.solved, body.template
+    placed, asked = in_work(state, solved), asked_of(state, solved)
+    sketch = None if placed is None else placed.sketch
+    node = "" if asked is None else asked.node
+    title = titled(node, sketch, template) if sketch is not None and node else ""
+    is_hidden = placed is None and state.sketch is not None
+    before, after = _neighbours(node, placed, solved)
+    return Guide(
+        template,
+        "L" if sketch is None else sketch.shows,
+        node,
+        title,
+        template.prompts.get(node, ""),
+        before,
+        after,
+        _note(placed, asked is not None and asked.hidden, node, is_hidden),
+        0 if sketch is None else sum(mark.node in template.node for mark in sketch.marks),
+        () if placed is None else tuple(_rows(placed, solved, node)),
+        tuple(_sketches(state, solved)),
+        _advice(solved),
+        tuple(_dimensions(body)),
+        tuple(_rules(state, body)),
+    )
+
+
+def _neighbours(asked: str, placed: Placed | None, solved: Solved) -> tuple[str, str]:
+    if placed is None:
+        return "", ""
+    if not asked:
+        marks = placed.sketch.marks
+        return (marks[-1].node if marks else ""), ""
+    after = neighbour_of(asked, 1, placed, solved)
+    return neighbour_of(asked, -1, placed, solved), "" if after == asked else after
+
+
+def _note(placed: Placed | None, turned_away: bool, node: str, is_hidden: bool) -> str:
+    if is_hidden:
+        return HIDDEN
+    if placed is None:
+        return "Drop a sketch of a car on the sheet."
+    missing = FEWEST - len(placed.sketch.marks)
+    if missing > 0:
+        return f"{missing} more {'mark' if missing == 1 else 'marks'} until the camera is found."
+    if not placed.is_known:
+        return placed.problem
+    if placed.exchanged:
+        return "Left and right seem to be exchanged."
+    if not node:
+        return "All points are marked, or noted as not visible."
+    return NOT_SEEN if turned_away else ""
+
+
+def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:
+    template, sketch = solved.template, placed.sketch
+    shown = shown_nodes(placed, solved)
+    missed, others = placed.missed or {}, placed.left_out or {}
+    for number in template.asked(sketch.shows):
+        node = template.names[number]
+        title, off = titled(node, sketch, template), missed.get(node)
+        status: Status = "open"
+        if node in placed.disagreeing:
+            status, off = "wrong", others.get(node, off)
+        elif sketch.mark_of(node) is not None:
+            status = "set"
+        elif node in sketch.skipped:
+            status = "skipped"
+        elif shown is not None and not shown[number]:
+            status = "hidden"
+        if node == asked:
+            status = "asked"
+        yield NodeRow(node, title, status, off)
+
+
+def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
+    for sketch in state.sketches:
+        placed = solved.placed.get(sketch.id)
+        told = "hidden" if placed is None else _told(sketch, placed)
+        wrong = placed is not None and bool(placed.disagreeing or placed.exchanged)
+        yield SketchRow(sketch.id, sketch.name, told, sketch is state.sketch, wrong)
+
+
+def _told(sketch: Sketch, placed: Placed) -> str:
+    count, wrong = len(sketch.marks), len(placed.disagreeing)
+    words = [f"{count} mark" if count == 1 else f"{count} marks"]
+    if wrong:
+        words.insert(0, "1 mark disagrees" if wrong == 1 else f"{wrong} marks disagree")
+    elif placed.is_known:
+        words.insert(0, placed.stand.camera.kind)
+    agreeing = [px for node, px in (placed.missed or {}).items() if node not in placed.disagreeing]
+    if agreeing:
+        words.append(f"{np.sqrt(np.mean(np.square(agreeing))):.1f} px")
+    return " · ".join(words)
+
+
+def _advice(solved: Solved) -> str:
+    if solved.joint is None:
+        return ""
+    views = further_views(solved.template, solved.cost, solved.joint)
+    if not views:
+        return ""
+    best = views[0]
+    article = "from the" if best.name in ("front", "side", "rear") else "from"
+    name = f"{best.name} view" if "quarter" in best.name else f"view {article} {best.name}"
+    return f"Would help most: a {name}, {best.before:.0f} → {best.after:.0f} mm."
+
+
+def _dimensions(body: Body) -> Iterator[tuple[str, float]]:
+    for name, value in asdict(body.dimensions).items():
+        yield name.replace("_", " ").capitalize(), float(value)
+
+
+def _rules(state: CarState, body: Body) -> Iterator[Rule]:
+    slacks = body.solved.soundness.least(body.template.reduced(body.network.positions))
+    for name in soundness_names(body.template):
+        yield Rule(name, name not in state.without, slacks.get(name, 0.0) < -1e-9)
+
+
+# -- the chart of all nodes ------------------------------------------------------------------------
+
+
+def chart_of(template: Template, near: str) -> Chart:
+    """The template drawn from a little above the corner of its nose, on the side that is near."""
+    side = 1.0 if near == "R" else -1.0
+    pose = Picture(side * CHART_POSE.azimuth, CHART_POSE.elevation)
+    middle = template.positions.mean(axis=0)
+    eye = middle + 20_000.0 * pose.toward_eye
+    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
+    camera = Camera("orthographic", (x, y, z), (tx, ty, tz), height=6000.0, viewport=CHART_SIZE)
+    curves = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ template.control_points
+    drawn = camera.project(curves.reshape(-1, 3))[0]
+    places = camera.project(template.positions)[0]
+    every = np.vstack((drawn, places))
+    low, high = every.min(axis=0), every.max(axis=0)
+    width = float(high[0] - low[0])
+    seen = facing(template, template.positions, camera)
+    return Chart(
+        (places - low) / width,
+        ((drawn - low) / width).reshape(*curves.shape[:2], 2),
+        np.asarray(seen[template.edges].all(axis=1)),
+        float(high[1] - low[1]) / width,
+    )

@@ -1,0 +1,1 @@
+"""Cameras and shape from marks. Imports camera and below."""

@@ -1,0 +1,342 @@
+"""Cameras and shape solved together: a bundle adjustment over one sketch or several.
+
+A camera that was found from the template as it stands is wrong by as much as the car differs
+from it, so the cameras go on turning while the shape gives way. The unknowns are the variables
+of a symmetric car (`Template.basis`) and the numbers of each camera; the cost is that of
+`deformation`. The soundness inequalities hold at every iterate, not only at the end, for each
+step is the least of a quadratic function under them (sequential quadratic programming with a
+Gauss-Newton form, damped after Levenberg and Marquardt). A solve may therefore be cut short at
+any time, and one that starts from the last car while a mark is dragged takes a few steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.view.calibration.pose import Poses
+from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Sight
+from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
+from bozzetto_car.solver.feasible_set import Feasible
+from bozzetto_car.solver.leave_one_out import LeftOut, left_out
+from bozzetto_car.solver.prior import Cost, Prior, robust_weights
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.shape_constraints import Soundness
+
+__all__ = ["Joint", "solve", "without_cameras"]
+
+Array = NDArray[np.float64]
+
+MOST_STEPS: Final = 40
+"""Most steps, taken or not. A cold solve takes six to ten."""
+
+SETTLED: Final = 1e-6
+"""Decrease of the cost, as a share of it, at which a solve has arrived."""
+
+FIRST_DAMPING: Final = 1e-3
+"""Damping at the start, as a share of the diagonal of the normal matrix."""
+
+DAMPINGS: Final = (1e-9, 1e6)
+"""Least damping, and the one at which no step downhill is left."""
+
+SOFTER, STIFFER = 0.1, 8.0
+"""Factors of the damping after a step that was taken, and after one that was not."""
+
+ANCHORED: Final = 1e-12
+"""What is added to the diagonal of the normal matrix, as a share of its largest entry: without
+marks enough, some numbers of a camera are told by nothing."""
+
+LONGEST_SERIES: Final = 0.9
+"""Largest ratio of one step to the one before that is followed to its end: nine steps more."""
+
+MOST_TIES: Final = 3
+"""Most solves with another outermost node, where dimensions are locked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A car and the cameras of its sketches.
+
+    Attributes
+    ----------
+    variables : (q,) float
+        Of the car; `Template.whole` makes its nodes of them.
+    views : tuple of MarkedView
+        The sketches with their cameras as solved: a start for the next solve.
+    residuals : tuple of (k,) float
+        What each mark is missed by, px.
+    left_out : tuple of LeftOut
+        What each mark would be missed by without a say of its own, px, and how surprising
+        that is: whether it is on the wrong side, or went astray.
+    cost : float
+    span : (q, f) float
+        Directions in which the variables are free; all, unless dimensions are locked.
+    information : (f, f) float
+        Of the car along the span, when the cameras are left to follow: its inverse is the
+        covariance, but for the inequalities.
+    steps : int
+        Taken or not.
+    """
+
+    variables: Array
+    views: tuple[MarkedView, ...]
+    residuals: tuple[Array, ...]
+    left_out: tuple[LeftOut, ...]
+    cost: float
+    span: Array
+    information: Array
+    steps: int
+
+
+def solve(
+    template: Template,
+    views: Sequence[MarkedView],
+    cost: Cost,
+    soundness: Soundness,
+    *,
+    start: Array | None = None,
+    locked: Dimensions | None = None,
+    overlap: Overlap = NONE_BEYOND,
+    hold_cameras: bool = False,
+) -> Joint:
+    """Find the car of some sketches, and their cameras.
+
+    Parameters
+    ----------
+    template : Template
+    views : sequence of MarkedView
+        One to eight. Their cameras are where the solve starts; those that
+        `bozzetto.view.calibration` finds from the template are good starts.
+    cost : Cost
+    soundness : Soundness
+        The inequalities that are switched on.
+    start : (q,) float, optional
+        Variables to start from, as those of the last solve while a mark is dragged. Where they
+        violate an inequality or a locked dimension, the nearest car that does not is taken.
+        The template, if not given.
+    locked : Dimensions, optional
+        Dimensions that are known.
+    overlap : Overlap
+        How far the surface bulges beyond the outermost nodes: locked dimensions are those of
+        the surface. It hardly changes with the shape.
+    hold_cameras : bool
+        Leave the cameras as they are: the paper's deformation.
+
+    Returns
+    -------
+    Joint
+        Every inequality holds to 1e-9 mm, and every locked dimension to 1e-6 mm.
+
+    Raises
+    ------
+    UserError
+        If there is no sketch or there are too many, a camera has the car behind it, or locked
+        dimensions contradict each other or the inequalities; the message names them.
+    """
+    if not 1 <= len(views) <= MOST_VIEWS:
+        raise UserError(f"One to {MOST_VIEWS} sketches can be solved together.")
+    first = template.variables if start is None else np.asarray(start, float)
+    if not np.isfinite(first).all():
+        raise ValueError("a solve must start from a finite car")
+    prior = Prior(template, cost)
+    if locked is None or not locked.given():
+        feasible = Feasible.of(soundness, None, first, prior.form(first))
+        return _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+    locks = Locks.of(template, locked, first, overlap)
+    feasible = Feasible.of(soundness, locks, first, prior.form(first))
+    best = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+    for _ in range(MOST_TIES):
+        other = locks.tied(template, best.variables)
+        if other is None:
+            break
+        # A node has come level with the outermost one: perhaps it wants to go beyond.
+        locks = Locks.of(template, locked, best.variables, overlap, other)
+        feasible = Feasible.of(soundness, locks, best.variables, prior.form(best.variables))
+        tried = _Problem(template, best.views, cost, prior, feasible, hold_cameras).solved()
+        if tried.cost >= best.cost * (1.0 - SETTLED):
+            break
+        best = tried
+    return best
+
+
+@dataclass(frozen=True, eq=False)
+class _Iterate:
+    """A car and its cameras, with the normal equations there.
+
+    Attributes
+    ----------
+    variables : (q,) float
+    poses : tuple of Poses
+    cost : float
+    form : (f + c, f + c) float
+        Gauss-Newton form over the free directions of the car and the numbers of all cameras.
+    slope : (f + c,) float
+    """
+
+    variables: Array
+    poses: tuple[Poses, ...]
+    cost: float
+    form: Array
+    slope: Array
+
+
+class _Problem:
+    """A joint solve: what stays the same from step to step."""
+
+    def __init__(
+        self,
+        template: Template,
+        views: Sequence[MarkedView],
+        cost: Cost,
+        prior: Prior,
+        feasible: Feasible,
+        held: bool,
+    ) -> None:
+        self.template, self.cost, self.prior, self.feasible = template, cost, prior, feasible
+        self.views = tuple(views)
+        made = [Sight.of(template, view, held) for view in views]
+        self.sights = tuple(sight for sight, _ in made)
+        self.starts = tuple(pose for _, pose in made)
+        self.free = feasible.span.shape[1]
+        ends = np.cumsum([self.free, *(len(sight.free) for sight in self.sights)])
+        self.parts = tuple(map(slice, ends[:-1].tolist(), ends[1:].tolist()))
+        self.size = int(ends[-1])
+        # How the coordinates of each node follow the free directions, (n, 3, f).
+        self.nodes = (template.basis @ feasible.span).reshape(-1, 3, self.free)
+
+    def solved(self) -> Joint:
+        here = self.at(self.feasible.start, self.starts)
+        if here is None:
+            raise UserError(
+                "The camera of a sketch stands within the car. Set its marks again, or start "
+                "from the template."
+            )
+        damping, steps = FIRST_DAMPING, 0
+        last: Array | None = None
+        while steps < MOST_STEPS and damping < DAMPINGS[1]:
+            steps += 1
+            step = self.step(here, damping)
+            there = None if step is None else self.moved(here, step)
+            if step is None or there is None or there.cost >= here.cost:
+                damping *= STIFFER
+                last = None
+                continue
+            gain, here = here.cost - there.cost, there
+            damping = max(damping * SOFTER, DAMPINGS[0])
+            if gain <= SETTLED * here.cost:
+                break
+            further = None if last is None else self.moved(here, _rest(last, step))
+            last = step
+            if further is not None and further.cost < here.cost:
+                here, last = further, None
+        return self.joint(here, steps)
+
+    def at(self, variables: Array, poses: tuple[Poses, ...]) -> _Iterate | None:
+        """The normal equations; None where a marked node is not in front of its camera."""
+        span, free = self.feasible.span, self.free
+        positions = self.template.whole(variables)
+        own = self.prior.form(variables)
+        form = np.zeros((self.size, self.size))
+        slope = np.zeros(self.size)
+        form[:free, :free] = span.T @ own @ span
+        slope[:free] = span.T @ (own @ (variables - self.prior.variables))
+        cost = self.prior.value(variables)
+        for sight, pose, part in zip(self.sights, poses, self.parts, strict=True):
+            seen = sight.residuals(pose, positions)
+            if seen is None:
+                return None
+            missed = seen.missed / self.cost.hand
+            weights, lost = robust_weights((missed**2).sum(axis=1), self.cost.stray)
+            cost += lost
+            rows = sight.rows(seen, self.nodes) / self.cost.hand
+            weighted = rows * np.repeat(weights, 2)[:, None]
+            square, pull = weighted.T @ rows, weighted.T @ missed.ravel()
+            form[:free, :free] += square[:free, :free]
+            form[:free, part] = square[:free, free:]
+            form[part, :free] = square[free:, :free]
+            form[part, part] = square[free:, free:]
+            slope[:free] += pull[:free]
+            slope[part] = pull[free:]
+            hold, drawn, more = sight.middle(pose)
+            form[part, part] += hold
+            slope[part] += drawn
+            cost += more
+        return _Iterate(variables, poses, cost, form, slope)
+
+    def step(self, here: _Iterate, damping: float) -> Array | None:
+        """The step (f + c,) that the normal equations ask for; None if there is none."""
+        form = here.form.copy()
+        diagonal = np.arange(self.size)
+        size = form[diagonal, diagonal]
+        form[diagonal, diagonal] += damping * size + ANCHORED * size.max()
+        return self.feasible.step(here.variables, form, here.slope)
+
+    def moved(self, here: _Iterate, step: Array) -> _Iterate | None:
+        """The iterate after a step; None if it leads where no car may be."""
+        variables = self.feasible.moved(here.variables, step[: self.free])
+        if variables is None:
+            return None
+        moves = zip(self.sights, here.poses, self.parts, strict=True)
+        return self.at(variables, tuple(s.stepped(pose, step[part]) for s, pose, part in moves))
+
+    def joint(self, here: _Iterate, steps: int) -> Joint:
+        positions = self.template.whole(here.variables)
+        covariance = np.asarray(np.linalg.pinv(here.form, ANCHORED, True), float)
+        views, residuals, others = [], [], []
+        for number, (view, sight, pose) in enumerate(
+            zip(self.views, self.sights, here.poses, strict=True)
+        ):
+            views.append(view.turned(*sight.framing.camera(pose)))
+            residuals.append(sight.pixels_missed(pose, positions))
+            others.append(self.left_out(number, pose, positions, covariance))
+        return Joint(
+            here.variables,
+            tuple(views),
+            tuple(residuals),
+            tuple(others),
+            here.cost,
+            self.feasible.span,
+            without_cameras(here.form, self.free),
+            steps,
+        )
+
+    def left_out(self, number: int, pose: Poses, positions: Array, covariance: Array) -> LeftOut:
+        """What the marks of a sketch would be missed by without a say, px."""
+        sight = self.sights[number]
+        seen = sight.residuals(pose, positions)
+        assert seen is not None  # an iterate has its nodes before the eye
+        hand = self.cost.hand
+        missed = seen.missed / hand
+        weights, _ = robust_weights((missed**2).sum(axis=1), self.cost.stray)
+        car, part = slice(0, self.free), self.parts[number]
+        among = np.r_[car, part]
+        found = left_out(
+            sight.rows(seen, self.nodes) / hand, missed, weights, covariance[np.ix_(among, among)]
+        )
+        unit = hand * sight.extent * sight.framing.diagonal
+        return LeftOut(found.missed * unit, found.surprise)
+
+
+def _rest(last: Array, step: Array) -> Array:
+    """What is left to go when steps shrink like a geometric series (Aitken 1926).
+
+    The form knows nothing of how the sketch bends while the shape slides along what the marks
+    allow, so that close tracing is approached by ever shorter steps in one direction.
+    """
+    size = float(last @ last)
+    ratio = min(max(float(step @ last) / size, 0.0), LONGEST_SERIES) if size > 0.0 else 0.0
+    return step * (ratio / (1.0 - ratio))
+
+
+def without_cameras(form: Array, free: int) -> Array:
+    """The form over the car alone, (f, f), when the cameras follow it: the Schur complement."""
+    cross, cameras = form[:free, free:], form[free:, free:]
+    if not cameras.size:
+        return form
+    # The pseudo-inverse, for too few marks leave some numbers of a camera open.
+    return np.asarray(form[:free, :free] - cross @ np.linalg.pinv(cameras, 1e-12, True) @ cross.T)

@@ -1,0 +1,179 @@
+"""A sketch and its camera, as the template has it: found, resumed, or why there is none.
+
+It is what the solve of camera and shape starts from. Left and right of the car are easily
+exchanged, and then no camera fits well; that is found out here, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.view.calibration import Resection, resect
+from bozzetto_car.camera.marked_view import MarkedView
+from bozzetto_car.camera.sketch_camera import Stand, flat_stand
+from bozzetto_car.solver.hyperparameters import evidence_of
+from bozzetto_car.state import Sketch
+from bozzetto_car.template.model import Template
+
+__all__ = ["FEWEST", "Placed", "counted_marks", "placed_by", "told_by", "view_of"]
+
+Array = NDArray[np.float64]
+
+FEWEST: Final = 6
+"""Marks from which the camera of a sketch can be found."""
+
+EXCHANGED: Final = 7.0
+"""By how much the marks must be more probable with left and right exchanged, as a natural
+logarithm: beyond doubt. A side view or an orthographic sketch tells nothing of that kind."""
+
+UNLIKE: Final = 0.85
+"""Spread from which that is asked at all: marks that left and right are exchanged of make a car
+that is most unlike the template."""
+
+PLAUSIBLE: Final = 1.25
+"""Spread of a car that is like enough to the template to be one. Marks that make none on either
+side are wrong in another way."""
+
+NEAR_EYE: Final = 0.05
+"""Depth of a node before the eye, in mean depths of the car, below which no sketch can show it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A sketch with its camera.
+
+    Attributes
+    ----------
+    sketch : Sketch
+    stand : Stand
+        Where it stands in space; upright beside the car while its camera is not known.
+    resection : Resection or None
+        The camera as the template has it; None where it cannot be found.
+    missed : mapping of str to float
+        By node: distance of its mark from where it is seen, px; not of nodes behind the eye.
+    left_out : mapping of str to float
+        By node: distance of its mark from where the others have it, px.
+    disagreeing : tuple of str
+        Nodes whose marks were set aside, the worst first.
+    exchanged : bool
+        The marks fit a car seen in a mirror: left and right are exchanged.
+    problem : str
+        Why its camera is not known, and what to do; "" if it is.
+    """
+
+    sketch: Sketch
+    stand: Stand
+    resection: Resection | None = None
+    missed: Mapping[str, float] | None = None
+    left_out: Mapping[str, float] | None = None
+    disagreeing: tuple[str, ...] = ()
+    exchanged: bool = False
+    problem: str = ""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether its camera is."""
+        return self.resection is not None
+
+
+def placed_by(template: Template, sketch: Sketch, resumed: Placed | None = None) -> Placed:
+    """Place a sketch by the camera that sees the template at its marks.
+
+    Parameters
+    ----------
+    template : Template
+    sketch : Sketch
+    resumed : Placed, optional
+        The same sketch before one of its marks was dragged: where to start from.
+    """
+    nodes, places = counted_marks(Placed(sketch, flat_stand(sketch.size)), template)
+    try:
+        found = _camera_of(sketch, template, nodes, places, resumed)
+    except UserError as problem:
+        return Placed(sketch, flat_stand(sketch.size), problem=problem.message)
+    unseen = nodes[_too_near(template, nodes, found)].tolist()
+    aside = tuple(template.names[node] for node in unseen)
+    stand = Stand.behind(found.camera, found.shift, template.positions)
+    placed = Placed(sketch, stand, found, disagreeing=aside)
+    exchanged = _is_exchanged(placed, template) if resumed is None else resumed.exchanged
+    return replace(placed, exchanged=exchanged)
+
+
+def _camera_of(
+    sketch: Sketch,
+    template: Template,
+    nodes: NDArray[np.intp],
+    places: Array,
+    resumed: Placed | None,
+) -> Resection:
+    """The camera that sees the template at the marks; that of before if no mark has moved."""
+    last = None if resumed is None else resumed.resection
+    if last is not None and resumed is not None and told_by(resumed.sketch) == told_by(sketch):
+        return last
+    marked = {template.names[node] for node in nodes}
+    further = {
+        name: place
+        for name, place in zip(template.names, template.positions, strict=True)
+        if name not in marked and name not in sketch.skipped
+    }
+    return resect(
+        template.positions[nodes], places, sketch.size, kind=sketch.kind,
+        cropped=sketch.cropped, further=further, before=last,
+    )  # fmt: skip
+
+
+def _is_exchanged(placed: Placed, template: Template) -> bool:
+    """Whether the marks are more probable as those of the other side."""
+    view, sketch = view_of(placed, template), placed.sketch
+    others = template.mirrored[view.nodes]
+    right = evidence_of(template, view)
+    if right.spread < UNLIKE or (others == view.nodes).all():
+        return False
+    try:
+        found = resect(
+            template.positions[others], view.marks, sketch.size, kind=sketch.kind,
+            cropped=sketch.cropped,
+        )  # fmt: skip
+    except UserError:
+        return False
+    if _too_near(template, others, found).any():
+        return False
+    other = replace(view, camera=found.camera, shift=found.shift, nodes=others)
+    left = evidence_of(template, other)
+    return left.spread < PLAUSIBLE and left.total > right.total + EXCHANGED
+
+
+def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
+    """Which nodes (k,) a camera has so near its eye, or behind it, that it cannot show them."""
+    depth = found.camera.view_space(template.positions)[:, 2]
+    return np.asarray(depth[nodes] < NEAR_EYE * depth.mean())
+
+
+def view_of(placed: Placed, template: Template) -> MarkedView:
+    """A sketch with all of its marks and the camera as the template has it."""
+    found = placed.resection
+    assert found is not None
+    nodes, marks = counted_marks(placed, template)
+    return MarkedView(found.camera, nodes, marks, found.shift, placed.sketch.cropped)
+
+
+def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp], Array]:
+    """Nodes (k,) and marks (k, 2), px, of a sketch without those that were set aside."""
+    marks = [
+        mark
+        for mark in placed.sketch.marks
+        if mark.node in template.node and mark.node not in placed.disagreeing
+    ]
+    nodes = np.array([template.node[mark.node] for mark in marks], np.intp)
+    return nodes, np.array([(mark.u, mark.v) for mark in marks], float).reshape(-1, 2)
+
+
+def told_by(sketch: Sketch) -> tuple[object, ...]:
+    """What a sketch says of the car."""
+    return sketch.size, sketch.marks, sketch.kind, sketch.cropped

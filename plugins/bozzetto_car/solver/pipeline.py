@@ -1,0 +1,233 @@
+"""From marks to the car: the cameras of all sketches, and the shape, solved together.
+
+First the camera of every sketch from the template as it stands (`placing`); then how far the car is
+from it, and which marks are wrong (`evidence`), for they would take the shape along; then all
+cameras and the shape in one (`joint`). The same marks give the same car, and a solve that was made
+already is remembered. One that starts from the car before a drag is quicker, and no other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.patches.coons import coons_nets
+from bozzetto.geometry.patches.patch import extent
+from bozzetto.plugin import Memory, switched_on
+from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
+from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.dimensions import Overlap
+from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.solver.hyperparameters import weighed
+from bozzetto_car.solver.initial_cameras import (
+    FEWEST,
+    Placed,
+    counted_marks,
+    placed_by,
+    told_by,
+    view_of,
+)
+from bozzetto_car.solver.prior import Cost
+from bozzetto_car.state import TRACE, CarState, Sketch
+from bozzetto_car.template.loader import bundled, read_template
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import Network
+from bozzetto_car.template.shape_constraints import Soundness
+
+__all__ = ["FEWEST", "Placed", "Solved", "counted_marks", "solved", "template_of"]
+
+Array = NDArray[np.float64]
+
+GENEROUS: Final = 2.0
+"""Factor of the spread that is probable. It is half of what the cost expects for most cars, whose
+shapes the cost does best for as it is; only where the template is nearly right it is too loose."""
+
+REMEMBERED: Final = 32
+"""Solves that are remembered."""
+
+FRAMES: Final = 4
+"""Frames of a drag that are remembered: the same one is asked for more than once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A car that has the shape of its sketches.
+
+    Attributes
+    ----------
+    template : Template
+    cost : Cost
+    soundness : Soundness
+    positions : (n, 3) float
+        Of the nodes, mm; the template's where no sketch is solved.
+    joint : Joint or None
+        None where no sketch is solved.
+    placed : mapping of str to Placed
+        By the id of the sketch.
+    solid : tuple of str
+        Ids of the sketches that are solved, in the order of the joint's views.
+    """
+
+    template: Template
+    cost: Cost
+    soundness: Soundness
+    positions: Array
+    joint: Joint | None
+    placed: Mapping[str, Placed]
+    solid: tuple[str, ...]
+
+
+_solves: Memory[Solved] = Memory(REMEMBERED)
+_frames: Memory[Solved] = Memory(FRAMES)
+_templates: Memory[Template] = Memory(8)
+
+
+def template_of(state: CarState) -> Template:
+    """The template of a car.
+
+    Raises
+    ------
+    FormatError
+        If its own is none.
+    """
+    if not state.own:
+        return bundled(state.template)
+    return _templates.recall(state.own, lambda: read_template(state.own.encode()))
+
+
+def solved(state: CarState, before: CarState | None = None) -> Solved:
+    """Cameras and shape of a car.
+
+    Parameters
+    ----------
+    state : CarState
+    before : CarState, optional
+        The car as it was before one of its marks was dragged: where to start from, which is
+        quicker. A mark that was aside there comes back later than it went, so that none flickers.
+        Nobody sees what is found then but who asks with the same car before.
+
+    Raises
+    ------
+    UserError
+        If dimensions that are to be kept contradict each other or the soundness of the car, or
+        there are too many sketches.
+    """
+    key = _question(state)
+    if before is None or key == (start := _question(before)):
+        return _solves.recall(key, lambda: _solved(state, None))
+    return _frames.recall((key, start), lambda: _solved(state, solved(before)))
+
+
+def _question(state: CarState) -> tuple[object, ...]:
+    """All that a solve depends on."""
+    sketches = tuple((sketch.id, *told_by(sketch)) for sketch in _taking_part(state))
+    locked = state.dimensions if state.lock else None
+    shape = (state.own or state.template, state.trace, state.cost, state.without, locked)
+    return (*shape, sketches)
+
+
+def _taking_part(state: CarState) -> tuple[Sketch, ...]:
+    return tuple(node for node in switched_on(state.nodes) if isinstance(node, Sketch))
+
+
+def _solved(state: CarState, before: Solved | None) -> Solved:
+    template = template_of(state)
+    cost = Cost.paper(template) if state.cost == "paper" else Cost.balanced(state.trace)
+    names = {*state.without}
+    soundness = Soundness.of(template, without=names)
+    if before is not None and before.template is not template:
+        before = None
+    last = {} if before is None else before.placed
+    placed = {s.id: placed_by(template, s, last.get(s.id)) for s in _taking_part(state)}
+    solid = tuple(key for key, one in placed.items() if one.is_known)
+    if len(solid) > MOST_VIEWS:
+        raise UserError(
+            f"A car can have {MOST_VIEWS} sketches at once. Hide the ones that help least."
+        )
+    nothing = Solved(template, cost, soundness, template.positions, None, placed, ())
+    if not solid:
+        return nothing
+    start = None
+    if before is not None and before.joint is not None:
+        start = before.joint.variables
+    locked = state.dimensions if state.lock and state.dimensions.given() else None
+    views = [view_of(placed[key], template) for key in solid]
+    were_aside = [
+        _among(view, template, last[key].disagreeing if key in last else ())
+        for key, view in zip(solid, views, strict=True)
+    ]
+    told = weighed(template, views, were_aside)
+    views = [view.only(flags) for view, flags in zip(views, told.counted, strict=True)]
+    if state.cost != "paper":
+        pairs = zip(solid, views, strict=True)
+        views = [_resumed(placed[key], view, before) for key, view in pairs]
+        cost = cost.within(_spread(told.spread, state.trace))
+    joint = solve(
+        template, views, cost, soundness, start=start, locked=locked,
+        overlap=_overlap(template) if locked else Overlap(),
+        hold_cameras=state.cost == "paper",
+    )  # fmt: skip
+    positions = template.whole(joint.variables)
+    for number, (key, flags) in enumerate(zip(solid, told.counted, strict=True)):
+        nodes = counted_marks(placed[key], template)[0][~flags].tolist()
+        aside = (*placed[key].disagreeing, *(template.names[node] for node in nodes))
+        placed[key] = _told(placed[key], joint, number, template, positions, aside)
+    return Solved(template, cost, soundness, positions, joint, placed, solid)
+
+
+def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedView:
+    """A sketch with the camera of the last solve, which is nearer."""
+    if before is None or placed.sketch.id not in before.solid:
+        return view
+    start = before.placed[placed.sketch.id].stand
+    return view.turned(start.camera, start.shift) if start.camera.kind == view.camera.kind else view
+
+
+def _spread(found: float, trace: float) -> float:
+    """How far a car may be from the template, as a share of what the cost expects.
+
+    Who wants the marks traced more exactly than by default does not want to be told that hands
+    tremble.
+    """
+    return float(min(1.0, GENEROUS * found) ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
+
+
+def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Which marks of a sketch, (k,), are those of the nodes that are named."""
+    return np.array([template.names[node] in names for node in view.nodes.tolist()], bool)
+
+
+def _told(
+    placed: Placed,
+    joint: Joint,
+    number: int,
+    template: Template,
+    positions: Array,
+    aside: tuple[str, ...],
+) -> Placed:
+    """What a solve says of a sketch and its marks."""
+    view = joint.views[number]
+    stand = Stand.behind(view.camera, view.shift, positions)
+    nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
+    off = np.linalg.norm(stand.pixels(positions[nodes]) - marks, axis=1)
+    # A node behind the eye is seen nowhere, so that nobody can tell how far off its mark is.
+    told = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
+    missed = {name: px for name, px in told if np.isfinite(px)}
+    alone = zip(view.nodes, joint.left_out[number].missed, strict=True)
+    others = {template.names[n]: float(px) for n, px in alone}
+    # A mark that was set aside has no say: what it is missed by is what the others miss it by.
+    others |= {name: missed[name] for name in aside if name in missed}
+    aside = tuple(sorted(aside, key=lambda name: -missed.get(name, np.inf)))
+    return replace(placed, stand=stand, missed=missed, left_out=others, disagreeing=aside)
+
+
+def _overlap(template: Template) -> Overlap:
+    """How far the template's surface bulges beyond its nodes; it hardly changes with the shape."""
+    sides = np.array([patch.edges for patch in template.patches])
+    box = extent(coons_nets(Network.of(template).control_points, sides))
+    return Overlap.of(template, template.positions, box)

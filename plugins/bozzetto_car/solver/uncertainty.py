@@ -1,0 +1,174 @@
+"""How well each node is known, and which further sketch would tell most.
+
+The inverse of the normal matrix is the covariance of the car as the marks, the hand and the
+template have it. Where the car stands, how large it is and how it is tilted no sketch can tell;
+these four numbers would hide everything else, so the covariance is taken of the car after it
+has been laid over the true one as well as can be (the S-transformation of geodesy: Baarda
+1973; Triggs et al. 2000, section 9). As an error bar it trusts the template too much, for real
+cars do not differ from it by chance. In comparison with what was known before any mark it
+tells the places that were seen from those that were guessed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.view import Camera
+from bozzetto_car.camera.marked_view import MarkedView, Sight
+from bozzetto_car.camera.visibility import facing
+from bozzetto_car.solver.bundle_adjustment import Joint, without_cameras
+from bozzetto_car.solver.prior import Cost, Prior, extent
+from bozzetto_car.template.model import Picture, Template
+
+__all__ = ["FURTHER_VIEWS", "Certainty", "FurtherView", "Source", "certainty", "further_views"]
+
+Array = NDArray[np.float64]
+Source = Literal["seen", "mirrored", "guessed"]
+
+FURTHER_VIEWS: Final = {
+    "front": (0.0, 5.0),
+    "front three-quarter": (40.0, 12.0),
+    "side": (90.0, 5.0),
+    "rear three-quarter": (140.0, 12.0),
+    "rear": (180.0, 5.0),
+    "above": (90.0, 80.0),
+}
+"""Sketches that can be asked for: azimuth from the nose and elevation, degrees."""
+
+AWAY: Final = 1.8
+"""Distance of the camera of such a sketch from the car, in diagonals of its box."""
+
+FILLED: Final = 0.75
+"""Part of the width or height of the picture that the car fills in it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Certainty:
+    """How well the nodes of a car are known.
+
+    Attributes
+    ----------
+    sources : tuple of {"seen", "mirrored", "guessed"}, length n
+        A node has a mark in a sketch, or only its mirror image has one, or neither.
+    deviations : (n,) float
+        Standard deviation, root of the sum over the axes, mm.
+    shares : (n,) float
+        The same in comparison with the template alone, 0 … 1: 0 is known, 1 is a guess.
+    """
+
+    sources: tuple[Source, ...]
+    deviations: Array
+    shares: Array
+
+
+@dataclass(frozen=True)
+class FurtherView:
+    """A sketch that could be added.
+
+    Attributes
+    ----------
+    name : str
+        A key of `FURTHER_VIEWS`.
+    before, after : float
+        Root mean square standard deviation of a node without and with it, mm.
+    """
+
+    name: str
+    before: float
+    after: float
+
+
+def certainty(template: Template, cost: Cost, joint: Joint) -> Certainty:
+    """How well each node is known after a solve.
+
+    Parameters
+    ----------
+    template : Template
+    cost : Cost
+        That of the solve.
+    joint : Joint
+    """
+    marked = np.zeros(len(template.names), bool)
+    for view in joint.views:
+        marked[view.nodes] = True
+    imaged = marked[template.mirrored]
+    sources: list[Source] = [
+        "seen" if own else "mirrored" if other else "guessed"
+        for own, other in zip(marked.tolist(), imaged.tolist(), strict=True)
+    ]
+    before = joint.span.T @ Prior(template, cost).form(joint.variables) @ joint.span
+    known = _variances(template, joint, joint.information)
+    unknown = _variances(template, joint, before)
+    shares = np.sqrt(np.minimum(known / unknown, 1.0))
+    return Certainty(tuple(sources), np.sqrt(known), shares)
+
+
+def further_views(template: Template, cost: Cost, joint: Joint) -> tuple[FurtherView, ...]:
+    """Sketches that could be added, the most telling first.
+
+    By how much a sketch helps does not depend on where its marks will be, only on which nodes
+    it shows, so that it can be said beforehand (A-optimal design). Its camera counts as
+    unknown.
+
+    Parameters
+    ----------
+    template : Template
+    cost : Cost
+        That of the solve.
+    joint : Joint
+    """
+    positions = template.whole(joint.variables)
+    follow = (template.basis @ joint.span).reshape(-1, 3, joint.span.shape[1])
+    now = float(np.sqrt(_variances(template, joint, joint.information).mean()))
+    found = []
+    for name, (azimuth, elevation) in FURTHER_VIEWS.items():
+        camera = _camera(template, positions, azimuth, elevation, joint.views[0].camera.viewport)
+        nodes = np.flatnonzero(facing(template, positions, camera))
+        view = MarkedView(camera, nodes, camera.project(positions[nodes])[0])
+        sight, pose = Sight.of(template, view, held=False)
+        seen = sight.residuals(pose, positions)
+        if seen is None:
+            continue
+        rows = sight.rows(seen, follow) / cost.hand
+        told = without_cameras(rows.T @ rows, follow.shape[2])
+        after = np.sqrt(_variances(template, joint, joint.information + told).mean())
+        found.append(FurtherView(name, now, float(after)))
+    return tuple(sorted(found, key=lambda view: view.after))
+
+
+def _variances(template: Template, joint: Joint, information: Array) -> Array:
+    """Variance of each node, summed over its axes, mm², (n,)."""
+    spread = template.basis @ joint.span
+    positions = template.whole(joint.variables)
+    middle = positions - positions.mean(axis=0)
+    # Rearward, upward, larger, and nose down: the motions that keep the car symmetric.
+    tilted = np.stack((middle[:, 2], 0.0 * middle[:, 1], -middle[:, 0]), axis=1)
+    ahead, up = (np.broadcast_to(axis, positions.shape) for axis in np.eye(3)[[0, 2]])
+    motions = np.stack([np.ravel(part) for part in (ahead, up, middle, tilted)], axis=1)
+    base, _ = np.linalg.qr(motions)
+    spread = spread - base @ (base.T @ spread)
+    covered = spread @ np.linalg.inv(information)
+    return np.asarray((covered * spread).sum(axis=1).reshape(-1, 3).sum(axis=1))
+
+
+def _camera(
+    template: Template,
+    positions: Array,
+    azimuth: float,
+    elevation: float,
+    viewport: tuple[float, float],
+) -> Camera:
+    """A camera of a sketch that shows the whole car from a side."""
+    middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
+    eye = middle + AWAY * extent(template) * Picture(azimuth, elevation).toward_eye
+    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
+    wide = Camera("perspective", (x, y, z), (tx, ty, tz), fov_y=60.0, viewport=viewport)
+    places = wide.project(positions)[0]
+    size = np.abs(places - 0.5 * np.array(viewport)).max(axis=0) / (0.5 * np.array(viewport))
+    half = np.tan(np.radians(30.0)) * size.max() / FILLED
+    opening = float(np.degrees(2.0 * np.arctan(half)))
+    return Camera("perspective", (x, y, z), (tx, ty, tz), fov_y=opening, viewport=viewport)

@@ -1,0 +1,1 @@
+"""Curves drawn on the body. Imports body and below."""

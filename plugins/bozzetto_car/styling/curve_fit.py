@@ -1,0 +1,166 @@
+"""The smooth way of a line on the body between its places, and the spline that other programs get.
+
+Between two places the line is a cubic spline in u and v over its length, patch by patch: it is on
+the surface everywhere, and passes through its places. A spline in space can be so at its knots
+only; between them it gets as near as is asked for.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.patches.patch import Places, points_at
+from bozzetto.geometry.spline import DEGREE, Spline
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto_car.state import StylingCurve
+from bozzetto_car.styling.curve import curve_paths
+from bozzetto_car.styling.surface_path import SAME, joined
+from bozzetto_car.template.model import Template
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+__all__ = ["Course", "courses_on", "spline_of"]
+
+Array = NDArray[np.float64]
+
+TOLERANCE: Final = 0.005
+"""Distance, mm, between a spline that is handed over and the line on the body."""
+
+LOOKS: Final = (0.25, 0.5, 0.75)
+"""Shares of a span at which that distance is measured."""
+
+BEGUN: Final = 4
+"""Spans of a run over one patch that a spline begins with."""
+
+ROUNDS: Final = 12
+"""Times that spans are halved at most."""
+
+CORNER: Final = 2.0
+"""Angle, degrees, from which the line has a corner where it crosses an edge of the body."""
+
+CLOSE: Final = 0.01
+"""Distance, mm, before and after an edge of the body at which the directions are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A line on the body by its length.
+
+    Attributes
+    ----------
+    along : (n,) float
+        Length of the way from place to place up to each place, mm; twice the same at crossings.
+    path : Places
+    borders : (r + 1,) float
+        Where runs over one patch begin and end, mm.
+    """
+
+    along: Array
+    path: Places
+    borders: Array
+    _runs: tuple[tuple[int, Callable[[Array], Array]], ...]
+
+    @property
+    def length(self) -> float:
+        """Of the whole line, mm."""
+        return float(self.borders[-1])
+
+    def places(self, along: Array) -> Places:
+        """Places on the body at lengths (m,) that do not decrease, mm."""
+        number = np.searchsorted(self.borders[1:-1], along, "right")
+        made = []
+        for run in np.unique(number).tolist():
+            patch, spline = self._runs[run]
+            at = np.clip(spline(along[number == run]), 0.0, 1.0)
+            made.append(Places(np.full(len(at), patch), at))
+        return joined(made)
+
+
+def courses_on(curve: StylingCurve, nets: Array, template: Template) -> list[Course]:
+    """A styling curve on a body: one line, if the body has all of its patches.
+
+    Parameters
+    ----------
+    curve : StylingCurve
+    nets : (k, 4, 4, 3) float
+        Of the body, mm.
+    template : Template
+    """
+    found = (_course(nets, path) for path in curve_paths(curve, nets, template))
+    return [course for course in found if course is not None]
+
+
+def _course(nets: Array, path: Places) -> Course | None:
+    """The smooth way along a path; None where it has no length."""
+    from scipy.interpolate import CubicSpline
+
+    along = arc_length(points_at(nets, path))
+    cuts = [0, *(np.flatnonzero(np.diff(path.patches)) + 1).tolist(), len(path)]
+    runs, borders = [], [0.0]
+    for first, last in itertools.pairwise(cuts):
+        kept = first + np.flatnonzero(np.append(np.diff(along[first:last]) > SAME, True))
+        if len(kept) > 1:
+            spline = CubicSpline(along[kept], path.parameters[kept])
+            runs.append((int(path.patches[first]), spline))
+            borders.append(float(along[last - 1]))
+    return Course(along, path, np.array(borders), tuple(runs)) if runs else None
+
+
+def spline_of(nets: Array, course: Course) -> Spline:
+    """A cubic spline through places of a line on the body.
+
+    Its knots are as far apart as `TOLERANCE` allows. Where the line has a corner on an edge of
+    the body, so has the spline (a knot of multiplicity three); elsewhere its curvature is
+    continuous.
+    """
+    corners = _corners(nets, course)
+    knots, points = [np.repeat(corners[0], DEGREE + 1)], []
+    for begin, end in itertools.pairwise(corners):
+        piece = _interpolated(nets, course, begin, end)
+        knots += [piece.t[DEGREE + 1 : -DEGREE - 1], np.repeat(end, DEGREE)]
+        points.append(piece.c[:-1] if end < corners[-1] else piece.c)
+    return Spline(np.append(np.concatenate(knots), corners[-1]), np.vstack(points))
+
+
+def _interpolated(nets: Array, course: Course, begin: float, end: float) -> BSpline:
+    """A spline with continuous curvature along a part of the line without corners."""
+    from scipy.interpolate import make_interp_spline
+
+    inner = course.borders[(course.borders > begin) & (course.borders < end)]
+    borders = np.concatenate(([begin], inner, [end]))
+    first, width = np.repeat(borders[:-1], BEGUN), np.repeat(np.diff(borders) / BEGUN, BEGUN)
+    sites = np.append(first + width * np.tile(np.arange(BEGUN), len(borders) - 1), end)
+    looks = np.array(LOOKS)
+    for _ in range(ROUNDS):
+        spline = make_interp_spline(sites, points_at(nets, course.places(sites)), DEGREE)
+        spans = np.diff(sites)
+        between = sites[:-1, None] + spans[:, None] * looks
+        there = points_at(nets, course.places(between.ravel()))
+        away = np.linalg.norm(spline(between.ravel()) - there, axis=1).reshape(-1, len(looks))
+        wide = away.max(axis=1) > TOLERANCE
+        if not wide.any():
+            break
+        sites = np.sort(np.append(sites, sites[:-1][wide] + 0.5 * spans[wide]))
+    return spline
+
+
+def _corners(nets: Array, course: Course) -> list[float]:
+    """Both ends of a line, and where it has a corner, mm along it."""
+    found = [0.0, course.length]
+    for before, border, after in zip(
+        course.borders[:-2], course.borders[1:-1], course.borders[2:], strict=True
+    ):
+        step = min(CLOSE, 0.5 * (border - before), 0.5 * (after - border))
+        points = points_at(nets, course.places(border + np.array([-step, 0.0, step])))
+        one, other = np.diff(points, axis=0)
+        angle = np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)
+        if np.degrees(angle) > CORNER:
+            found.append(float(border))
+    return sorted(found)

@@ -1,0 +1,161 @@
+"""Styling curves as they are seen in one view, and which of them a stroke is drawn over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.patches.patch import normals_at, points_at
+from bozzetto.geometry.patches.ray_intersections import ray_hits
+from bozzetto.ink.checked_points import FARTHEST
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink.curves.resample import resample
+from bozzetto.view import Camera
+from bozzetto_car.body.build import Body
+from bozzetto_car.state import StylingCurve
+from bozzetto_car.styling.curve import mirrored
+from bozzetto_car.styling.curve_fit import Course, courses_on
+
+__all__ = ["SeenPart", "Target", "seen_parts", "sight_of", "target_of"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+LOOKS: Final = 1024
+"""Places by which the picture of a curve is measured."""
+
+FACING: Final = 0.02
+"""Least cosine between the normal and the line of sight of a place of a curve that is seen."""
+
+REACH: Final = 14.0
+"""Distance, px, within which a stroke is beside a curve."""
+
+MOST: Final = 0.6
+"""Share of a stroke that is beside a curve and goes its way, to be drawn over it."""
+
+ALONG: Final = 0.8
+"""Least cosine between the ways of a stroke and a curve that it goes along with."""
+
+FAITHFUL: Final = 0.6
+"""The chosen curve seems nearer than it is by this factor: a person goes on with it."""
+
+SAMPLES: Final = 48
+"""Places of a stroke that are looked at."""
+
+BEHIND: Final = 20.0
+"""Distance, mm, behind what is seen from which a place of a curve is hidden."""
+
+
+class SeenPart(NamedTuple):
+    """A part of a curve that faces the eye: lengths along the curve, mm, and places, px."""
+
+    along: Array
+    pixels: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """What a stroke is drawn over.
+
+    Attributes
+    ----------
+    curve : StylingCurve
+    mirrored : bool
+        It is the curve's mirror image that is drawn over.
+    """
+
+    curve: StylingCurve
+    mirrored: bool
+
+
+def seen_parts(body: Body, course: Course, camera: Camera) -> list[SeenPart]:
+    """The parts of a curve that face the eye, whether or not something is before them."""
+    along = np.linspace(0.0, course.length, LOOKS)
+    places = course.places(along)
+    points = points_at(body.nets, places)
+    pixels = camera.project(points)[0]
+    away = -sight_of(points, camera)
+    seen = (normals_at(body.nets, places) * away).sum(axis=1) > FACING
+    seen &= (np.abs(np.nan_to_num(pixels, nan=np.inf)) <= FARTHEST).all(axis=1)
+    parts = np.split(np.arange(LOOKS), np.flatnonzero(np.diff(seen)) + 1)
+    return [SeenPart(along[p], pixels[p]) for p in parts if seen[p[0]] and len(p) > 1]
+
+
+def sight_of(points: Array, camera: Camera) -> Array:
+    """Unit vectors from the eye to points, (n, 3)."""
+    if camera.kind == "orthographic":
+        return np.broadcast_to(camera.axes[2], points.shape)
+    ways = points - camera.eye
+    return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+
+
+def target_of(
+    curves: Sequence[StylingCurve], body: Body, stroke: Array, camera: Camera, chosen: str = ""
+) -> Target | None:
+    """The curve that most of a stroke runs along, near by; None if there is none.
+
+    Parameters
+    ----------
+    curves : sequence of StylingCurve
+        Those that are shown.
+    body : Body
+    stroke : (n, 2) float
+        px.
+    camera : Camera
+    chosen : str
+        Id of the curve that is preferred to others about as near.
+    """
+    ink = resample(stroke, count=SAMPLES)
+    found: list[tuple[float, Target]] = []
+    for curve in curves:
+        for image in (False, True) if curve.both else (False,):
+            side = mirrored(curve) if image else curve
+            distance = _distance(side, body, ink, camera)
+            if distance is not None:
+                factor = FAITHFUL if curve.id == chosen else 1.0
+                found.append((factor * distance, Target(curve, image)))
+    return min(found, key=lambda one: one[0], default=(0.0, None))[1]
+
+
+def _distance(curve: StylingCurve, body: Body, ink: Array, camera: Camera) -> float | None:
+    """Mean distance, px, of a stroke from a curve that it is drawn over; else None."""
+    best = None
+    way = _directions(ink)
+    for course in courses_on(curve, body.nets, body.template):
+        for part in seen_parts(body, course, camera):
+            away = distances_to_polyline(ink, part.pixels)
+            near = away <= REACH
+            if not near.any():
+                continue
+            foot = np.linalg.norm(ink[:, None] - part.pixels, axis=2).argmin(axis=1)
+            beside = np.abs((way * _directions(part.pixels)[foot]).sum(axis=1)) >= ALONG
+            over = near & beside
+            if over.mean() < MOST:
+                continue
+            distance = float(away[over].mean())
+            if best is None or distance < best:
+                at = course.places(np.sort(part.along[foot[over]]))
+                if _is_in_front(body, points_at(body.nets, at), camera):
+                    best = distance
+    return best
+
+
+def _directions(line: Array) -> Array:
+    """Unit vectors along a line, (n, 2); 0 where it stands still."""
+    ways = np.gradient(line, axis=0)
+    length = np.linalg.norm(ways, axis=1, keepdims=True)
+    return np.asarray(ways / np.where(length > 0.0, length, 1.0))
+
+
+def _is_in_front(body: Body, points: Array, camera: Camera) -> bool:
+    """Whether most of some points of the body are not hidden by another part of it."""
+    some = points[:: max(1, len(points) // 8)]
+    sight = sight_of(some, camera)
+    origins = camera.rays(camera.project(some)[0]).origins
+    distances = ray_hits(body.nets, origins, sight)[1]
+    own = ((some - origins) * sight).sum(axis=1)
+    return bool((distances > own - BEHIND).mean() > 0.5)

@@ -1,0 +1,239 @@
+"""Lines of the sheet laid on the body: what is seen under them, without gaps that are none.
+
+Every place of a line goes along its ray to the patch that is seen there. The line is cut where
+the body ends, and where one part of it hides another. A line that runs along the outline of the
+body leaves it by a pixel now and then: such gaps are bridged on the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.patches.closest_points import foot_points
+from bozzetto.geometry.patches.patch import Places, normals_at, points_at
+from bozzetto.geometry.patches.ray_intersections import ray_hits
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto.view import Camera
+from bozzetto_car.styling.surface_path import connected, joined
+from bozzetto_car.template.model import Template
+
+__all__ = ["Seen", "laid_paths", "runs_of", "seen_on_body"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Index = NDArray[np.intp]
+
+FINEST: Final = 0.25
+"""Way, px, down to which the rim of the body and its breaks are located."""
+
+BROKEN: Final = 5.0
+"""Run in depth over the way across the line of sight, by which the step between neighbours must
+differ from what the slopes of the body at both allow, for one to lie behind the other."""
+
+EDGE_ON: Final = 1e-6
+"""Least cosine between normal and line of sight at which the body is taken to be seen."""
+
+FAR: Final = 60.0
+"""Distance, mm, from which places get others between them. Where the body is seen nearly edge-on
+a few px are half a metre of it."""
+
+COARSE: Final = 0.04
+"""Step in u or v from which they do, too: where patches are narrow or sheared, as in the corner
+of a window, a straight line is a hairpin in u and v."""
+
+NEAR_MISS: Final = 4.0
+"""Distance, px, from the line that a gap may take when it is bridged."""
+
+STEEPEST: Final = 4.0
+"""Run in depth over the way across the line of sight from one end of a gap to the other, beyond
+which its ends belong to different parts of the body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What is seen of the body at places on the sheet.
+
+    Attributes
+    ----------
+    places : Places
+        Patch −1 where there is nothing, or the inside.
+    points, normals, sight : (n, 3) float
+        mm; 0 where there is nothing. Sight is the unit direction of each ray.
+    """
+
+    places: Places
+    points: Array
+    normals: Array
+    sight: Array
+
+    @property
+    def hit(self) -> Flags:
+        """Where there is something, (n,)."""
+        return self.places.patches >= 0
+
+    def extended(self, other: Seen) -> Seen:
+        """What is seen at the places of both, one after the other."""
+        return Seen(
+            joined([self.places, other.places]),
+            np.concatenate((self.points, other.points)),
+            np.concatenate((self.normals, other.normals)),
+            np.concatenate((self.sight, other.sight)),
+        )
+
+    def __getitem__(self, which: Index) -> Seen:
+        return Seen(self.places[which], self.points[which], self.normals[which], self.sight[which])
+
+
+class Part(NamedTuple):
+    """A part of a line that is on the body: where on the line, px; places; lines of sight."""
+
+    way: Array
+    places: Places
+    sight: Array
+
+    @classmethod
+    def of(cls, *parts: Part) -> Part:
+        """Parts one after the other."""
+        way, sight = (np.concatenate([part[k] for part in parts]) for k in (0, 2))
+        return cls(way, joined([part.places for part in parts]), sight)
+
+
+def seen_on_body(nets: Array, pixels: Array, camera: Camera) -> Seen:
+    """What is seen of the body, (k, 4, 4, 3) mm, at places (n, 2) px."""
+    origins, sight = camera.rays(pixels)
+    places = ray_hits(nets, origins, sight)[0]
+    points, normals = np.zeros((2, len(sight), 3))
+    hit = places.patches >= 0
+    normals[hit] = normals_at(nets, places[hit])
+    hit &= (normals * sight).sum(axis=1) < -EDGE_ON
+    points[hit] = points_at(nets, places[hit])
+    normals[~hit] = 0.0
+    kept = Places(np.where(hit, places.patches, -1), hit[:, None] * places.parameters)
+    return Seen(kept, points, normals, sight)
+
+
+def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> list[Places]:
+    """Lay a line on the visible side of the body.
+
+    Parameters
+    ----------
+    template : Template
+    nets : (k, 4, 4, 3) float
+        Of the body, mm.
+    line : (n, 2) float
+        Places that differ, a few px apart.
+    camera : Camera
+
+    Returns
+    -------
+    list of Places
+        Paths of two places or more, in the order of the line; see `styling_path`.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    from scipy.interpolate import CubicSpline
+
+    way = arc_length(line)
+    own, curve = way, CubicSpline(way, line)
+    seen = seen_on_body(nets, line, camera)
+    while True:
+        far = _far(seen)
+        open_ = np.flatnonzero((far | _unclear(seen)) & (np.diff(way) > FINEST))
+        if not len(open_):
+            break
+        fresh = 0.5 * (way[open_] + way[open_ + 1])
+        own = np.append(own, fresh[far[open_]])
+        order = np.argsort(np.concatenate((way, fresh)), kind="stable")
+        way = np.concatenate((way, fresh))[order]
+        seen = seen.extended(seen_on_body(nets, curve(fresh), camera))[order]
+    paths: list[Places] = []
+    for part in _bridged(nets, seen, way, line, camera):
+        passing = ~np.isin(part.way, own)
+        paths += connected(template, nets, part.places, part.sight, passing)
+    paths = [path for path in paths if len(path) > 1]
+    if not paths:
+        raise UserError("The stroke misses the body. Draw on the car.")
+    return paths
+
+
+def _unclear(seen: Seen) -> Flags:
+    """Between which neighbours something happens that has to be located."""
+    patches = seen.places.patches
+    return np.asarray((patches[1:] != patches[:-1]) | _breaks(seen))
+
+
+def _far(seen: Seen) -> Flags:
+    """Which neighbours are far from one another on the body, or on their patch."""
+    patches, both = seen.places.patches, seen.hit[1:] & seen.hit[:-1]
+    far = np.linalg.norm(np.diff(seen.points, axis=0), axis=1) > FAR
+    step = np.abs(np.diff(seen.places.parameters, axis=0)).max(axis=1)
+    return np.asarray(both & (far | ((patches[1:] == patches[:-1]) & (step > COARSE))))
+
+
+def _breaks(seen: Seen) -> Flags:
+    """Between which neighbours the body cannot reach from the one to the other.
+
+    The way in depth between them lies between those on the tangent planes of both.
+    """
+    step = np.diff(seen.points, axis=0)
+    sight = seen.sight[:-1]
+    depth = (step * sight).sum(axis=1)
+    across = step - depth[:, None] * sight
+    slack = BROKEN * np.linalg.norm(across, axis=1)
+    ways = []
+    for normals in (seen.normals[:-1], seen.normals[1:]):
+        facing = np.minimum((normals * sight).sum(axis=1), -EDGE_ON)
+        ways.append(-(normals * across).sum(axis=1) / facing)
+    broken = (depth < np.minimum(*ways) - slack) | (depth > np.maximum(*ways) + slack)
+    return np.asarray(broken & seen.hit[1:] & seen.hit[:-1])
+
+
+def runs_of(seen: Seen) -> list[Index]:
+    """Neighbours that are seen on one unbroken surface."""
+    hits = np.flatnonzero(seen.hit)
+    cut = (np.diff(hits) > 1) | _breaks(seen)[hits[:-1]]
+    return [run for run in np.split(hits, np.flatnonzero(cut) + 1) if len(run)]
+
+
+def _bridged(nets: Array, seen: Seen, way: Array, line: Array, camera: Camera) -> list[Part]:
+    """The unbroken parts of a line, put together over gaps that are none."""
+    parts: list[Part] = []
+    last = -1
+    for run in runs_of(seen):
+        part = Part(way[run], seen.places[run], seen.sight[run])
+        bridge = None if last < 0 else _bridge(nets, seen, (last, int(run[0])), way, line, camera)
+        if bridge is None:
+            parts.append(part)
+        else:
+            parts[-1] = Part.of(parts[-1], bridge, part)
+        last = int(run[-1])
+    return parts
+
+
+def _bridge(
+    nets: Array, seen: Seen, ends: tuple[int, int], way: Array, line: Array, camera: Camera
+) -> Part | None:
+    """The body along a gap between two places, if the line hardly leaves it there."""
+    first, last = ends
+    if last - first < 2:
+        return None  # a part of the body behind another one
+    step, sight = seen.points[last] - seen.points[first], seen.sight[first]
+    depth = float(step @ sight)
+    if abs(depth) > STEEPEST * float(np.linalg.norm(step - depth * sight)):
+        return None
+    there = way[first + 1 : last]
+    share = (there - way[first]) / (way[last] - way[first])
+    feet = foot_points(nets, seen.points[first] + share[:, None] * step)
+    pixels = camera.project(points_at(nets, feet))[0]
+    if not np.isfinite(pixels).all() or distances_to_polyline(pixels, line).max() > NEAR_MISS:
+        return None
+    return Part(there, feet, np.broadcast_to(sight, (len(feet), 3)))

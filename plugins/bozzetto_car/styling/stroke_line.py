@@ -1,0 +1,146 @@
+"""The line that a person meant by strokes on the sheet: smooth, and with its ends where they were.
+
+Kara & Shimada (CAD 2008) smooth styling strokes in the image before they are laid on the body, by
+Savitzky and Golay's filter (1964): each place becomes that of the cubic that fits its
+neighbourhood best, so bends keep their form where a mean would cut them short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.ink.checked_points import places_on_sheet
+from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
+from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.ink.merge import fading, settle
+
+__all__ = ["STEP", "one_stroke", "smoothed_line"]
+
+Array = NDArray[np.float64]
+
+STEP: Final = 6.0
+"""Distance of the places of a line, px."""
+
+FINE: Final = 1.0
+"""Distance of the places on which a stroke is smoothed, px."""
+
+MOST: Final = 6000
+"""Most places on which a stroke is smoothed; they are farther apart on a longer one."""
+
+MOST_PLACES: Final = 1000
+"""Most places of a line: a sheet or two."""
+
+DEGREE: Final = 3
+"""Of the polynomials that smooth."""
+
+SHARE: Final = 0.07
+"""Half of the window that smooths, per length of the stroke."""
+
+WINDOW: Final = (8.0, 40.0)
+"""Least and greatest half of the window, px."""
+
+PASSES: Final = 2
+"""Times that it is smoothed: the second pass takes the ripples that the first one leaves of a
+tremor, and with them half of the knots of the curve in space."""
+
+CLOSING: Final = 0.06
+"""Widest gap of a loop as a share of the diagonal of its box. Of an arch that makes 95 % of a
+turn it is 0.11, and that is open."""
+
+SHORTEST: Final = 6.0
+"""Length, px, below which a stroke is a dot."""
+
+DOT: Final = "The stroke is a dot. Draw the whole line on the body."
+
+
+def one_stroke(strokes: Sequence[Stroke]) -> Array:
+    """The strokes of a gesture as one; several are settled, older ones fading.
+
+    Parameters
+    ----------
+    strokes : sequence of Stroke
+        Of one view; at least one.
+
+    Returns
+    -------
+    (n, 2) float
+        Places, px, in the sense of the first stroke that is no dot.
+    """
+    ink = [stroke for stroke in strokes if arc_length(stroke.points)[-1] >= SHORTEST]
+    if len(ink) < 2:
+        return np.asarray((ink or strokes)[0].points, float)
+    line = settle([stroke.points for stroke in ink], fading(ink)).points
+    first = ink[0].points
+    against = (first[-1] - first[0]) @ (line[-1] - line[0]) < 0.0
+    return np.asarray(line[::-1] if against else line)
+
+
+def smoothed_line(points: ArrayLike) -> Array:
+    """A stroke without the tremor of the hand; a loop is closed.
+
+    The window is a share of the arc length, whatever the sampling rate. Beyond its ends an
+    open stroke is continued by its point reflection, which keeps the ends where they are.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+        px.
+
+    Returns
+    -------
+    (m, 2) float
+        Places at equal steps of about `STEP`, px. A loop ends in its first place.
+
+    Raises
+    ------
+    UserError
+        If the stroke is a dot or leaves the sheet beyond all bounds.
+    """
+    place = places_on_sheet(points, "stroke")
+    place = place[distinct(place)]
+    length = float(arc_length(place)[-1])
+    if length < SHORTEST:
+        raise UserError(DOT)
+    ring = _ring(place)
+    spacing = max(FINE, length / MOST)
+    fine = resample(place, spacing=spacing) if ring is None else _closed(ring, spacing)
+    step = float(arc_length(fine)[-1]) / (len(fine) - 1)
+    half = min(round(float(np.clip(SHARE * length, *WINDOW)) / step), len(fine) - 1)
+    if 2 * half > DEGREE:
+        weights = _weights(half)
+        for _ in range(PASSES):
+            before, after = fine[-half - 1 : -1], fine[1 : half + 1]
+            if ring is None:
+                before, after = 2.0 * fine[0] - after[::-1], 2.0 * fine[-1] - before[::-1]
+            whole = np.vstack((before, fine, after))
+            fine = np.column_stack([np.convolve(c, weights, "valid") for c in whole.T])
+    smooth = resample(fine, spacing=max(STEP, length / MOST_PLACES))
+    if float(arc_length(smooth)[-1]) < SHORTEST:  # a loop of a few pixels, back where it began
+        raise UserError(DOT)
+    return smooth
+
+
+def _ring(points: Array) -> Array | None:
+    """The loop that a stroke closes, without its first place at the end; None if it is open."""
+    if not is_closed_gesture(points):
+        return None
+    ring = close_stroke(points)
+    return ring if end_gap(ring) <= CLOSING else None
+
+
+def _closed(ring: Array, spacing: float) -> Array:
+    """Places at equal steps round a loop, the first one at the end, too."""
+    places = resample(ring, spacing=spacing, closed=True)
+    return np.vstack((places, places[:1]))
+
+
+def _weights(half: int) -> Array:
+    """What a window of places weighs in the value of its cubic in the middle, (2 half + 1,)."""
+    powers = np.vander(np.linspace(-1.0, 1.0, 2 * half + 1), DEGREE + 1, increasing=True)
+    return np.asarray(np.linalg.pinv(powers)[0])

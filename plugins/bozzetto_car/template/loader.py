@@ -1,0 +1,308 @@
+"""Templates from files, with both halves, and the three that come along.
+
+A file (``bozzetto-car-template/1``, see `docs/car.md`) tells the right half of a car and its
+middle. The left half is its mirror image, made here by changing the sign of y, so a template
+read from a file is symmetric to the last bit. Nothing is built on it before
+`template_check.check` has found it sound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from importlib.resources import files
+from itertools import pairwise
+from pathlib import Path
+from typing import Final, Literal, get_args
+
+import numpy as np
+
+from bozzetto.errors import FormatError
+from bozzetto_car.template.model import MIRROR, Chain, Patch, Picture, Rule, Template, twin
+from bozzetto_car.template.rules import parsed
+from bozzetto_car.template.schema import (
+    LARGEST_FILE,
+    PictureRecord,
+    Records,
+    Vector,
+    read_records,
+)
+from bozzetto_car.template.validation import check
+
+__all__ = [
+    "TEMPLATES",
+    "Bundled",
+    "bundled",
+    "faults_in",
+    "is_template",
+    "load_template",
+    "read_template",
+]
+
+Bundled = Literal["sedan", "hatchback", "minivan"]
+
+TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
+"""The templates that come with the modeler."""
+
+FORMAT_WORD: Final = b'"bozzetto-car-template/'
+"""What stands in every template."""
+
+MOST_FAULTS: Final = 3
+"""Faults of the network that a message tells; the rest follow from them as a rule."""
+
+
+@lru_cache
+def bundled(name: str) -> Template:
+    """One of the templates that come along: sedan, hatchback or minivan.
+
+    Raises
+    ------
+    FormatError
+        If there is none of that name.
+    """
+    if name not in TEMPLATES:
+        there = ", ".join(TEMPLATES)
+        raise FormatError(f"There is no template “{name[:40]}”. Choose one of: {there}.")
+    return read_template(files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes())
+
+
+def load_template(path: Path) -> Template:
+    """Read a template from a file; see `read_template`.
+
+    Raises
+    ------
+    FormatError
+        Also if there is no such file.
+    """
+    return read_template(_content(path))
+
+
+def read_template(data: bytes) -> Template:
+    """Read a template and check it.
+
+    Parameters
+    ----------
+    data : bytes
+        JSON, UTF-8.
+
+    Raises
+    ------
+    FormatError
+        Names the key that is wrong, or says what is wrong with the network.
+    """
+    template = _Whole(read_records(data)).template()
+    faults = check(template)
+    if faults:
+        told = " ".join(faults[:MOST_FAULTS])
+        more = len(faults) - MOST_FAULTS
+        raise FormatError(
+            f"The template “{template.title}” cannot be used. {told}"
+            + (f" There are {more} more faults." if more > 0 else "")
+        )
+    return template
+
+
+def is_template(path: Path) -> bool:
+    """Whether a file says that it is a template, or a template of a later version."""
+    return FORMAT_WORD in _content(path)
+
+
+def faults_in(path: Path) -> list[str]:
+    """Everything that is wrong with a template's file, for its author.
+
+    Returns
+    -------
+    list of str
+        One sentence where the file cannot be read at all, otherwise one for each fault;
+        empty for a template that can be used.
+    """
+    try:
+        return check(_Whole(read_records(_content(path))).template())
+    except FormatError as problem:
+        return [problem.message]
+
+
+def _content(path: Path) -> bytes:
+    """What is in a file, and no more of it than shows that it is too large."""
+    try:
+        with path.open("rb") as file:
+            return file.read(LARGEST_FILE + 1)
+    except OSError as problem:
+        raise FormatError(f"{path.name} cannot be read: {problem.strerror}.") from None
+
+
+class _Whole:
+    """Both halves of the car that a file tells one of."""
+
+    def __init__(self, records: Records) -> None:
+        self.records = records
+        self.halves: dict[str, str] = {name: name for name in records.centre}
+        for name in (*records.pairs, *records.wheels):
+            if name in self.halves:
+                raise FormatError(f"{name} stands in two of centre, pairs and wheels.")
+            self.halves[name] = f"{name}.R"
+        if len(records.wheels) != 2:
+            raise FormatError("wheels: a template has two entries here, front and rear.")
+        self.names = [
+            full for half in self.halves.values() for full in dict.fromkeys((half, twin(half)))
+        ]
+        self.node = {name: number for number, name in enumerate(self.names)}
+        self.edges: list[tuple[int, int]] = []
+        self.tangents: list[tuple[Vector, Vector]] = []
+        self.between: dict[tuple[int, int], int] = {}
+
+    def template(self) -> Template:
+        """Put everything together.
+
+        Raises
+        ------
+        FormatError
+            If something is named that there is none of.
+        """
+        given = self.records
+        nodes = {**given.centre, **given.pairs, **given.wheels}
+        records = {self.halves[name]: record for name, record in nodes.items()}
+        positions = np.array(
+            [
+                np.asarray(records[name].at)
+                if name in records
+                else np.asarray(records[twin(name)].at) * MIRROR
+                for name in self.names
+            ]
+        )
+        self._read_edges()
+        told = {name: records.get(name) or records[twin(name)] for name in self.names}
+        right = [self.node[name] for name in self.names if name.endswith(".R")]
+        left = [self.node[twin(self.names[number])] for number in right]
+        return Template(
+            id=given.id,
+            title=given.title,
+            about=given.about,
+            names=tuple(self.names),
+            positions=positions,
+            pairs=np.stack((right, left), axis=1),
+            centre=np.array([self.node[name] for name in self.records.centre], np.intp),
+            wheels=np.array(
+                [(self.node[f"{name}.R"], self.node[f"{name}.L"]) for name in self.records.wheels]
+            ),
+            edges=np.array(self.edges),
+            tangents=np.array(self.tangents),
+            patches=self._patches(),
+            chains=self._chains(),
+            rules=self._rules(),
+            order=tuple(self._order()),
+            titles={name: record.title for name, record in told.items()},
+            prompts={name: record.prompt for name, record in told.items()},
+            pictures={name: _picture(told[name].picture, name) for name in self.names},
+        )
+
+    def _number(self, name: str, place: str) -> int:
+        """Index of a node of the right half or the centre."""
+        if name not in self.halves:
+            raise FormatError(f"{place}: there is no node {name}.")
+        return self.node[self.halves[name]]
+
+    def _image(self, number: int) -> int:
+        return self.node[twin(self.names[number])]
+
+    def _read_edges(self) -> None:
+        given: list[tuple[int, int, tuple[Vector, Vector]]] = []
+        for key, tangents in self.records.edges.items():
+            place = f"edges, {key[:40]}"
+            ends = key.split("-")
+            if len(ends) != 2 or ends[0] == ends[1]:
+                raise FormatError(f"{place}: an edge is called by its two ends, as in C0-C1.")
+            first, last = (self._number(end, place) for end in ends)
+            given.append((first, last, tangents))
+        for start, end, (out, into) in given:
+            self._add_edge(start, end, (out, into))
+        for start, end, (out, into) in given:
+            image = self._image(start), self._image(end)
+            if image != (start, end):
+                self._add_edge(*image, (_reflected(out), _reflected(into)))
+
+    def _add_edge(self, start: int, end: int, tangents: tuple[Vector, Vector]) -> None:
+        if (start, end) in self.between:
+            a, b = self.names[start], self.names[end]
+            raise FormatError(f"edges: there are two edges between {a} and {b}. Keep one.")
+        self.between[start, end] = len(self.edges)
+        self.between[end, start] = ~len(self.edges)
+        self.edges.append((start, end))
+        self.tangents.append(tangents)
+
+    def _edge(self, start: int, end: int, place: str) -> int:
+        if (start, end) not in self.between:
+            a, b = self.names[start], self.names[end]
+            raise FormatError(f"{place}: there is no edge between {a} and {b}. Add it to edges.")
+        return self.between[start, end]
+
+    def _patches(self) -> tuple[Patch, ...]:
+        made: list[Patch] = []
+        mirrored: list[Patch] = []
+        for key, corners in self.records.patches.items():
+            place = f"patches, {key}"
+            loop = [self._number(name, place) for name in corners]
+            made.append(self._patch(f"{key}.R", loop, place))
+            # Turned round, so that the image, too, runs anticlockwise seen from outside.
+            image = [self._image(number) for number in (loop[0], *loop[:0:-1])]
+            mirrored.append(self._patch(f"{key}.L", image, place))
+        return (*made, *mirrored)
+
+    def _patch(self, name: str, loop: Sequence[int], place: str) -> Patch:
+        sides = zip(loop, (*loop[1:], loop[0]), strict=True)
+        a, b, c, d = (self._edge(start, end, place) for start, end in sides)
+        n0, n1, n2, n3 = loop
+        return Patch(name, (a, b, c, d), (n0, n1, n2, n3))
+
+    def _chains(self) -> tuple[Chain, ...]:
+        made = []
+        for key, record in self.records.chains.items():
+            place = f"chains, {key}"
+            nodes = [self._number(name, place) for name in record.nodes]
+            smooth = [self._number(name, place) for name in record.smooth]
+            image = [self._image(number) for number in nodes]
+            if nodes[0] in smooth and nodes[0] == image[0]:
+                # Smooth in the middle of the car: the line goes over to the other side.
+                made.append(self._chain(key, [*image[:0:-1], *nodes], smooth, place))
+            elif image == nodes:
+                made.append(self._chain(key, nodes, smooth, place))
+            else:
+                made.append(self._chain(f"{key}.R", nodes, smooth, place))
+                other = [self._image(number) for number in smooth]
+                made.append(self._chain(f"{key}.L", image, other, place))
+        return tuple(made)
+
+    def _chain(self, name: str, nodes: list[int], smooth: list[int], place: str) -> Chain:
+        edges = tuple(self._edge(start, end, place) for start, end in pairwise(nodes))
+        return Chain(name, tuple(nodes), edges, tuple(smooth))
+
+    def _rules(self) -> tuple[Rule, ...]:
+        nodes = {half: self.node[name] for half, name in self.halves.items()}
+        told = self.records.soundness.items()
+        return tuple(parsed(name, text, nodes) for name, text in told)
+
+    def _order(self) -> list[str]:
+        for word in self.records.order:
+            name = word.partition(".")[0]
+            if name not in self.halves:
+                raise FormatError(f"order: there is no node {name[:40]}.")
+            paired = self.halves[name] != name
+            if word not in ((f"{name}.near", f"{name}.far") if paired else (name,)):
+                raise FormatError(
+                    f"order: “{word[:40]}” should be {name} for a node in the middle, and "
+                    f"{name}.near or {name}.far for one of a pair."
+                )
+        return self.records.order
+
+
+def _reflected(vector: Vector) -> Vector:
+    """The mirror image of a vector; -0.0 becomes 0.0, so that equal halves compare equal."""
+    return vector[0], 0.0 - vector[1], vector[2]
+
+
+def _picture(record: PictureRecord, name: str) -> Picture:
+    """The picture of a node: its own side of the car, or both halves of what is in the middle."""
+    sides = (name[-2:],) if name.endswith((".R", ".L")) else (".R", ".L")
+    turn = -record.azimuth if sides == (".L",) else record.azimuth
+    tinted = tuple(f"{patch}{side}" for patch in record.patches for side in sides)
+    return Picture(turn, record.elevation, tinted)

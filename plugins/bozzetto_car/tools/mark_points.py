@@ -1,0 +1,158 @@
+"""Mark the points that are asked for on the sketch; drag marks that are not right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
+from bozzetto.scene import Scene
+from bozzetto.view import Camera
+from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.marking.edit_marks import marked, sketch_in_work, without_marks
+from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
+from bozzetto_car.solver.pipeline import solved, template_of
+from bozzetto_car.state import CarState, Mark
+from bozzetto_car.view.mark_items import MARK, MARK_TOOL, preview_of
+from bozzetto_car.view.view_advice import stand_seen
+
+__all__ = ["MarkPoints"]
+
+Array = NDArray[np.float64]
+Seen = tuple[CarState, ...]
+
+FARTHEST: Final = 5.0
+"""Farthest place beside the picture that can be marked, in its diagonals from its middle."""
+
+REACH: Final = 2.0
+"""Distance from a mark, in tolerances of the pen, at which an eraser meets it."""
+
+TOUCH: Final = 2.0
+"""Farthest way of a pen that only touches a mark, px."""
+
+NOT_THROUGH: Final = (
+    "Marks are set where the sketch is seen as it was drawn. Go back to it with T, then touch "
+    "the point."
+)
+
+
+class MarkPoints:
+    """A tap marks the node that is asked for; a drag moves a mark; the eraser takes marks away."""
+
+    id = MARK_TOOL
+    title = "Mark points"
+    icon = "icons/mark.svg"
+    hint = "Drop a sketch on the sheet, then touch each point that is asked for."
+    gesture: Literal["ink", "tap", "drag"] = "drag"
+    aims = True
+
+    def next_hint(self, state: CarState) -> str:
+        """Which point to touch, in the template's words."""
+        return hint_of(state, solved(state))
+
+    def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
+        """The car as the mark would have it, on the picture."""
+        if isinstance(gesture, Ink):
+            return Scene()
+        try:
+            before = body_of(state)
+            mark = _mark(state, before, gesture, _seen(context))
+            moved = marked(state, mark.node, (mark.u, mark.v), before.template)
+            after = body_of(moved, before=state)
+        except UserError:
+            return Scene()
+        return preview_of(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
+
+    def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
+        """Set, move or take away marks.
+
+        Raises
+        ------
+        UserError
+            If there is nothing to mark, or the sketch is not seen as it was drawn.
+        """
+        body = body_of(state)
+        if sketch_in_work(state).id not in body.stands:
+            raise UserError(HIDDEN)
+        if isinstance(gesture, Ink):
+            return _erased(state, body, gesture, context.pen.tolerance)
+        if isinstance(gesture, Drag) and _is_touch(gesture):
+            return state
+        mark = _mark(state, body, gesture, _seen(context))
+        return marked(state, mark.node, (mark.u, mark.v), template_of(state))
+
+
+def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
+    """The mark that a gesture sets."""
+    sketch = sketch_in_work(state)
+    if isinstance(gesture, Drag):
+        node = gesture.handle.removeprefix(MARK)
+        at = gesture.path.points[-1]
+        if sketch.mark_of(node) is None:
+            raise UserError("Touch the point that is asked for, or drag a mark.")
+    else:
+        asked = asked_of(state, body.solved)
+        if asked is None:
+            raise UserError(ALL_MARKED)
+        node, at = asked.node, np.array([gesture.x, gesture.y])
+    ((u, v),) = _pixels(state, body, gesture.camera, [at], seen).tolist()
+    return Mark(node, u, v)
+
+
+def _seen(context: Context) -> Seen:
+    """The car as it was when the hand saw it."""
+    return tuple(state for state in context.seen if isinstance(state, CarState))
+
+
+def _is_touch(gesture: Drag) -> bool:
+    """Whether a mark was touched, and not moved."""
+    path = gesture.path.points
+    return float(np.abs(path - path[0]).max()) < TOUCH
+
+
+def _pixels(
+    state: CarState, body: Body, camera: Camera, places: Sequence[Array], seen: Seen
+) -> Array:
+    """Pixels of the picture at places of a view through it.
+
+    Raises
+    ------
+    UserError
+        If the view is from elsewhere, or a place is far beside the picture.
+    """
+    sketch = sketch_in_work(state)
+    stand = stand_seen(sketch, body, camera, seen)
+    if stand is None:
+        raise UserError(NOT_THROUGH)
+    pixels = stand.seen_at(camera, places)
+    off = np.abs(pixels - 0.5 * np.array(sketch.size)).max(initial=0.0)
+    if not off <= FARTHEST * np.hypot(*sketch.size):
+        raise UserError("That is far beside the picture. Touch a place on it or next to it.")
+    return pixels
+
+
+def _same_mark(mark: Mark, marks: tuple[Mark, ...]) -> Mark:
+    """A mark as it is called once it is set: sides may have been exchanged by it."""
+    return next(one for one in marks if (one.u, one.v) == (mark.u, mark.v))
+
+
+def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarState:
+    """Without the marks that an eraser ran over."""
+    sketch = sketch_in_work(state)
+    if any(stroke.tool != "eraser" for stroke in gesture.strokes):
+        raise UserError("Touch the point that is asked for.")
+    stand = body.stands[sketch.id]
+    places = stand.lifted(np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2))
+    met = set()
+    for stroke in gesture.strokes:
+        seen = stroke.camera.project(places)[0]
+        near = np.linalg.norm(seen[:, None] - stroke.points, axis=2).min(axis=1)
+        touched = np.flatnonzero(near <= REACH * tolerance)
+        met |= {sketch.marks[number].node for number in touched.tolist()}
+    if not met:
+        raise UserError("There is no mark under the eraser. Rub over a mark to take it away.")
+    return without_marks(state, met)

@@ -1,0 +1,122 @@
+"""Trace edges: a stroke along an edge, in the sketch or from any side, bends it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final, Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Layer, Scene
+from bozzetto_car.body.build import Body, body_of, drawn_through, in_world_of, unstretched_body_of
+from bozzetto_car.body.edge_runs import run_along
+from bozzetto_car.body.edit_list import without_last_of
+from bozzetto_car.camera.sketch_camera import Stand, flat_stand
+from bozzetto_car.state import CarState, TracedEdges
+from bozzetto_car.view.edge_items import edge_items
+from bozzetto_car.view.picking import edges_under
+from bozzetto_car.view.scene import body_in_work
+
+__all__ = ["TraceEdges"]
+
+NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
+
+
+class TraceEdges:
+    """The edges that a stroke runs along are seen where it is, and the other side follows.
+
+    A stroke on the sketch is kept in the pixels of its picture: it stays on the line that it
+    traces, whatever becomes of the camera. The other end of the pen takes the last stroke or
+    drag back that bent the edge under it.
+    """
+
+    id = "trace"
+    title = "Trace edges"
+    icon = "icons/trace.svg"
+    hint = "Draw along an edge where it is to run. The eraser takes back what bent an edge."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
+        """The edges as they would run."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        try:
+            made, edit = _traced(state, gesture.strokes[-1])
+            body = body_of(made)
+        except UserError:
+            return Scene()
+        if any(trouble.number == len(made.edits) - 1 for trouble in body.troubles):
+            return Scene()
+        held = [body.template.edge_names.index(name) for name in edit.edges]
+        return Scene((Layer("network", tuple(edge_items(made, body, held))),))
+
+    def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
+        """Bend the edges that the strokes run along, one stroke after the other.
+
+        Raises
+        ------
+        UserError
+            If a stroke runs along no edge, or is seen end-on; if nothing that was traced is
+            under the eraser.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw along an edge with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return _erased(state, gesture.strokes[-1])
+        for stroke in gesture.strokes:
+            state, _ = _traced(state, stroke)
+            told = body_of(state).troubles
+            if told and told[-1].number == len(state.edits) - 1:
+                raise UserError(told[-1].message)
+        return state
+
+
+def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
+    """The car after a stroke, and the edit that it is, with the edges that were found."""
+    body = body_in_work(state)
+    edit = _edit_of(state, body, stroke)
+    unstretched = unstretched_body_of(state)
+    points, camera = drawn_through(unstretched, edit)
+    run = run_along(in_world_of(unstretched, edit), points, camera)
+    names = tuple(body.template.edge_names[max(edge, ~edge)] for edge in run.edges)
+    edit = replace(edit, edges=names)
+    return replace(state, edits=(*state.edits, edit)), edit
+
+
+def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
+    """A stroke as it is kept: in pixels of the sketch if that is looked through."""
+    sketch = state.sketch
+    stand = None if sketch is None else body.stands.get(sketch.id)
+    if sketch is None or stand is None or not stand.is_seen_through(stroke.camera):
+        return TracedEdges(
+            dimensions=state.dimensions, strokes=Strokes((stroke,)), nodes_follow=state.nodes_follow
+        )
+    own = _on_picture(stroke, stand, sketch.size)
+    return TracedEdges(strokes=Strokes((own,)), sketch=sketch.id, nodes_follow=state.nodes_follow)
+
+
+def _on_picture(stroke: Stroke, stand: Stand, size: tuple[float, float]) -> Stroke:
+    """A stroke in pixels of the picture that is seen behind it."""
+    u, v = stand.seen_at(stroke.camera, stroke.points).T
+    return Stroke(
+        u, v, flat_stand(size).camera,
+        pressure=stroke.pressure if stroke.has_pressure else None,
+        t=stroke.t if stroke.has_time else None,
+        tool=stroke.tool,
+    )  # fmt: skip
+
+
+def _erased(state: CarState, eraser: Stroke) -> CarState:
+    """Without the last stroke or drag that bent an edge under the eraser."""
+    body = body_in_work(state)
+    template = body.template
+    under = edges_under(body.network, eraser.points, eraser.camera)
+    images = template.mirrored_edges[under]
+    both = {*under, *np.maximum(images, ~images).tolist()}
+    edits = without_last_of(state.edits, (template.edge_names[edge] for edge in both))
+    if edits is None:
+        raise UserError(NOTHING)
+    return replace(state, edits=edits)

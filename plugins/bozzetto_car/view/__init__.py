@@ -1,0 +1,1 @@
+"""What is shown, and advice on the view. Imports styling, marking and below."""

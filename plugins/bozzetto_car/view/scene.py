@@ -1,0 +1,147 @@
+"""What is shown of a car: the sketch, the body, its edges and nodes, marks, wheels, styling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Final
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.patches.tessellation import shaded
+from bozzetto.plugin import Memory
+from bozzetto.scene import Image, Item, Layer, Scene, Shaded
+from bozzetto.view import Camera
+from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.state import CarState, Sketch
+from bozzetto_car.styling.scene import styling_items
+from bozzetto_car.view.edge_items import (
+    crease_labels,
+    edge_items,
+    handle_layer,
+    node_items,
+    sources_of,
+)
+from bozzetto_car.view.mark_items import mark_layers
+from bozzetto_car.view.surface_colors import certainty_colors, curvature_colors
+
+__all__ = [
+    "SKETCH_LAYERS",
+    "body_in_work",
+    "body_layers",
+    "hanging_on_view",
+    "is_shown",
+    "scene_of",
+]
+
+DIVISIONS: Final = 12
+"""Steps along each side of a patch that is shown."""
+
+DRAFT: Final = 0.3
+"""Opacity of a body that is laid over its sketch."""
+
+SKETCH_LAYERS: Final = ("sketch", "marks")
+"""Layers that mean something only where one looks through a sketch's camera."""
+
+
+REMEMBERED: Final = 16
+"""Layers of surfaces that are remembered, so that a viewport can keep what it has of them."""
+
+_surfaces: Memory[Layer] = Memory(REMEMBERED)
+
+
+def scene_of(state: CarState, body: Body | None) -> Scene:
+    """The car as it is solved; the sketch in work alone while its camera is not known."""
+    if body is None:
+        return Scene()
+    layers = [Layer("sketch", tuple(_picture(state.sketch, body)))]
+    if is_shown(state, body):
+        layers += body_layers(state, body)
+    layers.append(Layer("styling", styling_items(state, body)))
+    layers += mark_layers(state, body)
+    return Scene(tuple(layer for layer in layers if layer.items))
+
+
+def is_shown(state: CarState, body: Body) -> bool:
+    """Whether there is a body to look at, and not only a sketch whose camera is not known."""
+    return state.sketch is None or body.solved.joint is not None
+
+
+def body_in_work(state: CarState) -> Body:
+    """The body that is shown, to be worked on.
+
+    Raises
+    ------
+    UserError
+        If there is none yet.
+    """
+    body = body_of(state)
+    if not is_shown(state, body):
+        raise UserError(
+            "There is no body to work on yet: the camera of the sketch is not known. Mark its "
+            "points first."
+        )
+    return body
+
+
+def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
+    """The surfaces, the wheels, edges, nodes and their handles; see `handle_layer`."""
+    look = (body, state.body, state.shading)
+    return [
+        _surfaces.recall(("body", *look), partial(_body_layer, state, body)),
+        _surfaces.recall(("wheels", *look, state.wheels), partial(_wheel_layer, state, body)),
+        Layer("network", tuple(edge_items(state, body))),
+        Layer("nodes", tuple(node_items(state, body))),
+        handle_layer(state, body, camera),
+    ]
+
+
+def hanging_on_view(state: CarState, body: Body, camera: Camera) -> Scene:
+    """Handles and angles of the side that is seen; no sketch where one looks past it."""
+    layers = []
+    if is_shown(state, body):
+        layers.append(handle_layer(state, body, camera))
+        if state.creases:
+            layers.append(Layer("angles", tuple(crease_labels(body, camera))))
+    sketch = state.sketch
+    stand = None if sketch is None else body.stands.get(sketch.id)
+    if stand is not None and not stand.is_seen_through(camera):
+        layers += [Layer(name) for name in SKETCH_LAYERS]
+    return Scene(tuple(layers))
+
+
+def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
+    if sketch is None or sketch.picture is None or not sketch.visible or not sketch.opacity:
+        return
+    stand = body.stands.get(sketch.id)
+    if stand is not None:
+        yield stand.image(sketch.picture, sketch.opacity)
+
+
+def _body_layer(state: CarState, body: Body) -> Layer:
+    return Layer("body", tuple(_skin(state, body)))
+
+
+def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
+    if not state.body:
+        return
+    mesh = shaded(body.patchwork, DIVISIONS)
+    if state.shading == "curvature":
+        mesh = replace(mesh, colors=curvature_colors(body.nets, DIVISIONS))
+    elif state.shading == "certainty":
+        mesh = replace(mesh, colors=certainty_colors(body.template, sources_of(body), DIVISIONS))
+    yield Shaded(
+        mesh,
+        opacity=DRAFT if state.shading == "draft" else 1.0,
+        finish="zebra" if state.shading == "zebra" else "clay",
+    )
+
+
+def _wheel_layer(state: CarState, body: Body) -> Layer:
+    """The wheels; none over a drawing, which has its own."""
+    items: tuple[Item, ...] = ()
+    if state.wheels and state.shading != "draft":
+        meshes = wheel_meshes(body.network, body.nets)
+        items = tuple(Shaded(mesh, pickable=False) for mesh in meshes)
+    return Layer("wheels", items)

@@ -1,0 +1,1 @@
+"""Colours, textures and normals of solids. Imports solids and below."""

@@ -1,0 +1,136 @@
+"""What a surface looks like: the colours of its parts, and a picture over them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Mesh, Texture
+from bozzetto.plugin import Memory
+from bozzetto_silhouette.appearance.crease_normals import creased
+from bozzetto_silhouette.appearance.picture_projection import axes_of, projection_of, texel_of
+from bozzetto_silhouette.appearance.texture_baking import baked
+from bozzetto_silhouette.appearance.vertex_colors import (
+    Coat,
+    Creases,
+    bare,
+    creases_between,
+    part_coat,
+)
+from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.model.state import Picture, SilhouetteState
+from bozzetto_silhouette.solids.body import Body
+
+__all__ = ["Painted", "painted", "texture_of"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Painted(NamedTuple):
+    """A body's mesh with the colours of its vertices.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Closed, for files.
+    shown : Mesh
+        For the screen: where colours meet at a crease it has a vertex for each.
+    """
+
+    mesh: Mesh
+    shown: Mesh
+
+
+_textures: Memory[Texture] = Memory(limit=2)
+"""By what they show; a large one takes 64 MB."""
+
+
+def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
+    """A body for the screen and for files."""
+    checkpoint(1.0, "colours")  # the last step, and a short one
+    plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
+    parts = part_coat(state, body)
+    checkpoint(1.0, "colours")
+    picture = _picture_coat(state, body)
+    if parts is None and picture is None:
+        return Painted(plain, creased(body) if len(body.creases) else plain)
+    coat = parts or bare(len(body.vertices))
+    mesh = _colored(plain, coat if picture is None else picture.over(coat))
+    checkpoint(1.0, "colours")
+    creases = None if parts is None else creases_between(state, body, parts)
+    if creases is None:
+        return Painted(mesh, mesh)
+    return Painted(mesh, _split(plain, coat, creases, picture))
+
+
+def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> Mesh:
+    """The mesh with a vertex more for every corner that has a colour of its own."""
+    count = len(plain.vertices)
+    faces = plain.faces.copy()
+    copied = faces[creases.face, creases.corner]
+    faces[creases.face, creases.corner] = count + np.arange(len(copied))
+    order = np.concatenate([np.arange(count), copied])
+    whole = coat.joined(creases.coat)
+    if picture is not None:
+        whole = picture.at(order).over(whole)
+    normals = plain.vertex_normals()[order]
+    return _colored(Mesh(plain.vertices[order], faces, normals), whole)
+
+
+def _colored(mesh: Mesh, coat: Coat) -> Mesh:
+    colors, cover = coat.bytes()
+    return replace(mesh, colors=colors, cover=None if (cover == 255).all() else cover)
+
+
+def _picture_coat(state: SilhouetteState, body: Body) -> Coat | None:
+    if state.picture is None:
+        return None
+    projection = projection_of(state.picture, body.radius, body.step)
+    return projection.coat(body.vertices, body.normals)
+
+
+def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
+    """The colours of a body as a picture wrapped around it; None where no picture is laid on.
+
+    Colours of parts alone are smooth enough for vertices.
+    """
+    picture = state.picture
+    if picture is None:
+        return None
+    return _textures.recall((state.nodes, picture, body), lambda: _baked(state, body, picture))
+
+
+def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
+    under = _corner_coat(state, body)
+    places = np.concatenate([body.vertices, body.normals], axis=1)
+
+    def paint(face: Index, weights: Array, detail: float) -> Coat:
+        corners = body.faces[face]
+        there = sum(weights[:, k, None] * places[corners[:, k]] for k in range(3))
+        points, normals = np.hsplit(np.asarray(there), 2)
+        length = np.sqrt(np.einsum("nd,nd->n", normals, normals))
+        normals = normals / np.maximum(length, 1e-300)[:, None]
+        coat = projection_of(picture, body.radius, detail).coat(points, normals)
+        if under is None:
+            return coat
+        below = np.einsum("nk,nkd->nd", weights, under[face])
+        return coat.over(Coat(below[:, :3], below[:, 3]))
+
+    return baked(body.vertices, body.faces, axes_of(picture), 1.0 / texel_of(picture), paint)
+
+
+def _corner_coat(state: SilhouetteState, body: Body) -> Array | None:
+    """Colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
+    coat = part_coat(state, body)
+    if coat is None:
+        return None
+    corners = np.column_stack([coat.rgb, coat.cover])[body.faces]
+    creases = creases_between(state, body, coat)
+    if creases is not None:
+        own = np.column_stack([creases.coat.rgb, creases.coat.cover])
+        corners[creases.face, creases.corner] = own
+    return corners

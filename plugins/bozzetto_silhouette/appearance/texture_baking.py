@@ -1,0 +1,99 @@
+"""Baking: the colours of a surface, painted into a picture that is wrapped around it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Texture
+from bozzetto_silhouette.appearance.uv_charts import Layout, laid_out
+from bozzetto_silhouette.appearance.vertex_colors import Coat
+
+__all__ = ["Paint", "baked"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Paint = Callable[[Index, Array, float], Coat]
+"""Colours of points on a surface from their faces (n,), their barycentric weights (n, 3), and
+the distance between them, mm."""
+
+AT_ONCE = 1 << 17
+"""Texels coloured in one sweep: their arrays stay in the processor's cache."""
+
+
+def baked(
+    vertices: Array, faces: NDArray[np.int32], axes: Array, density: float, paint: Paint
+) -> Texture:
+    """Lay a closed mesh out and colour every texel.
+
+    Parameters
+    ----------
+    vertices : (v, 3) float array
+    faces : (f, 3) int array
+    axes : (3, 3) float array
+        Rows: orthonormal; along them the surface is projected.
+    density : float
+        Texels per mm that are wanted.
+    paint : callable
+    """
+    layout = laid_out(vertices, faces, axes, density)
+    texel, face, weights = _texels(layout)
+    width, height = layout.size
+    pixels = np.zeros((width * height, 4), np.uint8)
+    for first in range(0, len(texel), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        rgba, cover = paint(face[part], weights[part], 1.0 / layout.density).bytes()
+        rgba[:, 3] = cover
+        pixels[texel[part]] = rgba
+    known = np.zeros(width * height, bool)
+    known[texel] = True
+    _spread(pixels.reshape(height, width, 4), known.reshape(height, width))
+    corners = (layout.places / layout.size).astype(np.float32)
+    return Texture(pixels.reshape(height, width, 4), corners)
+
+
+def _texels(layout: Layout) -> tuple[Index, Index, Array]:
+    """Texels of the atlas, the face that each shows, and where on it.
+
+    A face too thin to cover the middle of a texel shows at those that its corners are in, if
+    nothing else does.
+    """
+    width = layout.size[0]
+    owner = layout.texels.triangle
+    texel = np.flatnonzero(owner >= 0)
+    face = owner[texel].astype(np.int64)
+    middle = np.column_stack([texel % width, texel // width]).astype(np.float64) + 0.5
+    weights = _barycentric(layout.places[face], middle)
+    spots = np.floor(layout.places).astype(np.int64).reshape(-1, 2)
+    spot = spots[:, 1] * width + spots[:, 0]
+    free = np.flatnonzero(owner[spot] < 0)
+    chosen, first = np.unique(spot[free], return_index=True)
+    corner = free[first]
+    return (
+        np.concatenate([texel, chosen]),
+        np.concatenate([face, corner // 3]),
+        np.concatenate([weights, np.eye(3)[corner % 3]]),
+    )
+
+
+def _barycentric(corners: Array, points: Array) -> Array:
+    """Weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
+    (ax, ay), (bx, by) = (corners[:, k].T - corners[:, 0].T for k in (1, 2))
+    px, py = points.T - corners[:, 0].T
+    area = ax * by - ay * bx
+    area = np.where(area == 0.0, 1.0, area)
+    second, third = (px * by - py * bx) / area, (ax * py - ay * px) / area
+    return np.column_stack([1.0 - second - third, second, third])
+
+
+def _spread(pixels: NDArray[np.uint8], known: NDArray[np.bool_]) -> None:
+    """Fill every unknown texel with the colour of the nearest known one, in place.
+
+    So neither the seams of charts nor smaller copies of the picture show what is between.
+    """
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    pixels[:] = pixels[tuple(nearest)]

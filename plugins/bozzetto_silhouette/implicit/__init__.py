@@ -1,0 +1,1 @@
+"""Convolution and variational fields, and how they blend. Imports outline and below."""

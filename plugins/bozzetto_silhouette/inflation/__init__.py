@@ -1,0 +1,1 @@
+"""The height of one part over its outline. Imports implicit and below."""

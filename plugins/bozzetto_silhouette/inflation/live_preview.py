@@ -1,0 +1,153 @@
+"""The shape under the pen: inflation of a stroke that is still being drawn.
+
+A membrane under pressure (`membrane`): exact at the outline, it needs no skeleton and takes
+a few milliseconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry import Mesh
+from bozzetto.ink.curves.closing import signed_area
+from bozzetto.ink.curves.intersections import self_crossings
+from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.inflation.membrane import Membrane
+from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
+from bozzetto_silhouette.model.sketch_plane import Sheet
+from bozzetto_silhouette.outline.boundary_sampling import sample_rim
+from bozzetto_silhouette.outline.domain_mesh import plan_of
+from bozzetto_silhouette.outline.signed_distance import RimDistance
+
+__all__ = ["Inflation", "inflate", "swollen"]
+
+Points = NDArray[np.float64]
+
+SPECK = 1e-3
+"""Enclosed area, as a share of the square of the size, below which nothing is shown."""
+
+TANGLE = 100
+"""A line that crosses itself more often is a scribble: what it encloses would take seconds
+to sort out, and is no shape."""
+
+
+INK_PER_CELL = 4
+"""Samples of the ink looked at in each cell: more than that does not show in so coarse a mesh."""
+
+
+MOST_STEPS = 90
+"""Steps along the outline: a spidery one gets a coarser mesh, to be there in time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Inflation:
+    """A surface to be shown while drawing.
+
+    Attributes
+    ----------
+    vertices : (v, 3) float array
+    faces : (f, 3) int32 array
+        Oriented outwards.
+    normals : (v, 3) float array
+    """
+
+    vertices: Points
+    faces: NDArray[np.int32]
+    normals: Points
+
+
+def _pieces(points: Points) -> list[tuple[Points, ...]]:
+    """What a closed, perhaps crossing, line encloses: rings of each piece, sorted out."""
+    import shapely
+
+    polygon = shapely.Polygon(points)
+    if not polygon.is_valid and len(self_crossings(points, closed=True)) > TANGLE:
+        return []
+    valid = polygon if polygon.is_valid else shapely.make_valid(polygon)
+    result = []
+    for part in shapely.get_parts(valid):
+        if part.geom_type not in ("Polygon", "MultiPolygon"):
+            continue
+        for piece in shapely.get_parts(part):
+            if piece.area < SPECK:
+                continue
+            rings = [shapely.get_coordinates(r)[:-1] for r in (piece.exterior, *piece.interiors)]
+            turned = [
+                r if (signed_area(r) > 0) == (k == 0) else r[::-1] for k, r in enumerate(rings)
+            ]
+            result.append(tuple(turned))
+    return result
+
+
+def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
+    """Inflate an open stroke, closed by a straight chord.
+
+    Parameters
+    ----------
+    outline_points : (n, 2) array_like
+        Samples so far.
+    cells : int
+        Cells along the longest side.
+
+    Returns
+    -------
+    Inflation or None
+        None when there is nothing to show yet. Never raises for any finite or infinite
+        input: a preview must not get in the way of the pen.
+    """
+    points = np.asarray(outline_points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] < 2:
+        return None
+    points = points[np.isfinite(points).all(axis=1), :2]
+    if len(points) < 3:
+        return None
+    low, high = points.min(axis=0), points.max(axis=0)
+    size, middle = float((high - low).max()), 0.5 * (low + high)
+    if not size > 1e-12 * max(1.0, float(np.abs(points).max())):
+        return None
+    inner = (points - middle) / size
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(inner, axis=0).T))])
+    inner = inner[np.diff(np.floor(arc * cells * INK_PER_CELL), prepend=-1.0) > 0.0]
+    if len(inner) < 3:
+        return None
+    try:
+        shells = [_inflated(rings, 1.0 / cells) for rings in _pieces(inner)]
+    except (ValueError, RuntimeError, IndexError, ArithmeticError):
+        # Degenerate ink on the way to something better: show nothing for this frame.
+        return None
+    if not shells:
+        return None
+    offsets = np.cumsum([0] + [len(v) for v, _, _ in shells[:-1]])
+    vertices = size * np.concatenate([v for v, _, _ in shells])
+    vertices[:, :2] += middle
+    faces = np.concatenate([f + o for (_, f, _), o in zip(shells, offsets, strict=True)])
+    return Inflation(vertices, faces.astype(np.int32), np.concatenate([n for _, _, n in shells]))
+
+
+def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
+    """What an outline drawn on a sheet, (n, 2) so far, swells to; nothing where it is none."""
+    inflation = inflate(points)
+    if inflation is None:
+        return Scene()
+    mesh = Mesh(
+        sheet.to_world(inflation.vertices).astype(np.float32),
+        inflation.faces,
+        sheet.turn(inflation.normals).astype(np.float32),
+    )
+    return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
+
+
+def _inflated(rings: tuple[Points, ...], step: float) -> tuple[Points, NDArray[np.int32], Points]:
+    length = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in rings)
+    step = max(step, length / MOST_STEPS)
+    rim = sample_rim(rings, step, 0.5 * step, thinness=0.8)
+    plan = plan_of(rim, np.zeros((0, 2)), step)
+    # A plan may have had to halve edges of its rim: the samples' radii come by the feet.
+    count = len(plan.after)
+    feet = RimDistance(rim.points, rim.after)(plan.points[count:])
+    square = Membrane.of(plan).round(feet.distance, rim.radius[feet.segment])
+    height = np.sqrt(square)
+    return *sewn_shell(plan, height, height), shell_normals(plan, square, square)

@@ -1,0 +1,98 @@
+"""Membranes under pressure: inflation as a kind of surface, and the quick round shape.
+
+A membrane held at the outline takes the shape u with -laplace(u) = pressure, and the height
+is sqrt(u). On a strip of half width r the height is that of a tube where the pressure is 2,
+on a disc that of a ball where it is 4; with one pressure for both, one of them is too high or
+too low by a factor of sqrt(2). After Dvoroznak et al., "Monster Mash", 2020.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.outline.boundary_sampling import Rim
+from bozzetto_silhouette.outline.domain_mesh import Plan
+from bozzetto_silhouette.outline.fem import Elements, factorised
+from bozzetto_silhouette.outline.normalized import Frame
+
+__all__ = ["InflationSwelling", "Membrane"]
+
+Points = NDArray[np.float64]
+
+TUBE, BALL = 2.0, 4.0
+"""Pressure under which a strip becomes a tube, and a disc a ball."""
+
+
+@dataclass(frozen=True, eq=False)
+class Membrane:
+    """A plan whose membrane can be blown up again and again."""
+
+    plan: Plan
+    mass: Points
+    factors: Any
+
+    @classmethod
+    def of(cls, plan: Plan) -> Membrane:
+        """Held at the plan's rim."""
+        elements, rim = Elements.of(plan), len(plan.after)
+        return cls(plan, elements.mass[rim:], factorised(elements.stiffness()[rim:, rim:]))
+
+    def blown(self, pressure: Points | float) -> Points:
+        """The shape u (n,), 0 on the rim, for a pressure at the inner points."""
+        u = np.zeros(len(self.plan.points))
+        u[len(self.plan.after) :] = self.factors.solve(self.mass * pressure)
+        return np.maximum(u, 0.0)
+
+    def round(self, depth: Points, radius: Points) -> Points:
+        """Squared heights that are round on tubes and on balls.
+
+        Parameters
+        ----------
+        depth : (k,) float array
+            Distance of the inner points from the rim.
+        radius : (k,) float array
+            Local radius at their feet on the rim.
+
+        Notes
+        -----
+        Under the pressure 1 the membrane stands ``d (2 r - d) / 2`` high on a strip and half as
+        high on a disc: the height tells how round the place is, and so which pressure it needs.
+        """
+        calm = self.blown(1.0)[len(self.plan.after) :]
+        round_section = depth * np.maximum(2.0 * radius - depth, depth)
+        pressure = np.clip(round_section / np.maximum(calm, 1e-300), TUBE, BALL)
+        return self.blown(pressure)
+
+
+@dataclass(frozen=True)
+class InflationSwelling:
+    """The membrane under one pressure, each body as high as its largest inscribed ball."""
+
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
+        """Squared half thickness at a plan's points."""
+        from scipy.spatial import cKDTree
+
+        square = Membrane.of(plan).blown(1.0)
+        body = _bodies(plan)
+        highest, widest = np.zeros((2, body.max() + 1))
+        np.maximum.at(highest, body, square)
+        _, near = cKDTree(plan.points).query(frame.axis[:, :2])
+        np.maximum.at(widest, body[near], frame.axis[:, 2])
+        scaled: Points = square * (widest**2 / np.maximum(highest, 1e-300))[body]
+        return scaled
+
+
+def _bodies(plan: Plan) -> NDArray[np.int32]:
+    """Number of the connected piece of the plan that each point belongs to, (n,)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    a, b, c = plan.triangles.T
+    rows, columns = np.concatenate([a, b]), np.concatenate([b, c])
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(plan.points),) * 2)
+    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1]
+    return labels

@@ -1,0 +1,124 @@
+"""From a plan with heights to a closed surface: lifted, sewn, oriented, with normals."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.outline.domain_mesh import Plan
+
+__all__ = ["plan_gradients", "sewn_shell", "shell_normals", "vertex_normals"]
+
+Points = NDArray[np.float64]
+Faces = NDArray[np.int32]
+
+
+_ROUNDS = 3
+"""Rounds in which gradients are made exact for quadratic functions."""
+
+
+def sewn_shell(plan: Plan, front: Points, back: Points) -> tuple[Points, Faces]:
+    """Front and back of a relief over a plan, sewn along the rim.
+
+    Parameters
+    ----------
+    plan : Plan
+        Counter-clockwise triangles; the rim's samples come first.
+    front, back : (n,) float array
+        Heights and depths at the plan's points, not negative; those of the rim are not used.
+
+    Returns
+    -------
+    vertices : (v, 3) float array
+        Rim at z = 0, then the front (z > 0), then the back.
+    faces : (f, 3) int32 array
+        Oriented outwards.
+    """
+    rim, count = len(plan.after), len(plan.points)
+    inner = plan.points[rim:]
+    vertices = np.vstack([
+        np.column_stack([plan.points[:rim], np.zeros(rim)]),
+        np.column_stack([inner, front[rim:]]),
+        np.column_stack([inner, -back[rim:]]),
+    ])  # fmt: skip
+    upper = plan.triangles
+    lower = np.where(upper >= rim, upper + (count - rim), upper)[:, ::-1]
+    return vertices, np.concatenate([upper, lower]).astype(np.int32)
+
+
+def shell_normals(plan: Plan, front: Points, back: Points) -> Points:
+    """Unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
+
+    They come from the slope of u, which is nearly quadratic where z itself, upright at the
+    rim, is hard to differentiate: the facets of the mesh do not show in them.
+
+    Parameters
+    ----------
+    plan : Plan
+    front, back : (n,) float array
+        u of either side, 0 on the rim.
+
+    Returns
+    -------
+    (v, 3) float array
+        In the order of `sewn_shell`.
+    """
+    rim = len(plan.after)
+    upper = _normals(plan, front)
+    lower = upper if back is front else _normals(plan, back)
+    return np.concatenate([upper, lower[rim:] * (1.0, 1.0, -1.0)])
+
+
+def _normals(plan: Plan, square: Points) -> Points:
+    normal = np.column_stack([-plan_gradients(plan, square), 2.0 * np.sqrt(square)])
+    normal /= np.maximum(np.sqrt((normal**2).sum(axis=1)), 1e-300)[:, None]
+    return normal
+
+
+def plan_gradients(plan: Plan, values: Points) -> Points:
+    """Gradients at the points of a plan (n, 2), exact for quadratic functions.
+
+    Along an edge e a quadratic function grows by the mean of its end gradients times e.
+    So every point fits its gradient to its edges by least squares, the change of gradient
+    along each edge being taken from the round before.
+    """
+    count = len(plan.points)
+    t = plan.triangles
+    # Two triangles run along an inner edge both ways; along the rim one way is missing.
+    rim = np.arange(len(plan.after))
+    a = np.concatenate([t.ravel(), plan.after])
+    b = np.concatenate([np.roll(t, -1, axis=1).ravel(), rim])
+    edge = plan.points[b] - plan.points[a]
+    weight = edge / np.maximum((edge**2).sum(axis=1), 1e-300)[:, None]
+    rise = values[b] - values[a]
+
+    def gathered(amounts: Points) -> Points:
+        return np.bincount(a, amounts, count).astype(np.float64)
+
+    xx, xy, yy = (gathered(weight[:, i] * edge[:, j]) for i, j in ((0, 0), (0, 1), (1, 1)))
+    determinant = np.maximum(xx * yy - xy * xy, 1e-12)
+    gradient = np.zeros((count, 2))
+    for turn in range(_ROUNDS + 1):
+        if turn:
+            bend = ((gradient[b] - gradient[a]) * edge).sum(axis=1)
+        rest = rise - 0.5 * bend if turn else rise
+        x, y = gathered(weight[:, 0] * rest), gathered(weight[:, 1] * rest)
+        gradient = np.stack([yy * x - xy * y, xx * y - xy * x], axis=1) / determinant[:, None]
+    return gradient
+
+
+def vertex_normals(vertices: Points, faces: Faces) -> Points:
+    """Unit normals (v, 3), each face weighted by its angle at the vertex."""
+    corner = vertices[faces]
+    edge = np.roll(corner, -1, axis=1) - corner
+    normal = np.cross(edge[:, 0], edge[:, 1])
+    normal /= np.maximum(np.sqrt((normal**2).sum(axis=1)), 1e-300)[:, None]
+    edge /= np.maximum(np.sqrt((edge**2).sum(axis=2)), 1e-300)[..., None]
+    cosine = -(edge * np.roll(edge, 1, axis=1)).sum(axis=2)
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+    index = faces.ravel()
+    total = np.stack([
+        np.bincount(index, (angle * normal[:, k : k + 1]).ravel(), len(vertices)) for k in range(3)
+    ], axis=1)  # fmt: skip
+    unit: Points = total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
+    return unit

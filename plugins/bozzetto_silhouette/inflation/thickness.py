@@ -1,0 +1,75 @@
+"""Factors on the height and the depth of a solid: what the silhouette does not say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.outline.domain_mesh import Plan
+from bozzetto_silhouette.outline.normalized import Frame
+
+__all__ = ["InTurn", "Thickness", "Uniform"]
+
+Points = NDArray[np.float64]
+
+
+class Thickness(Protocol):
+    """How much deeper or flatter than round a solid is, from place to place.
+
+    The outline stays whatever the factors are: they multiply heights that are 0 there.
+    """
+
+    def factors(
+        self, frame: Frame, plan: Plan, front: Points, back: Points
+    ) -> tuple[Points, Points]:
+        """Factors on the heights towards the person and away, at a plan's points, (n,) each.
+
+        Positive and finite. The same array twice where front and back are alike.
+
+        Parameters
+        ----------
+        frame : Frame
+        plan : Plan
+            In the frame of the sums.
+        front, back : (n,) float array
+            The squared heights that will be multiplied.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """The same factor everywhere."""
+
+    inflation: float = 1.0
+
+    def factors(
+        self, frame: Frame, plan: Plan, front: Points, back: Points
+    ) -> tuple[Points, Points]:
+        """The factor at every point, the same for front and back."""
+        same = np.full(len(plan.points), self.inflation)
+        return same, same
+
+
+@dataclass(frozen=True)
+class InTurn:
+    """One after the other; each sees the heights that those before it left."""
+
+    steps: tuple[Thickness, ...]
+
+    def factors(
+        self, frame: Frame, plan: Plan, front: Points, back: Points
+    ) -> tuple[Points, Points]:
+        """The products of the factors."""
+        up = down = np.ones(len(plan.points))
+        for step in self.steps:
+            so_far = front * up**2
+            other = so_far if back is front and up is down else back * down**2
+            higher, deeper = step.factors(frame, plan, so_far, other)
+            alike = up is down and higher is deeper
+            up = up * higher
+            down = up if alike else down * deeper
+        return up, down

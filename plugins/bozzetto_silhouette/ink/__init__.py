@@ -1,0 +1,1 @@
+"""From strokes to closed rings. Imports numerics and the core."""

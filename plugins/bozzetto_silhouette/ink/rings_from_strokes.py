@@ -1,0 +1,350 @@
+"""Pen strokes to closed rings: cleaned, joined, trimmed, closed, filtered.
+
+Everything is done with the longest side of the drawing scaled to 1, so that the lengths
+below are shares of the size and a drawing may be in any unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto_silhouette.ink.jitter_filter import filtered
+from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
+
+__all__ = ["rings_from_strokes", "specks", "thinned", "without_hooks"]
+
+Points = NDArray[np.float64]
+
+MOST_STROKES = 1_000
+"""Strokes of one part; the nesting of their outlines is looked for pair by pair."""
+
+CLUMP = 2e-4
+"""Samples closer than this to the one before are one sample."""
+
+HOOK = 0.022
+"""A hook at the start or end of a stroke is not longer than this."""
+HOOK_TURN = np.deg2rad(50.0)
+"""It turns away by more than this."""
+
+OWN_GAP = 0.5
+"""A stroke whose ends are farther apart than this share of its length is not closed by
+itself if another stroke can close it."""
+
+JOINT = 0.16
+"""Length of ink at an end in which an overlap with the next stroke is looked for, as a share
+of the shorter stroke."""
+
+FEW = 12
+"""A line of fewer samples is a polygon, not ink."""
+
+BESIDE = 0.02
+"""Ink that overlaps without crossing runs side by side no farther apart than this."""
+
+SMALLEST = 6e-3
+"""Strokes smaller than this beside larger ones are specks."""
+
+_REDRAW = "The outline crosses itself at the marked place. Draw it again, or lift the pen there."
+
+
+def rings_from_strokes(
+    strokes: Sequence[ArrayLike], *, tolerance: float | None = None
+) -> list[Points]:
+    """Closed simple rings that do not cross each other.
+
+    Parameters
+    ----------
+    strokes : sequence of (n, 2) array_like
+        Samples, in any unit.
+    tolerance : float, optional
+        Size of the tremor to be filtered, in the same unit; measured when not given.
+
+    Returns
+    -------
+    list of (n, 2) float arrays
+        First vertex not repeated.
+
+    Raises
+    ------
+    UserError
+        With places in the unit of the strokes.
+    """
+    given = [np.asarray(s, dtype=np.float64) for s in strokes]
+    given = [s[:, :2] for s in given if s.ndim == 2 and s.shape[0] > 0 and s.shape[1] >= 2]
+    if not given:
+        raise UserError("There is no ink yet. Draw a closed outline.")
+    if len(given) > MOST_STROKES:
+        raise UserError(
+            f"This drawing has {len(given)} strokes; at most {MOST_STROKES} can be one part. "
+            "Leave out the small ones, or build its parts one by one."
+        )
+    if not all(np.isfinite(s).all() for s in given):
+        raise UserError("Some samples of this stroke are not numbers. Draw the outline again.")
+    everything = np.concatenate(given)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    size, middle = float((high - low).max()), 0.5 * (low + high)
+    place = tuple(float(v) for v in middle)
+    # Below this the differences between samples are only rounding.
+    if not size > 1e-12 * max(1.0, float(np.abs(everything).max())):
+        raise UserError("This is a dot. Draw a closed outline.", places=[(place[0], place[1])])
+
+    lines = [thinned((s - middle) / size) for s in given]
+    lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
+    rings = [_closed(chain) for chain in _chains([without_hooks(s) for s in lines])]
+    rings = [r for r in rings if len(r) >= 3]
+    noise = None if tolerance is None else tolerance / size
+    clean: list[Points] = []
+    for ring in rings:
+        simple, crossings = untangled(filtered(ring, noise))
+        if len(crossings):
+            raise UserError(_REDRAW, places=_places(crossings, size, middle))
+        if simple is not None:
+            clean.append(simple)
+    if not clean:
+        raise UserError(
+            "This line encloses nothing. Draw around the shape and come back to the start.",
+            places=[(place[0], place[1])],
+        )
+    meetings = rings_that_cross(clean)
+    if len(meetings):
+        raise UserError(
+            "Two outlines cross at the marked place. Draw one inside the other, or apart.",
+            places=_places(meetings, size, middle),
+        )
+    return [r * size + middle for r in clean]
+
+
+def specks(strokes: Sequence[ArrayLike]) -> int:
+    """How many strokes are too small beside the others to be part of an outline."""
+    given = [np.asarray(s, dtype=np.float64)[:, :2] for s in strokes]
+    everything = np.concatenate(given)
+    size = float(np.ptp(everything, axis=0).max())
+    return sum(float(np.ptp(s, axis=0).max()) <= SMALLEST * size for s in given)
+
+
+def _places(points: Points, size: float, middle: Points) -> list[tuple[float, float]]:
+    return [(float(x), float(y)) for x, y in points * size + middle]
+
+
+def _arc(line: Points) -> Points:
+    """Arc length at the vertices of an open line (n, 2)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+
+
+def thinned(line: Points) -> Points:
+    """Drop samples that repeat or clump; the last sample stays."""
+    keep = [0]
+    for i in range(1, len(line)):
+        d = line[i] - line[keep[-1]]
+        if d[0] * d[0] + d[1] * d[1] > CLUMP * CLUMP:
+            keep.append(i)
+    return line[keep]
+
+
+def without_hooks(line: Points) -> Points:
+    """Cut hooks off both ends."""
+    line = _hook_cut(line)
+    return _hook_cut(line[::-1])[::-1]
+
+
+def _hook_cut(line: Points) -> Points:
+    """Cut the start off up to the last sharp turn within `HOOK`.
+
+    Only ink that is dense there can show a hook; the corners of a polygon given by its
+    vertices are none.
+    """
+    arc = _arc(line)
+    if arc[-1] < 8.0 * HOOK or np.searchsorted(arc, HOOK) < 6:
+        return line
+    at = np.arange(0.0, 2.2 * HOOK, HOOK / 8.0)
+    p = np.stack([np.interp(at, arc, line[:, k]) for k in (0, 1)], axis=1)
+    reach = 3
+    ahead = p[2 * reach :] - p[reach:-reach]
+    behind = p[reach:-reach] - p[: -2 * reach]
+    turn = np.arctan2(
+        behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], (behind * ahead).sum(axis=1)
+    )
+    where = at[reach:-reach]
+    sharp = np.flatnonzero((np.abs(turn) > HOOK_TURN) & (where < HOOK))
+    if not len(sharp):
+        # A hook shorter than the reach shows in the very first direction.
+        first, later = p[reach - 1] - p[0], p[3 * reach] - p[2 * reach]
+        angle = np.arctan2(first[0] * later[1] - first[1] * later[0], float(first @ later))
+        if abs(angle) < 1.5 * HOOK_TURN:
+            return line
+        cut = at[reach]
+    else:
+        cut = where[sharp[np.abs(turn[sharp]).argmax()]]
+    return line[np.searchsorted(arc, cut) :]
+
+
+def _chains(lines: list[Points]) -> list[list[Points]]:
+    """Group strokes into closed chains, each stroke turned so that ends meet starts.
+
+    Ends are matched greedily, the nearest pair first; the two ends of one stroke are a
+    pair like any other unless they are far apart.
+    """
+    count = len(lines)
+    own = [_cost_of_closing(line) for line in lines]
+    partner = [-1] * (2 * count)
+    for i in range(count):
+        if own[i] == 0.0:
+            partner[2 * i], partner[2 * i + 1] = 2 * i + 1, 2 * i
+    # Only strokes with loose ends look for a partner: a drawing may have thousands that close.
+    loose = [i for i in range(count) if own[i] > 0.0]
+    number = np.repeat(loose, 2) * 2 + np.tile([0, 1], len(loose)) if loose else np.zeros(0, int)
+    ends = np.array([p for i in loose for p in (lines[i][0], lines[i][-1])]).reshape(-1, 2)
+    one, other = np.triu_indices(len(number), 1)
+    gaps = np.hypot(*(ends[one] - ends[other]).T)
+    costs = [
+        (own[a // 2] if a // 2 == b // 2 else gap, a, b)
+        for gap, a, b in zip(
+            gaps.tolist(), number[one].tolist(), number[other].tolist(), strict=True
+        )
+    ]
+    for _, a, b in sorted(costs):
+        if partner[a] < 0 and partner[b] < 0:
+            partner[a], partner[b] = b, a
+    chains, done = [], [False] * count
+    for first in range(count):
+        if done[first]:
+            continue
+        chain, end = [], 2 * first
+        while not done[end // 2]:
+            done[end // 2] = True
+            line = lines[end // 2]
+            chain.append(line if end % 2 == 0 else line[::-1])
+            end = partner[end ^ 1]
+        chains.append(chain)
+    return chains
+
+
+def _cost_of_closing(line: Points) -> float:
+    """What it costs to join the two ends of one stroke; compare gaps between strokes."""
+    arcs = _arc(line)
+    gap = float(np.hypot(*(line[0] - line[-1])))
+    share = gap / max(float(arcs[-1]), 1e-12)
+    if len(line) > 2 and gap <= 1.5 * float(np.diff(arcs).max()):
+        return 0.0  # only the side back to the first vertex is missing
+    if share < 0.1:
+        return 0.5 * gap
+    return gap * (1.0 if share < OWN_GAP else 3.0)
+
+
+def _closed(chain: list[Points]) -> Points:
+    """Join the strokes of a chain, end to start, and the last to the first."""
+    if len(chain) == 1 and np.array_equal(chain[0][0], chain[0][-1]):
+        return chain[0][:-1]
+    lines = list(chain)
+    bridges: list[Points] = []
+    for i in range(len(lines)):
+        j = (i + 1) % len(lines)
+        if i == j:
+            line, bridge = _self_joint(lines[i])
+            lines[i] = line
+        else:
+            lines[i], lines[j], bridge = _joint(lines[i], lines[j])
+        bridges.append(bridge)
+    pieces = [piece for pair in zip(lines, bridges, strict=True) for piece in pair]
+    ring = np.concatenate(pieces)
+    return ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
+
+
+def _self_joint(line: Points) -> tuple[Points, Points]:
+    """Close one stroke onto itself: its halves are joined like two strokes."""
+    arc = _arc(line)
+    gap = float(np.hypot(*(line[0] - line[-1])))
+    if len(line) < FEW or gap <= 1.5 * float(np.diff(arc).max()):
+        # A polygon given by its vertices: the missing side is one like the others.
+        import shapely
+
+        if len(line) < FEW or shapely.LinearRing(line).is_simple:
+            return line, np.zeros((0, 2))
+    half = int(np.clip(np.searchsorted(arc, 0.5 * arc[-1]), 1, len(line) - 1))
+    tail, head, bridge = _joint(line[half:], line[: half + 1])
+    return np.concatenate([head[:-1], tail]), bridge
+
+
+def _joint(a: Points, b: Points) -> tuple[Points, Points, Points]:
+    """Trim the end of `a` and the start of `b` where they overlap; bridge what is left."""
+    import shapely
+
+    arc_a, arc_b = _arc(a), _arc(b)
+    window = JOINT * min(arc_a[-1], arc_b[-1])
+    gap = float(np.hypot(*(b[0] - a[-1])))
+    window = max(window, 1.5 * gap) if gap < 0.25 * min(arc_a[-1], arc_b[-1]) else window
+    first = int(np.searchsorted(arc_a, arc_a[-1] - window, side="right")) - 1
+    last = int(np.searchsorted(arc_b, window)) + 1
+    first = max(first, 0)
+    tail, head = a[first:], b[:last]
+    if len(tail) < 2 or len(head) < 2:
+        return a, b, np.zeros((0, 2))
+    line_a, line_b = shapely.LineString(tail), shapely.LineString(head)
+    meet = shapely.get_coordinates(shapely.intersection(line_a, line_b))
+    if len(meet):
+        # The earliest crossing on `a`: what follows of `a` falls away, so no other is left.
+        along = shapely.line_locate_point(line_a, shapely.points(meet))
+        k = int(along.argmin())
+        return (
+            _upto(a, arc_a, arc_a[first] + along[k], meet[k]),
+            _from(
+                b, arc_b, float(shapely.line_locate_point(line_b, shapely.Point(meet[k]))), meet[k]
+            ),
+            np.zeros((0, 2)),
+        )
+    # Side by side: the end of one lies beside the other's ink.
+    on_b = float(shapely.line_locate_point(line_b, shapely.Point(a[-1])))
+    beside_b = float(shapely.distance(line_b, shapely.Point(a[-1])))
+    on_a = float(shapely.line_locate_point(line_a, shapely.Point(b[0])))
+    beside_a = float(shapely.distance(line_a, shapely.Point(b[0])))
+    if min(beside_a, beside_b) < min(0.35 * gap, BESIDE):
+        if beside_b <= beside_a and 0.0 < on_b < 0.98 * line_b.length:
+            b = b[np.searchsorted(arc_b, on_b + 1.5 * beside_b) :]
+        elif 0.02 * line_a.length < on_a < line_a.length:
+            cut = arc_a[first] + on_a - 1.5 * beside_a
+            a = a[: max(int(np.searchsorted(arc_a, cut)), 2)]
+    return a, b, _bridge(a, b)
+
+
+def _upto(line: Points, arc: Points, cut: float, end: Points) -> Points:
+    return np.vstack([line[: max(int(np.searchsorted(arc, cut)), 1)], end])
+
+
+def _from(line: Points, arc: Points, cut: float, start: Points) -> Points:
+    return np.vstack([start, line[int(np.searchsorted(arc, cut, side="right")) :]])
+
+
+def _bridge(a: Points, b: Points) -> Points:
+    """Points that lead on from the end of `a` to the start of `b`, both excluded.
+
+    A cubic that leaves and arrives in the direction of the ink, as long as that is roughly
+    where it has to go; else nothing: a straight line.
+    """
+    chord = b[0] - a[-1]
+    gap = float(np.hypot(*chord))
+    arc_a, arc_b = _arc(a), _arc(b)
+    reach = max(0.5 * gap, 0.015)
+    if gap < 0.01 or gap > 0.35 or min(arc_a[-1], arc_b[-1]) < 2.0 * reach:
+        return np.zeros((0, 2))
+    back = np.array([np.interp(arc_a[-1] - reach, arc_a, a[:, k]) for k in (0, 1)])
+    front = np.array([np.interp(reach, arc_b, b[:, k]) for k in (0, 1)])
+    leave, arrive = a[-1] - back, front - b[0]
+    # A polygon given by few vertices is closed straight.
+    if len(a) < 8 or np.hypot(*(a[-1] - a[-2])) > 0.6 * gap:
+        return np.zeros((0, 2))
+    cosines = [float(v @ chord) / max(float(np.hypot(*v)) * gap, 1e-300) for v in (leave, arrive)]
+    if min(cosines) < np.cos(np.deg2rad(65.0)):
+        return np.zeros((0, 2))
+    leave *= gap / np.hypot(*leave)
+    arrive *= gap / np.hypot(*arrive)
+    t = np.linspace(0.0, 1.0, max(int(np.ceil(gap / 0.006)), 3) + 1)[1:-1, None]
+    bridge: Points = (
+        (1 + 2 * t) * (1 - t) ** 2 * a[-1]
+        + t * (1 - t) ** 2 * leave
+        + t**2 * (3 - 2 * t) * b[0]
+        - t**2 * (1 - t) * arrive
+    )
+    return bridge

@@ -1,0 +1,371 @@
+"""The recipe of a silhouette model: a tree of outlines on sheets, and how each swells.
+
+The nodes stand in one row, in the order in which they are put together: each is combined by
+its operation with everything before it in the same group. Ink is never replaced by what was
+made of it, so any old stroke can be drawn again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Placement, frozen
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto_silhouette.model.sketch_plane import Point, Sheet
+
+__all__ = [
+    "Color",
+    "Cut",
+    "Edit",
+    "Group",
+    "Kernel",
+    "Operation",
+    "Oversketch",
+    "Part",
+    "Picture",
+    "Removal",
+    "SilhouetteState",
+    "Smoothing",
+    "Surface",
+    "Turn",
+]
+
+Color = tuple[int, int, int]
+Operation = Literal["add", "merge", "carve", "intersect"]
+Surface = Literal["convolution", "variational", "inflation", "straight"]
+Kernel = Literal["scalis", "cauchy", "inverse-cubic", "inverse-quartic", "quartic", "sextic"]
+
+
+@dataclass(frozen=True)
+class Oversketch:
+    """A stroke drawn over a ring of the outline: the nearest stretch of it is replaced.
+
+    Parameters
+    ----------
+    stroke : Stroke
+        As seen when the part was drawn, wherever it has been moved since.
+    ring : int
+        Which of the rings that the ink describes, in the order drawn.
+    """
+
+    stroke: Stroke
+    ring: int = 0
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """A stroke rubbed along a ring of the outline: the stretch under it is smoothed.
+
+    `stroke` and `ring` are those of `Oversketch`.
+    """
+
+    stroke: Stroke
+    ring: int = 0
+
+
+@dataclass(frozen=True)
+class Removal:
+    """A ring that was taken out of the outline again: a hole that is filled."""
+
+    ring: int = 0
+
+
+Edit = Oversketch | Smoothing | Removal
+
+
+@dataclass(frozen=True)
+class Node:
+    """What parts and groups have in common.
+
+    Parameters
+    ----------
+    id : str
+        Unique within the state.
+    name : str
+    visible : bool
+        Switched off, it takes no part in the shape.
+    within : str
+        Id of the group that it is in; "" for none.
+    pose : Placement
+        Where it was moved since it was drawn, in the model's frame.
+    """
+
+    id: str = ""
+    name: str = ""
+    visible: bool = True
+    within: str = ""
+    pose: Placement = Placement()
+    operation: Annotated[
+        Operation,
+        Parameter(
+            "Operation",
+            help="How it is combined with what comes before it.",
+            choices=(
+                ("add", "Add"),
+                ("merge", "Merge"),
+                ("carve", "Carve"),
+                ("intersect", "Intersect"),
+            ),
+        ),
+    ] = "add"
+    blend: Annotated[
+        float,
+        Parameter(
+            "Blend radius",
+            0.0,
+            2.0,
+            step=0.05,
+            help="How softly it joins, as a share of the thinner part; 0 is a sharp crease.",
+        ),
+    ] = 0.5
+
+
+@dataclass(frozen=True)
+class Group(Node):
+    """Several nodes that act as one."""
+
+
+@dataclass(frozen=True)
+class Part(Node):
+    """One outline with its holes.
+
+    Parameters
+    ----------
+    strokes : Strokes
+        Raw ink: the outer outline and the outlines of holes, in the order drawn.
+    sheet : Sheet
+        Where they lie.
+    edits : tuple of Edit
+        What was drawn over the outline since, in order.
+    profile : Strokes
+        Drawn from another view: how thick it is along its main axis.
+    color : (r, g, b), optional
+        sRGB; else the colour of its ink, else clay.
+    """
+
+    strokes: Strokes = Strokes()
+    sheet: Sheet = Sheet()
+    edits: tuple[Edit, ...] = ()
+    profile: Strokes = Strokes()
+    color: Annotated[Color | None, Parameter("Colour", help="Of this part.")] = None
+    surface: Annotated[
+        Surface,
+        Parameter(
+            "Surface",
+            help="What is put around the outline.",
+            choices=(
+                ("convolution", "Round (convolution)"),
+                ("variational", "Interpolate exactly (variational)"),
+                ("inflation", "Inflate (membrane)"),
+                ("straight", "Straight through"),
+            ),
+        ),
+    ] = "convolution"
+    inflation: Annotated[
+        float,
+        Parameter(
+            "Inflation",
+            0.2,
+            3.0,
+            step=0.05,
+            help="How deep the shape swells; 1 is round, the silhouette stays as drawn.",
+        ),
+    ] = 1.0
+    softness: Annotated[
+        float,
+        Parameter(
+            "Limb softness",
+            1.25,
+            2.0,
+            step=0.05,
+            help="How softly limbs flow into the body.",
+        ),
+    ] = 1.4
+    pressure: Annotated[
+        float,
+        Parameter(
+            "Pen pressure",
+            0.0,
+            1.0,
+            step=0.05,
+            help="How much the pressure along the outline tells in the thickness.",
+        ),
+    ] = 0.0
+    kernel: Annotated[
+        Kernel,
+        Parameter(
+            "Kernel",
+            advanced=True,
+            help="What is summed along the skeleton of a convolution surface.",
+            choices=(
+                ("scalis", "Scale-invariant (default)"),
+                ("cauchy", "Cauchy"),
+                ("inverse-cubic", "1 / r³"),
+                ("inverse-quartic", "1 / r⁴"),
+                ("quartic", "Compact quartic"),
+                ("sextic", "Compact sextic"),
+            ),
+        ),
+    ] = "scalis"
+    skeleton: Annotated[
+        Literal["exact", "paper"],
+        Parameter(
+            "Skeleton",
+            advanced=True,
+            help="How the skeleton is taken from the triangles of the outline.",
+            choices=(("exact", "On the medial axis"), ("paper", "As in SketchCo")),
+        ),
+    ] = "exact"
+
+    @property
+    def placement(self) -> Placement:
+        """From the part's object frame to the frame of its group."""
+        return self.pose.after(self.sheet.placement)
+
+    @property
+    def recipe(self) -> Part:
+        """What its shape in the object frame hangs on; equal recipes have equal shapes."""
+        plain = Part()
+        return replace(
+            self,
+            id="",
+            name="",
+            visible=True,
+            within="",
+            pose=plain.pose,
+            operation=plain.operation,
+            blend=plain.blend,
+            color=None,
+        )
+
+
+@dataclass(frozen=True)
+class Cut(Part):
+    """One open line across what comes before it: what lies on one side of it falls away."""
+
+    side: Annotated[
+        Literal["left", "right"],
+        Parameter(
+            "Falls away",
+            help="Which side of the line, seen along it as it was drawn.",
+            choices=(("left", "Left of the line"), ("right", "Right of the line")),
+        ),
+    ] = "left"
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture projected on the whole shape along its own normal.
+
+    Parameters
+    ----------
+    pixels : (h, w, 4) uint8
+        RGBA, sRGB; read-only.
+    corner, across, down : (x, y, z)
+        Its rectangle, mm, in the model's frame.
+    """
+
+    pixels: NDArray[np.uint8]
+    corner: Point
+    across: Point
+    down: Point
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pixels", frozen(self.pixels, np.uint8))
+        if self.pixels.ndim != 3 or self.pixels.shape[2] != 4 or not self.pixels.size:
+            raise ValueError("a picture needs pixels of the shape (height, width, 4)")
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A joint that was turned.
+
+    Parameters
+    ----------
+    joint : (x, y, z)
+        Its place at rest, mm.
+    rotation : (w, x, y, z)
+        Unit quaternion, about the joint.
+    part : str
+        Id of the part in whose object frame both are, so that they go where it goes; "" for
+        the model's frame.
+    """
+
+    joint: Point
+    rotation: tuple[float, float, float, float]
+    part: str = ""
+
+
+@dataclass(frozen=True)
+class SilhouetteState:
+    """The tree, what is chosen in it, and what holds for all of it.
+
+    Parameters
+    ----------
+    nodes : tuple of Part, Cut or Group
+    selected : str
+        Id of the node that is chosen; "" for none.
+    turns : tuple of Turn
+    picture : Picture, optional
+    """
+
+    nodes: tuple[Part | Cut | Group, ...] = ()
+    selected: str = ""
+    turns: tuple[Turn, ...] = ()
+    picture: Picture | None = None
+    resolution: Annotated[
+        int,
+        Parameter(
+            "Resolution",
+            32,
+            256,
+            step=16,
+            unit="cells",
+            help="Cells along the longest side of a part; thin places are always refined.",
+        ),
+    ] = 128
+    inner: Annotated[
+        Literal["hole", "apart"],
+        Parameter(
+            "Drawn inside",
+            help="What an outline becomes that is drawn inside another one on its sheet.",
+            choices=(("hole", "A hole"), ("apart", "A part of its own")),
+        ),
+    ] = "hole"
+    paint: Annotated[
+        Color | None,
+        Parameter("Paint colour", help="What the paint tool gives to parts; none takes it away."),
+    ] = (196, 74, 54)
+    posing: Annotated[
+        bool,
+        Parameter("Pose", help="Show the joints; drag one and the skin follows."),
+    ] = False
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The nodes that are outlines."""
+        return tuple(node for node in self.nodes if isinstance(node, Part))
+
+    def node(self, node_id: str) -> Part | Group:
+        """A node by its id; raises `KeyError`."""
+        for node in self.nodes:
+            if node.id == node_id:
+                return node
+        raise KeyError(node_id)
+
+    def with_node(self, node: Part | Group) -> SilhouetteState:
+        """With a node in the place of the one of its id, or at the end; it becomes chosen."""
+        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
+
+    def unused_id(self) -> str:
+        """An id that no node has."""
+        return unused_id(self.nodes)
+
+    def unused_name(self, stem: str = "Part") -> str:
+        """A name that no node has."""
+        return unused_name(self.nodes, stem)

@@ -1,0 +1,1 @@
+"""Interpolation on grids and remeshing. Imports no other room."""

@@ -1,0 +1,1 @@
+"""Outlines with holes: triangulation, distances, skeleton. Imports ink and below."""

@@ -1,0 +1,111 @@
+"""From ink on a sheet to a checked outline, with mistakes pointed out where they were drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Memory
+from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
+from bozzetto_silhouette.model.sketch_plane import Sheet
+from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
+from bozzetto_silhouette.outline.edits import Rings, edited
+from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
+
+__all__ = ["outline_of", "points_on_sheet", "rings_of", "surrounds"]
+
+Array = NDArray[np.float64]
+
+_outlines: Memory[Outline] = Memory(limit=512)
+"""The tool looks at an outline before the solver does, and at those of all parts at every
+stroke."""
+
+_rings: Memory[Rings] = Memory(limit=512)
+"""After every edit: the next one begins there."""
+
+
+def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
+    """Every stroke's samples on the sheet, shape (n, 2) each, mm.
+
+    Raises
+    ------
+    UserError
+        If a line of sight misses the sheet: the view looks along it.
+    """
+    found = [sheet.from_pixels(stroke.points, stroke.camera) for stroke in strokes]
+    if not all(np.isfinite(points).all() for points in found):
+        raise UserError(
+            "From this side the drawing lies edge-on to the sheet. Turn the view, then draw."
+        )
+    return found
+
+
+def outline_of(part: Part) -> Outline:
+    """The closed rings that a part's ink describes, edits and all, in the part's object frame.
+
+    Raises
+    ------
+    UserError
+        If the ink does not close or crosses itself; its places are canvas pixels.
+    """
+    question = (part.strokes, part.sheet, part.edits)
+
+    def work() -> Outline:
+        outline = outline_from_rings([ring for ring in rings_of(part) if ring is not None])
+        if not outline.rings:
+            raise UserError("Nothing is left of this outline. Undo the last step on it.")
+        return outline
+
+    return _outlines.recall(question, work)
+
+
+def rings_of(part: Part) -> Rings:
+    """The rings by their numbers, as edits name them, in the part's object frame.
+
+    Raises
+    ------
+    UserError
+        As `outline_of`.
+    """
+    rings: Rings = ()
+    ink = (tuple(stroke.digest for stroke in part.strokes), part.sheet)
+    edits = [(type(e), e.ring, b"" if isinstance(e, Removal) else e.stroke.digest)
+             for e in part.edits]  # fmt: skip
+    for count in range(len(edits) + 1):
+        before = rings
+
+        def work(count: int = count, before: Rings = before) -> Rings:
+            return _after(part, before, count)
+
+        rings = _rings.recall((ink, tuple(edits[:count])), work)
+    return rings
+
+
+def _after(part: Part, before: Rings, count: int) -> Rings:
+    """The rings after so many edits, from those after one edit less."""
+    edit = part.edits[count - 1] if count else None
+    strokes = (edit.stroke,) if isinstance(edit, Oversketch | Smoothing) else tuple(part.strokes)
+    lines = points_on_sheet(strokes, part.sheet)
+    try:
+        if edit is None:
+            return tuple(rings_from_strokes(lines))
+        return edited(before, edit, lines[0])
+    except UserError as problem:
+        if not problem.places:
+            raise
+        camera = strokes[-1].camera
+        pixels, _ = camera.project(part.sheet.to_world(np.asarray(problem.places)))
+        raise UserError(problem.message, places=[(x, y) for x, y in pixels]) from None
+
+
+def surrounds(outline: Outline, points: Array) -> bool:
+    """Whether all points lie inside the outline (in a hole is outside)."""
+    from shapely import contains_xy, prepare
+
+    region = outline.polygon()
+    prepare(region)
+    return bool(contains_xy(region, points[:, 0], points[:, 1]).all())

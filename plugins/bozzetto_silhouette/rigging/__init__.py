@@ -1,0 +1,1 @@
+"""Joints, bone weights and poses. Imports analysis and below."""

@@ -1,0 +1,296 @@
+"""One rig for the whole tree: the joints of all parts, hung on each other where parts touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Placement, Rig
+from bozzetto.plugin import Memory
+from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.outline.medial_axis import Skeleton
+from bozzetto_silhouette.outline.normalized import frame_of
+from bozzetto_silhouette.rigging.joint_extraction import Joints, joints_of, most_central
+from bozzetto_silhouette.solids.placements import placement_of
+
+__all__ = ["Armature", "Limbs", "armature_of"]
+
+Points = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+NEAR = 0.1
+"""Parts touch when their balls are nearer than this share of the smaller ball's radius."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limbs:
+    """The joints of one connected piece of a part, parents before children.
+
+    Attributes
+    ----------
+    part : str
+        Id of the part.
+    placement : Placement
+        From the part's object frame to the model's.
+    flatness : float
+        Half thickness where a round part would have 1.
+    nodes : (n, 3) float array
+        x, y and radius of each joint, in the object frame.
+    parents : (n,) int array
+        Within the piece; -1 for its root.
+    cuts : (k, 2) int array
+        Links that closed loops.
+    paths : tuple of (k, 3) float arrays
+        x, y and radius of the axis along each link, in the object frame: from its parent to
+        each joint but the root, then along the cuts.
+    first : int
+        Number of its root in the whole rig.
+    """
+
+    part: str
+    placement: Placement
+    flatness: float
+    nodes: Points
+    parents: Indices
+    cuts: Indices
+    paths: tuple[Points, ...]
+    first: int
+
+    @property
+    def places(self) -> Points:
+        """Joints in the model's frame, (n, 3), mm."""
+        return _lifted(self.placement, self.nodes)
+
+    @property
+    def radii(self) -> Points:
+        """Of the balls around them, (n,), mm."""
+        return np.asarray(self.nodes[:, 2] * self.placement.scale)
+
+    @property
+    def numbers(self) -> slice:
+        """Of its joints in the whole rig."""
+        return slice(self.first, self.first + len(self.nodes))
+
+
+@dataclass(frozen=True, eq=False)
+class Armature:
+    """A rig at rest, and what its joints are in.
+
+    Attributes
+    ----------
+    rig : Rig
+        In the model's frame.
+    radii : (n,) float array
+        Of the ball around each joint, mm.
+    limbs : tuple of Limbs
+        In the order of their joints.
+    rigid : frozenset of str
+        Ids of parts that add to the shape and have no joints.
+    """
+
+    rig: Rig
+    radii: Points
+    limbs: tuple[Limbs, ...]
+    rigid: frozenset[str]
+
+    def limbs_of(self, joint: int) -> Limbs:
+        """What a joint is in, by its number in the rig."""
+        return next(one for one in reversed(self.limbs) if one.first <= joint)
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A piece of a part before it hangs on anything."""
+
+    part: Part
+    placement: Placement
+    joints: Joints
+    skeleton: Skeleton
+
+    @property
+    def places(self) -> Points:
+        return _lifted(self.placement, self.joints.nodes)
+
+    @property
+    def radii(self) -> Points:
+        return np.asarray(self.joints.nodes[:, 2] * self.placement.scale)
+
+    @property
+    def size(self) -> float:
+        """Radius of its thickest ball, mm."""
+        return float(self.radii.max())
+
+
+_armatures: Memory[Armature | None] = Memory(limit=64)
+
+
+def armature_of(state: SilhouetteState) -> Armature | None:
+    """The joints of all parts that add to the shape; None where there are none.
+
+    The largest piece has its root at its thickest joint. Every other one hangs on the largest
+    of those it touches: there, its joint nearest to one of that piece becomes its root. What
+    touches nothing has a root of its own.
+
+    Parameters
+    ----------
+    state : SilhouetteState
+
+    Raises
+    ------
+    UserError
+        If a part's ink is no outline.
+    """
+    return _armatures.recall(state.nodes, lambda: _armature_of(state))
+
+
+def _armature_of(state: SilhouetteState) -> Armature | None:
+    adding = list(_adding(state))
+    waiting = [
+        _Piece(part, placement_of(state, part), joints, skeleton)
+        for part in adding
+        if part.surface != "straight"
+        for skeleton in (_skeleton_of(part),)
+        for joints in joints_of(skeleton)
+    ]
+    waiting.sort(key=lambda piece: -piece.size)  # stable: equals stay in the order of the tree
+    hung: list[tuple[_Piece, Limbs]] = []
+    touched: dict[_Piece, tuple[_Piece, Limbs]] = {}
+    parents: list[int] = []
+    while waiting:
+        piece = next((piece for piece in waiting if piece in touched), waiting[0])
+        waiting.remove(piece)
+        away = np.linalg.norm(piece.places - piece.places.mean(axis=0), axis=1)
+        root, parent = most_central(piece.radii, away), -1
+        if piece in touched:
+            _, onto = touched[piece]
+            gaps = np.linalg.norm(piece.places[:, None] - onto.places, axis=2)
+            reach = piece.radii[:, None] + onto.radii
+            root, there = divmod(int((gaps / reach).argmin()), len(onto.nodes))
+            parent = onto.first + there
+        limbs = _rooted(piece, root, len(parents))
+        hung.append((piece, limbs))
+        parents += [parent, *(limbs.first + limbs.parents[1:]).tolist()]
+        for other in waiting:
+            larger = other not in touched or touched[other][0].size < piece.size
+            if larger and _touch(other, piece):
+                touched[other] = (piece, limbs)
+    if not hung:
+        return None
+    all_limbs = tuple(limbs for _, limbs in hung)
+    cuts = np.concatenate([limbs.first + limbs.cuts for limbs in all_limbs])
+    rig = Rig(
+        np.concatenate([limbs.places for limbs in all_limbs]),
+        np.array(parents, np.int32),
+        _names([(piece.part.name, len(limbs.nodes)) for piece, limbs in hung]),
+        cuts=cuts.astype(np.int32) if len(cuts) else None,
+    )
+    rigid = frozenset(part.id for part in adding if part.surface == "straight")
+    return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs, rigid)
+
+
+def _skeleton_of(part: Part) -> Skeleton:
+    """The skeleton of a part's solid, in the object frame."""
+    frame = frame_of(outline_of(part), part.skeleton)
+    return frame.skeleton.transformed(frame.scale, frame.origin)
+
+
+def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
+    """The visible parts that add to the shape: what comes first in a group always does."""
+    first = True
+    for node in state.nodes:
+        if node.within != within or not node.visible:
+            continue
+        adds, first = first or node.operation in ("add", "merge"), False
+        if not adds:
+            continue
+        if isinstance(node, Group):
+            yield from _adding(state, node.id)
+        elif not isinstance(node, Cut):
+            yield node
+
+
+def _lifted(placement: Placement, nodes: Points) -> Points:
+    return placement.points(np.column_stack([nodes[:, :2], np.zeros(len(nodes))]))
+
+
+def _touch(one: _Piece, other: _Piece) -> bool:
+    """Whether balls of two pieces meet."""
+    if one.part.id == other.part.id:
+        return False
+    here, there = one.skeleton.nodes, other.skeleton.nodes
+    radii, others = here[:, 2] * one.placement.scale, there[:, 2] * other.placement.scale
+    gaps = np.linalg.norm(
+        _lifted(one.placement, here)[:, None] - _lifted(other.placement, there), axis=2
+    )
+    reach = radii[:, None] + others + NEAR * np.minimum(radii[:, None], others)
+    return bool((gaps <= reach).any())
+
+
+def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
+    """The joints of a piece as a tree; loops are cut where they are thinnest."""
+    nodes, links = piece.joints.nodes, piece.joints.links
+    axis = {(a, b): path for (a, b), path in zip(links.tolist(), piece.joints.paths, strict=True)}
+    axis |= {(b, a): path[::-1] for (a, b), path in axis.items()}
+    cluster = list(range(len(nodes)))
+
+    def head(node: int) -> int:
+        while cluster[node] != node:
+            node = cluster[node]
+        return node
+
+    around: list[list[int]] = [[] for _ in nodes]
+    cut = []
+    for link in np.argsort(-piece.joints.thickness, kind="stable").tolist():
+        a, b = links[link].tolist()
+        if head(a) == head(b):
+            cut.append((a, b))
+            continue
+        cluster[head(a)] = head(b)
+        around[a].append(b)
+        around[b].append(a)
+
+    order: list[int] = []
+    parents: list[int] = []
+    place = {}
+    stack = [(root, -1)]
+    while stack:
+        node, above = stack.pop()
+        place[node] = len(order)
+        order.append(node)
+        parents.append(above)
+        # Around the clock, so that limbs are numbered the same however they were found.
+        children = [k for k in around[node] if k not in place]
+        children.sort(key=lambda k: -float(np.arctan2(*(nodes[k] - nodes[node])[1::-1])))
+        stack += [(k, place[node]) for k in reversed(children)]
+    cuts = sorted(sorted((place[a], place[b])) for a, b in cut)
+    pairs = [(parents[k], k) for k in range(1, len(order))] + cuts
+    return Limbs(
+        piece.part.id,
+        piece.placement,
+        piece.part.inflation,
+        nodes[order],
+        np.array(parents, np.intp),
+        np.array(cuts, np.intp).reshape(-1, 2),
+        tuple(axis[order[a], order[b]] for a, b in pairs),
+        first,
+    )
+
+
+def _names(runs: list[tuple[str, int]]) -> tuple[str, ...]:
+    """Names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
+    taken: dict[str, None] = {}
+    counts: dict[str, int] = {}
+    for name, count in runs:
+        stem = name or "Joint"
+        for _ in range(count):
+            while True:
+                counts[stem] = counts.get(stem, 0) + 1
+                one = stem if counts[stem] == 1 else f"{stem}.{counts[stem]}"
+                if one not in taken:
+                    break
+            taken[one] = None
+    return tuple(taken)

@@ -1,0 +1,197 @@
+"""What every vertex follows: weights of joints, smooth across the surface.
+
+A vertex follows the bones of the part that it came from (`bones`); at a seam between two parts
+both have half a say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.rigging.armature import Armature
+from bozzetto_silhouette.rigging.bone_weights import Bones, Gaps, eased
+from bozzetto_silhouette.solids.body import Body
+
+__all__ = ["followed"]
+
+Floats = NDArray[np.float32]
+Points = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+SEAM = 0.5
+"""How far parts blend into each other at a seam, in largest radii of the thinner one."""
+
+MOST = 4
+"""Joints that a vertex can follow in files."""
+
+CHUNK = 8192
+"""Vertices at a time: what is worked on stays in the cache, and the window can breathe."""
+
+
+class Table(NamedTuple):
+    """Shares of joints at n points.
+
+    Attributes
+    ----------
+    joints : (k,) int array
+        Numbers in the rig, all different.
+    shares : (n, k) float32 array
+        Sum 1.
+    """
+
+    joints: Indices
+    shares: Floats
+
+
+Follower = Callable[[Points], Table]
+"""What points of one part follow; (n, 3), in the model's frame."""
+
+
+def followed(
+    armature: Armature, body: Body, checkpoint: Checkpoint = ignore
+) -> tuple[NDArray[np.uint16], Floats]:
+    """Joints and weights of a body's vertices.
+
+    Parameters
+    ----------
+    armature : Armature
+        In the body's frame.
+    body : Body
+    checkpoint : callable
+
+    Returns
+    -------
+    joints : (v, 4) uint16 array
+        All different where the weight is not 0; 0 where it is.
+    weights : (v, 4) float32 array
+        Sum 1.
+    """
+    bones = [Bones(limbs) for limbs in armature.limbs]
+    followers = [_follower(armature, body, bones, owner) for owner in range(len(body.sources))]
+    joints = np.zeros((len(body.vertices), MOST), np.uint16)
+    weights = np.zeros((len(body.vertices), MOST), np.float32)
+    for owner in np.unique(body.origins).tolist():
+        mine = np.flatnonzero(body.origins == owner)
+        for start in range(0, len(mine), CHUNK):
+            checkpoint(1.0, "skin")  # the last step, and a short one
+            some = mine[start : start + CHUNK]
+            joints[some], weights[some] = _strongest(followers[owner](body.vertices[some]))
+    _sew(armature, body, followers, joints, weights)
+    return joints, weights
+
+
+def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int) -> Follower:
+    """How the vertices of one part move.
+
+    With bones of its own, by those. A part that adds to the shape without bones, as one that
+    goes straight through, follows as a whole what it is nearest to. The walls of what was cut
+    away follow whatever is around them.
+    """
+    part = body.sources[owner]
+    own = [one for one in bones if one.limbs.part == part]
+    if own or part not in armature.rigid:
+        return lambda points: _mixed(own or bones, points)
+    points = body.vertices[body.origins == owner]
+    if not len(points):
+        return lambda points: Table(np.zeros(1, np.intp), np.ones((len(points), 1), np.float32))
+    gaps = np.min([one.shares(points)[1].gap for one in bones], axis=0)
+    nearest = _mixed(bones, points[[gaps.argmin()]])
+    joint = nearest.joints[[nearest.shares[0].argmax()]]
+    return lambda points: Table(joint, np.ones((len(points), 1), np.float32))
+
+
+def _mixed(bones: Sequence[Bones], points: Points) -> Table:
+    """Shares of the joints of several pieces: of those that are near."""
+    found = [one.shares(points) for one in bones]
+    joints = [one.limbs.first + np.arange(len(one.limbs.nodes)) for one in bones]
+    if len(found) == 1:
+        return Table(joints[0], found[0][0])
+    gaps = Gaps(*(np.stack(rows) for rows in zip(*(nearest for _, nearest in found), strict=True)))
+    nearest = gaps.nearest()
+    says = eased(1.0 - (gaps.gap - nearest.gap) / gaps.widths(nearest))
+    says /= says.sum(axis=0)
+    shares = [share * say[:, None] for (share, _), say in zip(found, says, strict=True)]
+    return Table(np.concatenate(joints), np.concatenate(shares, axis=1))
+
+
+def _strongest(table: Table) -> tuple[NDArray[np.uint16], Floats]:
+    """The joints with the largest shares, (n, 4), and their weights.
+
+    What the fifth has is taken off the others, so that nothing jumps where two joints change
+    places in this row.
+    """
+    shares = table.shares
+    if shares.shape[1] <= MOST:
+        shares = np.pad(shares, ((0, 0), (0, MOST + 1 - shares.shape[1])))
+    columns = np.argpartition(shares, -MOST - 1, axis=1)[:, -MOST - 1 :]
+    found = np.take_along_axis(shares, columns, axis=1)
+    order = np.argsort(-found, axis=1)
+    columns = np.take_along_axis(columns, order, axis=1)[:, :MOST]
+    found = np.take_along_axis(found, order, axis=1)
+    weights = found[:, :MOST] - found[:, MOST:]
+    total = weights.sum(axis=1, keepdims=True)
+    # Five alike leave nothing: then the four are alike.
+    weights = np.where(total > 1e-6, weights / np.maximum(total, 1e-6), 1.0 / MOST)
+    numbers = np.pad(table.joints, (0, shares.shape[1] - len(table.joints)))
+    return np.where(weights > 0.0, numbers[columns], 0).astype(np.uint16), weights
+
+
+def _sew(
+    armature: Armature,
+    body: Body,
+    followers: Sequence[Follower],
+    joints: NDArray[np.uint16],
+    weights: Floats,
+) -> None:
+    """Mix what vertices near a seam follow with what the part beyond it follows, in place.
+
+    With s the share of the seam at a vertex, one half on it and fading to 0, the part beyond
+    weighs s / (1 - s) as much as the vertex's own.
+    """
+    edges = np.concatenate([body.faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    across = body.origins[edges]
+    seam = across[:, 0] < across[:, 1]
+    if not seam.any():
+        return
+    pairs, which = np.unique(across[seam], axis=0, return_inverse=True)
+    middles = body.vertices[edges[seam]].mean(axis=1)
+    said: list[tuple[Indices, Points, Table]] = []
+    for number, pair in enumerate(pairs.tolist()):
+        here = middles[which.ravel() == number]
+        width = SEAM * min(_thickness(armature, body.sources[owner]) for owner in pair)
+        for mine, other in (pair, pair[::-1]):
+            own = np.flatnonzero(body.origins == mine)
+            near, gap = _near(body.vertices[own], here, width)
+            share = 0.5 * eased(1.0 - gap / width)
+            table = followers[other](body.vertices[own[near]])
+            said.append((own[near], share / (1.0 - share), table))
+    rows = np.unique(np.concatenate([near for near, _, _ in said]))
+    count = len(armature.radii)
+    shares = np.zeros((len(rows), count), np.float32)
+    np.add.at(shares, (np.arange(len(rows))[:, None], joints[rows].astype(np.intp)), weights[rows])
+    for near, odds, table in said:
+        at = np.searchsorted(rows, near)
+        shares[np.ix_(at, table.joints)] += odds[:, None] * table.shares
+    shares /= shares.sum(axis=1, keepdims=True)
+    joints[rows], weights[rows] = _strongest(Table(np.arange(count), shares))
+
+
+def _near(points: Points, others: Points, width: float) -> tuple[Indices, Points]:
+    """Which points have another within a width, and how far it is."""
+    from scipy.spatial import cKDTree
+
+    low, high = others.min(axis=0) - width, others.max(axis=0) + width
+    inside = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+    gap = np.asarray(cKDTree(others).query(points[inside], distance_upper_bound=width)[0])
+    return inside[gap < width], gap[gap < width]
+
+
+def _thickness(armature: Armature, part: str) -> float:
+    """The largest radius of a part; of all parts for one without bones."""
+    own = [limbs.radii.max() for limbs in armature.limbs if limbs.part == part]
+    return float(max(own, default=armature.radii.max()))

@@ -1,0 +1,101 @@
+"""A body: a closed mesh, the function of space that it is the zero set of, and its origins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry import Placement
+from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
+from bozzetto_silhouette.inflation.manifold_check import as_manifold
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+    from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
+
+__all__ = ["REMEMBERED", "Body"]
+
+Points = NDArray[np.float64]
+
+VERTEX = 400
+"""Bytes that a vertex takes in a body: most of it in manifold3d's own copy of the mesh."""
+
+REMEMBERED = 600 << 20
+"""Bytes that a memory of bodies may take: thirty large ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """What parts and groups are put together from.
+
+    Attributes
+    ----------
+    vertices : (v, 3) float64 array
+    faces : (f, 3) int32 array
+        Oriented outwards, watertight.
+    normals : (v, 3) float64 array
+        Unit, outwards.
+    origins : (v,) int32 array
+        For every vertex the index in `sources` of the part that it came from.
+    sources : tuple of str
+        Ids of the parts.
+    implicit : Implicit
+        Its zero set is the mesh, but for the mesh's own coarseness.
+    radius : float
+        The largest inscribed radius: what blend radii are a share of.
+    step : float
+        Spacing of the mesh in the thick places.
+    creases : (c,) int array
+        Vertices that lie on sharp edges, where one normal cannot be right for all faces.
+    constraints : Constraints, optional
+        What a variational surface interpolates; such surfaces blend by what they interpolate.
+    known : Manifold, optional
+        The same mesh as manifold3d sees it, where it is at hand.
+    """
+
+    vertices: Points
+    faces: NDArray[np.int32]
+    normals: Points
+    origins: NDArray[np.int32]
+    sources: tuple[str, ...]
+    implicit: Implicit
+    radius: float
+    step: float
+    creases: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp))
+    constraints: Constraints | None = None
+    known: Manifold | None = None
+
+    @cached_property
+    def manifold(self) -> Manifold:
+        """The mesh as manifold3d sees it."""
+        return as_manifold(self.vertices, self.faces) if self.known is None else self.known
+
+    @cached_property
+    def bounds(self) -> Points:
+        """Corners of the box around the mesh, (2, 3)."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def weight(self) -> int:
+        """About what it takes in memory, bytes."""
+        return VERTEX * len(self.vertices)
+
+    def placed(self, placement: Placement) -> Body:
+        """The body moved, turned, scaled or mirrored."""
+        if placement.is_identity:
+            return self
+        return replace(
+            self,
+            vertices=placement.points(self.vertices),
+            faces=self.faces[:, ::-1] if placement.mirrors else self.faces,
+            normals=placement.directions(self.normals),
+            implicit=Placed(self.implicit, placement),
+            radius=self.radius * placement.scale,
+            step=self.step * placement.scale,
+            constraints=None if self.constraints is None else self.constraints.placed(placement),
+            known=None,
+        )

@@ -1,0 +1,74 @@
+"""The tree of nodes put together, from the first to the last; what did not change is kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bozzetto.plugin import Memory
+from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.solids.body import REMEMBERED, Body
+from bozzetto_silhouette.solids.boolean import combined
+from bozzetto_silhouette.solids.extrude import acts_on, straight_body
+from bozzetto_silhouette.solids.part_solid import body_of
+from bozzetto_silhouette.solids.traversal import put_together
+
+__all__ = ["tree_body"]
+
+
+def _weight(body: Body | None) -> int:
+    return 0 if body is None else body.weight()
+
+
+_joined: Memory[Body | None] = Memory(limit=256, weight=_weight, most=REMEMBERED)
+"""By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
+give the same body. Each entry may hold a mesh of the whole."""
+
+_moved: Memory[Body] = Memory(limit=16)
+"""Groups where they were moved to."""
+
+
+def tree_body(
+    state: SilhouetteState, resolution: int, checkpoint: Checkpoint = ignore
+) -> Body | None:
+    """The body of all nodes that are switched on, in the model's frame; None for nothing.
+
+    Raises
+    ------
+    UserError
+        If a part's ink is no outline; the message begins with the name of the part.
+    """
+    making = _Making(max(1, len(state.parts)), resolution, checkpoint)
+    return put_together(state, making.part, making.moved, making.joined)
+
+
+@dataclass
+class _Making:
+    """One pass over the tree, and how far it has come."""
+
+    parts: int
+    resolution: int
+    checkpoint: Checkpoint
+    begun: int = 0
+    told: float = 0.0
+
+    def part(self, part: Part, before: Body | None) -> Body:
+        self.begun += 1
+        if before is not None and acts_on(part):
+            return straight_body(part, before.bounds, self.resolution)
+        return body_of(part, self.resolution, self._step)
+
+    def moved(self, body: Body, group: Group) -> Body:
+        return _moved.recall((body, group.pose), lambda: body.placed(group.pose))
+
+    def joined(self, before: Body, body: Body, node: Part | Group) -> Body | None:
+        return _joined.recall(
+            (before, body, node.operation, node.blend),
+            lambda: combined(before, body, node.operation, node.blend, self._step),
+        )
+
+    def _step(self, fraction: float, words: str) -> None:
+        # A leaf and what is made of it are both a part's work: the bar never goes back.
+        share = (self.begun - 1 + fraction) / self.parts
+        self.told = max(self.told, min(1.0, share))
+        self.checkpoint(self.told, words)

@@ -1,0 +1,365 @@
+"""The fillet: around the crease of a sharp mesh the surface of the blended solid.
+
+The sharp mesh has the topology and all detail. Only where the blend tells are its triangles
+made anew, fine enough for the fillet, and moved onto the zero set of the blended solid. Where
+that fails the blend is held back, in the function as in the mesh, and tried again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.plugin import Memory
+from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
+from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.numerics.isotropic_remeshing import (
+    Patch,
+    collapsed,
+    dot,
+    flipped_edges,
+    relaxed,
+    split,
+    unit,
+)
+
+__all__ = ["Fillet", "filleted"]
+
+Points = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+_ATTEMPTS = 5
+"""How often a crease is tried, each time with less of the blend where the last one failed."""
+
+_RETREAT = 0.4
+"""What is left of the blend at a place that failed, each time."""
+
+_LEAST = 0.1
+"""Shares of the blend below this are not tried: there the crease stays sharp."""
+
+_NONE = 1e-3
+"""The share of the blend that is left there: none would divide by zero."""
+
+_AROUND = 2.5
+"""How far around a place that failed less is blended, in reaches."""
+
+_FINENESS = 0.35
+"""Longest edge in the fillet as a share of the reach: a quarter circle gets about five, with a
+sag of 1.5 % of its radius."""
+
+_FINEST = 0.6
+"""The same as a share of the mesh's spacing, at least: smaller fillets are not seen."""
+
+_SLIVER = 0.55
+"""Edges shorter than this share of the shorter of the longest edge and the mesh's own spacing
+are collapsed. Half of the longest would undo what was just split."""
+
+_STAGES = (0.4, 0.75, 1.0)
+"""The reach grows by stages, so that no vertex has far to go at once."""
+
+_SMOOTHINGS = 2
+"""Rounds of relaxation after every stage."""
+
+_COLLAPSES = 2
+"""Rounds of collapsing edges before every relaxation."""
+
+_FLIPS = 1
+"""Rounds of flipping edges before every relaxation."""
+
+_TELLING = 1e-3
+"""What the blend adds, as a share of the reach, from which on vertices are set free."""
+
+_NEWTON = 3
+"""Steps of Newton's method at the end of the last stage; the others need not be exact."""
+
+_STRIDE = 0.15
+"""Longest of these steps, as a share of the reach."""
+
+_FLATTEST = 0.2
+"""Gradients are taken for no shorter than this: between sides that face each other they vanish."""
+
+_BEYOND = 2.0
+"""Values that a fillet meets, in reaches: those beyond are not blended."""
+
+_RINGS = 2
+"""Rings of vertices around those that the blend tells on which may be moved, too."""
+
+_HOPELESS = 0.05
+"""Share of faces turned over from which on nothing more is tried."""
+
+_REPAIRS = 3
+"""Rounds of mending faces that were turned over."""
+
+_COMBINGS = 6
+"""Relaxations of what is around such faces in every round."""
+
+_LEFT = 0.02
+"""What may be left of the blended value at a vertex, as a share of the reach."""
+
+_OVERTURNED = -0.2
+"""Cosine between a face and the gradient below which it counts as turned over."""
+
+
+class Fillet(NamedTuple):
+    """A mesh with its fillets.
+
+    Attributes
+    ----------
+    vertices : (v, 3) float array
+    faces : (f, 3) int array
+    parents : (v,) int array
+        The vertex of the sharp mesh that each stands for or came from.
+    moved : (v,) bool array
+        Those that lie in fillets; the others are as they were.
+    solid : Composite
+        The blended solid that the mesh is the surface of, with its blend held back where the
+        whole of it found no place.
+    """
+
+    vertices: Points
+    faces: Indices
+    parents: Indices
+    moved: Mask
+    solid: Composite
+
+
+_fillets: Memory[Fillet] = Memory(limit=512)
+"""By a crease and by what is blended there: where nothing changed, a fillet is the same,
+whatever was done to the rest of the tree."""
+
+
+def filleted(
+    vertices: Points,
+    faces: Indices,
+    solid: Composite,
+    step: float,
+    checkpoint: Checkpoint = ignore,
+) -> Fillet:
+    """The mesh of the sharp operation brought onto the blended solid.
+
+    Every crease is done by itself. Where its fillet finds no place, as where it would be larger
+    than what it joins, it is tried with less around there, and at last stays sharp there.
+
+    Parameters
+    ----------
+    vertices, faces : (v, 3) float array, (f, 3) int array
+        Of the sharp operation.
+    solid : Composite
+        With a blend above 0.
+    step : float
+        Spacing of the finer of the two meshes.
+    checkpoint : callable
+    """
+    near = _in_place(solid, vertices)
+    crease = _creases(near, vertices, faces)
+    of_face = crease[faces].max(axis=1, initial=-1)
+    parts = []
+    for number in np.unique(of_face[of_face >= 0]):
+        zone = faces[of_face == number]
+        local = _in_place(near, vertices[np.unique(zone)])
+        numbers, inner = _in_order(vertices, zone)
+        question = (signature(local), step, vertices[numbers].tobytes(), inner.tobytes())
+
+        def work(
+            numbers: Indices = numbers, inner: Indices = inner, local: Composite = local
+        ) -> Fillet:
+            return _made(vertices[numbers], inner, local, step, checkpoint)
+
+        parts.append((numbers, _fillets.recall(question, work)))
+    return _set_in(vertices, faces[of_face < 0], parts, solid)
+
+
+def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
+    """Some faces by themselves, in an order that hangs on their places alone.
+
+    Returns
+    -------
+    numbers : (k,) int array
+        Of their vertices.
+    faces : (f, 3) int array
+        As indices into these.
+    """
+    numbers = np.unique(faces)
+    numbers = numbers[np.lexsort(vertices[numbers].T)]
+    rank = np.zeros(len(vertices), np.intp)
+    rank[numbers] = np.arange(len(numbers))
+    inner = rank[faces]
+    first = inner.argmin(axis=1) if len(inner) else np.zeros(0, np.intp)
+    inner = np.take_along_axis(inner, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return numbers, inner[np.lexsort(inner.T)]
+
+
+def _set_in(
+    vertices: Points, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
+) -> Fillet:
+    """What is left of a mesh, and fillets, each of some vertices (by number) of it."""
+    count = len(vertices)
+    rows: list[Indices] = [rest]
+    points: list[Points] = [vertices]
+    parents: list[Indices] = [np.arange(count)]
+    taming = solid.taming
+    for numbers, part in parts:
+        number = numbers[part.parents]
+        number[part.moved] = count + np.arange(part.moved.sum())
+        count += int(part.moved.sum())
+        rows.append(number[part.faces])
+        points.append(part.vertices[part.moved])
+        parents.append(numbers[part.parents[part.moved]])
+        taming = taming.joined(part.solid.taming)
+    every, parent = np.concatenate(rows), np.concatenate(parents)
+    place: Points = np.concatenate(points)
+    used = np.zeros(count, dtype=bool)
+    used[every] = True
+    rank = np.cumsum(used) - 1
+    moved = np.arange(count) >= len(vertices)
+    return Fillet(
+        place[used], rank[every], parent[used], moved[used], replace(solid, taming=taming)
+    )
+
+
+def _made(
+    vertices: Points, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+) -> Fillet:
+    """The fillet of a mesh that is nothing but the surroundings of one crease."""
+    may = _creases(solid, vertices, faces) >= 0
+    for attempt in range(_ATTEMPTS):
+        checkpoint(0.4 + 0.5 * attempt / _ATTEMPTS, "blend")
+        patch = _rounded(_patch(vertices, faces), may, solid, step)
+        bad = _bad(solid, patch)
+        if not bad.any():
+            return Fillet(patch.vertices, patch.faces, patch.parents, patch.free, solid)
+        solid = _held_back(solid, patch.vertices[bad], step, _RETREAT)
+    solid = _held_back(solid, vertices[may], step, 0.0)
+    unmoved = np.zeros(len(vertices), dtype=bool)
+    return Fillet(vertices, faces, np.arange(len(vertices)), unmoved, solid)
+
+
+def _in_place(solid: Composite, vertices: Points) -> Composite:
+    """The solid as it is where the blend tells, which is faster to ask."""
+    felt = vertices[solid.felt(vertices)]
+    if not len(felt):
+        return solid
+    box = np.stack([felt.min(axis=0) - solid.reach, felt.max(axis=0) + solid.reach])
+    return solid.within(box, _BEYOND * solid.reach)
+
+
+def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
+    """For every vertex that the blend may move the number of its crease, else -1."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    felt = np.flatnonzero(solid.felt(vertices))
+    may = np.zeros(len(vertices), dtype=bool)
+    may[felt] = _told(solid, solid.sides(vertices[felt]))
+    for _ in range(_RINGS):
+        may[faces[may[faces].any(axis=1)]] = True
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    inner = may[a] & may[b]
+    links = coo_array(
+        (np.ones(inner.sum(), np.int32), (a[inner], b[inner])), shape=(len(vertices),) * 2
+    )
+    _, number = connected_components(links, directed=False)
+    return np.where(may, number, -1)
+
+
+def _patch(vertices: Points, faces: Indices) -> Patch:
+    """A mesh with no vertex free yet."""
+    count = len(vertices)
+    return Patch(
+        vertices,
+        faces,
+        np.zeros(count, dtype=bool),
+        np.arange(count),
+        np.zeros((count, 3)),
+        np.zeros(count),
+    )
+
+
+def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
+    """The patch moved onto the blended solid, by stages.
+
+    `may` tells of every vertex of the mesh whether it can be set free.
+    """
+    for share in _STAGES:
+        stage = solid.scaled(share)
+        sides = stage.sides(patch.vertices)
+        held = solid.taming.share(patch.vertices) < _LEAST
+        patch = replace(
+            patch,
+            free=patch.free | (_told(stage, sides) & may[patch.parents] & ~held),
+            spacing=np.maximum(_FINENESS / share * sides.reach, _FINEST * step),
+        )
+        patch = split(patch)
+        for _ in range(_SMOOTHINGS):
+            patch = _bettered(stage, patch, step)
+        for _ in range(_NEWTON if share == _STAGES[-1] else 1):
+            patch = _projected(stage, patch)
+        if np.mean(patch.facing() < _OVERTURNED) > _HOPELESS:
+            return patch
+    for _ in range(_REPAIRS):
+        if patch.facing().min(initial=1.0) > 0.0:
+            break
+        patch = _bettered(solid, patch, step)
+        for _ in range(_COMBINGS):
+            patch = relaxed(patch, _near_folds(patch))
+        patch = _projected(solid, patch)
+    return patch
+
+
+def _near_folds(patch: Patch) -> Mask:
+    """Vertices of faces turned over, and those around them."""
+    near = np.zeros(len(patch.vertices), dtype=bool)
+    near[patch.faces[patch.facing() < 0.0]] = True
+    for _ in range(_RINGS):
+        near[patch.faces[near[patch.faces].any(axis=1)]] = True
+    return near
+
+
+def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
+    """Projected, without slivers, and relaxed."""
+    patch = collapsed(_projected(solid, patch), _SLIVER, _SLIVER * step, _COLLAPSES)
+    return relaxed(flipped_edges(patch, _FLIPS))
+
+
+def _told(solid: Composite, sides: Sides) -> Mask:
+    """Where the blend makes a difference."""
+    added = np.abs(solid.blended(sides).value - solid.sharp(sides))
+    told: Mask = added > _TELLING * sides.reach
+    return told
+
+
+def _projected(solid: Composite, patch: Patch) -> Patch:
+    """Free vertices after a damped step of Newton's method; normals from the gradient."""
+    sides = solid.sides(patch.vertices)
+    value, gradient, _ = solid.blended(sides)
+    square = np.maximum(dot(gradient, gradient), _FLATTEST**2)
+    way = np.where(patch.free, value / square, 0.0)
+    far = np.abs(way) * np.sqrt(square)
+    way *= np.minimum(1.0, _STRIDE * sides.reach / np.maximum(far, 1e-300))
+    return replace(
+        patch, vertices=patch.vertices - way[:, None] * gradient, normals=-unit(gradient)
+    )
+
+
+def _bad(solid: Composite, patch: Patch) -> Mask:
+    """Vertices that did not arrive, or of faces that are turned over."""
+    sides = solid.sides(patch.vertices)
+    reach = np.maximum(sides.reach, _LEFT * solid.reach)
+    bad = patch.free & ~(np.abs(solid.blended(sides).value) <= _LEFT * reach)
+    inner = patch.faces[patch.free[patch.faces].all(axis=1)]
+    bad[inner[~(patch.facing(inner) >= _OVERTURNED)]] = True
+    return bad
+
+
+def _held_back(solid: Composite, places: Points, step: float, retreat: float) -> Composite:
+    """The solid with a share of its blend around places (n, 3)."""
+    left = solid.taming.share(places)
+    whole = solid.sides(places).reach / np.maximum(left, 1e-300)
+    share = retreat * left
+    share[share < _LEAST] = _NONE
+    radii = np.maximum(_AROUND * whole, 2.0 * step)
+    return replace(solid, taming=solid.taming.also(places, radii, share))

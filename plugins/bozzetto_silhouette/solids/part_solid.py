@@ -1,0 +1,100 @@
+"""From a part's recipe to its solid, remembered; and to a body that can be combined."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bozzetto.plugin import Memory
+from bozzetto_silhouette.inflation.heightfield import Relief
+from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
+from bozzetto_silhouette.inflation.membrane import InflationSwelling
+from bozzetto_silhouette.inflation.pen_pressure import PenPressure
+from bozzetto_silhouette.inflation.profile import profile_of
+from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore, solidify
+from bozzetto_silhouette.inflation.thickness import InTurn, Thickness, Uniform
+from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.model.state import Part
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.solids.body import REMEMBERED, Body
+from bozzetto_silhouette.solids.extrude import straight_body
+from bozzetto_silhouette.solids.surface_constraints import constraints_on
+
+__all__ = ["body_of", "solid_of"]
+
+_solids: Memory[SilhouetteSolid] = Memory(limit=256)
+_rests: Memory[Body] = Memory(limit=256)
+"""In the object frame: what is moved or mirrored keeps the function of space that was fitted
+to it."""
+
+_bodies: Memory[Body] = Memory(limit=256, weight=Body.weight, most=REMEMBERED)
+"""Where they stand: a drag makes one at every move of the pen."""
+
+
+def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> SilhouetteSolid:
+    """The solid of a part in its object frame, at a resolution.
+
+    Raises
+    ------
+    UserError
+        If the part's ink is no outline.
+    """
+
+    def work() -> SilhouetteSolid:
+        return solidify(
+            outline_of(part),
+            resolution=resolution,
+            swelling=_swelling(part),
+            thickness=_thickness(part),
+            rule=part.skeleton,
+            checkpoint=checkpoint,
+        )
+
+    return _solids.recall((part.recipe, resolution), work)
+
+
+def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Body:
+    """The same as a body, in the frame of the part's group; a slab where it goes straight."""
+    if part.surface == "straight":
+        return straight_body(part, None, resolution)
+    rest = _rests.recall(
+        (part.recipe, resolution), lambda: _at_rest(part, solid_of(part, resolution, checkpoint))
+    )
+    return _bodies.recall(
+        (rest, part.id, part.pose),
+        lambda: replace(rest, sources=(part.id,)).placed(part.placement),
+    )
+
+
+def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
+    """A part's body in its object frame: the same for all that were drawn alike."""
+    relief = Relief(solid)
+    return Body(
+        solid.vertices,
+        solid.faces,
+        solid.normals,
+        np.zeros(len(solid.vertices), np.int32),
+        (part.id,),
+        relief,
+        float(solid.skeleton.nodes[:, 2].max()),
+        solid.step,
+        constraints=constraints_on(solid, relief) if part.surface == "variational" else None,
+    )
+
+
+def _swelling(part: Part) -> Swelling:
+    if part.surface == "variational":
+        return VariationalSwelling()
+    if part.surface == "inflation":
+        return InflationSwelling()
+    return ConvolutionSwelling(part.softness, part.kernel)
+
+
+def _thickness(part: Part) -> Thickness:
+    steps: list[Thickness] = [Uniform(part.inflation)]
+    if part.pressure > 0.0:
+        steps.append(PenPressure.of(part))
+    if len(part.profile):
+        steps.append(profile_of(part))
+    return InTurn(tuple(steps)) if len(steps) > 1 else steps[0]

@@ -1,0 +1,172 @@
+"""Where the parts are: moved since they were drawn, in groups that were moved, under the pen.
+
+Everything the pen does to a part is done where the part stands now and kept where it was drawn:
+strokes are carried back by `stroke_in`, outlines are carried out by `placement_of`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Mesh, Placement
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Memory, switched_on
+from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.solids.part_solid import body_of
+
+__all__ = [
+    "carried",
+    "distances_under",
+    "drawn_profile",
+    "drawn_rings",
+    "groups_around",
+    "is_shown",
+    "on_sheet",
+    "outlined_parts",
+    "placement_of",
+    "shown_parts",
+    "stroke_in",
+]
+
+Array = NDArray[np.float64]
+
+PICKED_CELLS = 64
+"""Resolution of the solids that the pen is held against: that of the preview, which has been
+worked out before anybody can point at it."""
+
+_meshes: Memory[Mesh] = Memory(limit=64)
+"""Kept as they are, so that the tree of boxes in each is built once."""
+
+
+def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
+    """The groups that a node is in, the innermost first."""
+    groups = {other.id: other for other in state.nodes if isinstance(other, Group)}
+    found: list[Group] = []
+    within = node.within
+    while within in groups:
+        group = groups.pop(within)  # each once: a file may hold groups that go round in a ring
+        found.append(group)
+        within = group.within
+    return found
+
+
+def carried(state: SilhouetteState, node: Part | Group) -> Placement:
+    """Where a node was moved since it was drawn, groups and all, in the model's frame."""
+    moved = node.pose
+    for group in groups_around(state, node):
+        moved = group.pose.after(moved)
+    return moved
+
+
+def placement_of(state: SilhouetteState, part: Part) -> Placement:
+    """From a part's object frame to the model's frame."""
+    return carried(state, part).after(part.sheet.placement)
+
+
+def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
+    """Whether a node and all groups around it are switched on."""
+    return node.id in {other.id for other in switched_on(state.nodes)}
+
+
+def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:
+    """The parts that can be seen and touched, in the order of the tree."""
+    return tuple(node for node in switched_on(state.nodes) if isinstance(node, Part))
+
+
+def outlined_parts(state: SilhouetteState) -> tuple[Part, ...]:
+    """Those of them that have a closed outline; the line of a cut is open."""
+    return tuple(part for part in shown_parts(state) if not isinstance(part, Cut))
+
+
+def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
+    """A stroke drawn over a part as it stands now, carried to where the part was drawn.
+
+    Raises
+    ------
+    UserError
+        If the camera would stand beyond all bounds there.
+    """
+    moved = carried(state, part)
+    return stroke if moved.is_identity else stroke.moved(moved.inverse())
+
+
+def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Array:
+    """A stroke drawn over a part as it stands now, on the part's sheet; shape (n, 2), mm.
+
+    NaN where the line of sight misses the sheet.
+    """
+    there = stroke_in(state, part, stroke)
+    return part.sheet.from_pixels(there.points, there.camera)
+
+
+def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
+    """The rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
+
+    Raises
+    ------
+    UserError
+        If the part's ink is no outline.
+    """
+    place = placement_of(state, part)
+    return [
+        place.points(np.column_stack([ring, np.zeros(len(ring))]))
+        for ring in outline_of(part).rings
+    ]
+
+
+def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
+    """The strokes of a part's profile where the part stands now; (n, 3) each, mm, model's frame.
+
+    They lie in the plane upright on the sheet, through the middle of the part, that the hand
+    looked at; what was drawn out of sight of it is left out.
+
+    Raises
+    ------
+    UserError
+        If the part's ink is no outline.
+    """
+    middle = part.sheet.to_world(np.mean(outline_of(part).bounds, axis=0)[None])[0]
+    normal, found = part.sheet.normal, []
+    for stroke in part.profile:
+        facing = stroke.camera.axes[2] - (stroke.camera.axes[2] @ normal) * normal
+        if np.linalg.norm(facing) > 0.0:
+            line = stroke.camera.on_plane(stroke.points, middle, facing)
+            found.append(carried(state, part).points(line[np.isfinite(line).all(axis=1)]))
+    return found
+
+
+def distances_under(state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera) -> Array:
+    """How far before the eye a part's surface lies under canvas positions.
+
+    Parameters
+    ----------
+    pixels : (n, 2) array_like
+
+    Returns
+    -------
+    (n,) float
+        mm along the line of sight; inf beside the part, and for a part that has no surface.
+    """
+    at_home = replace(part, pose=Placement())
+
+    def work() -> Mesh:
+        body = body_of(at_home, PICKED_CELLS)
+        return Mesh(body.vertices.astype(np.float32), body.faces)
+
+    rays = camera.rays(pixels)
+    try:
+        mesh = _meshes.recall(at_home.recipe, work)
+    except UserError:
+        return np.full(len(rays.origins), np.inf)
+    back = carried(state, part).inverse()
+    scene = Scene((Layer("part", (Shaded(mesh),)),))
+    hits = cast_rays(scene, Rays(back.points(rays.origins), back.directions(rays.directions)))
+    return hits.distance / back.scale

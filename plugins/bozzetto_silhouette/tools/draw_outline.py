@@ -1,0 +1,152 @@
+"""Draw outlines: each is a part, or a hole in one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from bozzetto.errors import Unfinished, UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Scene
+from bozzetto_silhouette.model.sketch_plane import FRONT_TOLERANCE, sheet_under
+from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
+from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
+from bozzetto_silhouette.tools.erase import erased, without
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+
+__all__ = ["DrawOutline", "meets_itself"]
+
+OPEN_GAP = 0.2
+"""Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
+as meant to be closed."""
+
+
+class DrawOutline(TellsOfJoints):
+    """One closed outline makes a part; drawn inside a part on its sheet, a hole in it."""
+
+    id = "draw"
+    title = "Draw outline"
+    icon = "icons/draw.svg"
+    hint = "Draw a closed outline; inside a shape it becomes a hole."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """The shape swelling under the pen, from the ink so far."""
+        from bozzetto_silhouette.inflation.live_preview import swollen
+
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        sheet = sheet_under(gesture.strokes[0], context)
+        points = np.concatenate([sheet.from_pixels(s.points, s.camera) for s in gesture.strokes])
+        return swollen(points, sheet) if np.isfinite(points).all() else Scene()
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Add a part or a hole.
+
+        Raises
+        ------
+        Unfinished
+            If the ends are far apart and more strokes may come.
+        UserError
+            If the ink crosses itself, or is too little to be an outline.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw an outline with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
+        if not gesture.committed and not meets_itself(gesture.strokes):
+            raise Unfinished("Go on with the outline, or press Enter to close it.")
+        part = Part(
+            id=state.unused_id(),
+            name=state.unused_name(),
+            strokes=Strokes(gesture.strokes),
+            sheet=sheet_under(gesture.strokes[0], context),
+        )
+        outline_of(part)
+        return _nested(state, part)
+
+
+def meets_itself(strokes: tuple[Stroke, ...]) -> bool:
+    """Whether the chain of strokes comes back to where it began."""
+    first, last = strokes[0].points, strokes[-1].points
+    points = np.concatenate([stroke.points for stroke in strokes])
+    diagonal = float(np.hypot(*np.ptp(points, axis=0)))
+    gap = float(np.hypot(*(last[-1] - first[0])))
+    return len(points) > 2 and gap <= OPEN_GAP * diagonal
+
+
+def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
+    """The state with a new part.
+
+    Inside another one on a parallel sheet it is a hole; it takes in those that it is drawn
+    around as its holes; anywhere else it stands for itself. Parts are where they have been
+    moved to; those that are switched off have no say.
+    """
+    if state.inner == "apart":
+        return state.with_node(new)
+    alike = [part for part in outlined_parts(state) if _faces_as(state, part, new)]
+    for old in alike:
+        carried_in = tuple(stroke_in(state, old, stroke) for stroke in new.strokes)
+        if _lies_within(carried_in, old):
+            whole = replace(old, strokes=old.strokes.extended(carried_in))
+            outline_of(whole)
+            return state.with_node(whole)
+    taken = [part for part in alike if _lies_within(_as_seen(state, part), new)]
+    if not taken:
+        return state.with_node(new)
+    whole = _taken_in(state, taken, new)
+    outline_of(whole)
+    return without(state, {part.id for part in taken[1:]}).with_node(whole)
+
+
+def _faces_as(state: SilhouetteState, part: Part, new: Part) -> bool:
+    """Whether a part, as it stands now, lies parallel to a new one and faces the same way."""
+    normal = carried(state, part).directions(part.sheet.normal)[0]
+    return bool(normal @ new.sheet.normal > 1.0 - FRONT_TOLERANCE)
+
+
+def _as_seen(state: SilhouetteState, part: Part) -> tuple[Stroke, ...]:
+    """A part's ink where the part stands now."""
+    moved = carried(state, part)
+    return tuple(s if moved.is_identity else s.moved(moved) for s in part.strokes)
+
+
+def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
+    """The first of some parts with an outline around them; they all become its holes.
+
+    The rings keep their order, so that edits find theirs again.
+    """
+    first = taken[0]
+    strokes, edits = first.strokes, first.edits
+    count = len(rings_of(first))
+    for other in taken[1:]:
+        back = tuple(stroke_in(state, first, stroke) for stroke in _as_seen(state, other))
+        strokes = strokes.extended(back)
+        edits = (*edits, *(_renumbered(state, first, other, edit, count) for edit in other.edits))
+        count += len(rings_of(other))
+    around = tuple(stroke_in(state, first, stroke) for stroke in new.strokes)
+    return replace(first, strokes=strokes.extended(around), edits=edits)
+
+
+def _renumbered(state: SilhouetteState, first: Part, other: Part, edit: Edit, count: int) -> Edit:
+    """An edit of one part as an edit of another, among whose rings its rings come later."""
+    if isinstance(edit, Removal):
+        return replace(edit, ring=edit.ring + count)
+    moved = carried(state, other)
+    stroke = stroke_in(state, first, edit.stroke.moved(moved))
+    return replace(edit, stroke=stroke, ring=edit.ring + count)
+
+
+def _lies_within(strokes: Sequence[Stroke], outer: Part) -> bool:
+    """Whether all of some ink lies inside the outline of a part, in whose frame it is."""
+    try:
+        points = points_on_sheet(strokes, outer.sheet)
+        outline = outline_of(outer)
+    except UserError:
+        return False
+    return surrounds(outline, np.concatenate(points))

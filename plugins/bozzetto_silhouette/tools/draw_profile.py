@@ -1,0 +1,67 @@
+"""Profile: a stroke from another view says how thick the chosen part is along itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Strokes
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Scene
+from bozzetto_silhouette.inflation.profile import understood
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.solids.placements import shown_parts, stroke_in
+from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+
+__all__ = ["DrawProfile"]
+
+
+class DrawProfile(TellsOfJoints):
+    """The ink becomes the profile of the chosen part, in place of the one that it had."""
+
+    id = "profile"
+    title = "Profile"
+    icon = "icons/profile.svg"
+    hint = "Turn the view to the side, then draw how thick the chosen part is."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """The ink says it all."""
+        return Scene()
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Give the chosen part a profile.
+
+        Raises
+        ------
+        UserError
+            If no part is chosen, or the ink is no profile of it.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw the profile with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
+        part = _meant(state)
+        profile = Strokes(stroke_in(state, part, stroke) for stroke in gesture.strokes)
+        changed = replace(part, profile=profile)
+        understood(changed)
+        return state.with_node(changed)
+
+
+def _meant(state: SilhouetteState) -> Part:
+    """The chosen part, or the only one.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    parts = shown_parts(state)
+    if not parts:
+        raise UserError("There is no part yet. Draw its outline first.")
+    chosen = [part for part in parts if part.id == state.selected]
+    if not chosen and len(parts) > 1:
+        raise UserError("Choose a part in the list first; its profile is drawn then.")
+    return (chosen or list(parts))[0]

@@ -1,0 +1,36 @@
+"""What a tool says of the next gesture: its own words, or how joints are dragged."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from bozzetto.errors import UserError
+from bozzetto_silhouette.model.state import SilhouetteState
+from bozzetto_silhouette.rigging.posing import joints_layer
+
+__all__ = ["DRAG_A_JOINT", "NO_JOINTS", "TellsOfJoints"]
+
+DRAG_A_JOINT: Final = (
+    "Drag a joint and the skin follows; the end of a limb draws the limb along. "
+    "Switch Pose off to go on drawing."
+)
+NO_JOINTS: Final = (
+    "This shape has no joint to drag. Switch Pose off, and draw a longer shape or a limb."
+)
+
+
+class TellsOfJoints:
+    """A tool whose hint gives way to the joints while the shape is posed."""
+
+    hint: str
+
+    def next_hint(self, state: SilhouetteState) -> str:
+        """What to drag while the joints are shown, else what the tool waits for."""
+        if not state.posing or not state.nodes:
+            return self.hint
+        try:
+            layer = joints_layer(state)
+        except UserError:
+            return self.hint  # the ink is no outline, which the solve has told
+        # Besides the handles there may be roots, which stay where they are.
+        return DRAG_A_JOINT if layer is not None and len(layer.items) > 1 else NO_JOINTS

@@ -1,0 +1,97 @@
+"""Where lines of sight go through the shape: what is shown before anything is cut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene import Layer, Lines, Scene
+from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.view.picking import Touch
+
+__all__ = ["Trace", "parts_at", "trace_of"]
+
+Array = NDArray[np.float64]
+
+RULED = 8
+"""Every which line of sight is drawn from where it goes in to where it comes out."""
+
+WIDTHS = (2.0, 1.0)
+"""Of what runs on the surface and of lines of sight inside, px."""
+
+
+class Trace(NamedTuple):
+    """Where n lines of sight go into the shape, and where they come out for good.
+
+    Attributes
+    ----------
+    touch : Touch
+        The shape.
+    near, far : (n, 3) float array
+        NaN where they pass it by.
+    """
+
+    touch: Touch
+    near: Array
+    far: Array
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Which of them meet the shape."""
+        return np.asarray(np.isfinite(self.near).all(axis=1) & np.isfinite(self.far).all(axis=1))
+
+    def parts(self, state: SilhouetteState) -> list[Part]:
+        """The parts that made the surface there."""
+        points = np.concatenate([self.near[self.hit], self.far[self.hit]])
+        return parts_at(state, self.touch, points)
+
+    def scene(self, *, through: bool) -> Scene:
+        """The line on the surface; with `through` also that on the far side, and between."""
+        sides = (self.near, self.far) if through else (self.near,)
+        items = [_lines([run for side in sides for run in _runs(side, self.hit)], WIDTHS[0])]
+        if through:
+            ruled = np.flatnonzero(self.hit)[::RULED]
+            items.append(_lines(np.stack([self.near[ruled], self.far[ruled]], axis=1), WIDTHS[1]))
+        return Scene((Layer("preview", tuple(item for item in items if len(item.points))),))
+
+
+def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
+    """Follow lines of sight through canvas positions (n, 2) into a shape and out of it."""
+    rays = camera.rays(pixels)
+    near = touch.hits(rays)
+    with np.errstate(invalid="ignore"):
+        box = touch.body.bounds
+        away = np.linalg.norm(box[0] - rays.origins, axis=1)
+        reach = away + 2.0 * np.linalg.norm(box[1] - box[0])
+        beyond = rays.origins + reach[:, None] * rays.directions
+    return Trace(touch, near.points, touch.hits(Rays(beyond, -rays.directions)).points)
+
+
+def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:
+    """The parts that made a shape's surface at points (n, 3) on it."""
+    from scipy.spatial import cKDTree
+
+    if not len(points):
+        return []
+    body = touch.body
+    nearest = cKDTree(body.vertices).query(points)[1]
+    sources = {body.sources[k] for k in np.unique(body.origins[nearest])}
+    return [part for part in state.parts if part.id in sources]
+
+
+def _runs(line: Array, hit: NDArray[np.bool_]) -> list[Array]:
+    """The stretches of a line that lie on the shape."""
+    places = np.flatnonzero(hit)
+    pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
+    return [line[piece] for piece in pieces if len(piece) > 1]
+
+
+def _lines(runs: Sequence[Array] | Array, width: float) -> Lines:
+    """Polylines (n, 3) each, as one item."""
+    starts = np.cumsum([0, *(len(run) for run in runs[:-1])])
+    points = np.concatenate([*runs, np.zeros((0, 3))]).astype(np.float32)
+    return Lines(points, starts.astype(np.int32), color="accent", width=width)

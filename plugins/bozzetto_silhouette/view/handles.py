@@ -1,0 +1,117 @@
+"""Handles of the chosen node: its middle moves it, two places on a ring turn and size it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.scene import Handle, Layer, Lines
+from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.solids.placements import carried, is_shown, placement_of
+
+__all__ = ["ARRANGE", "Grip", "grip_of", "handles_layer", "members"]
+
+Array = NDArray[np.float64]
+
+ARRANGE = "arrange"
+"""Id of the tool that shows handles: to any other pen they would only be in the way."""
+
+ROOM = 1.12
+"""Radius of the ring over that of the node's ink around its middle."""
+
+RING_STEPS = 96
+
+ANGLES = np.deg2rad([-30.0, 70.0])
+"""Where on the ring the handles for turning and for the size stand: apart from each other and
+from the middle also where the ring is seen edge-on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """Where a node is held, in the model's frame, mm.
+
+    Attributes
+    ----------
+    middle : (3,) float array
+    right, up : (3,) float array
+        Unit vectors of the plane of the ring.
+    radius : float
+        Of the ring.
+    """
+
+    middle: Array
+    right: Array
+    up: Array
+    radius: float
+
+    def on_ring(self, angles: Array) -> Array:
+        """Places on the ring, (n, 3)."""
+        circle = np.outer(np.cos(angles), self.right) + np.outer(np.sin(angles), self.up)
+        return np.asarray(self.middle + self.radius * circle, np.float64)
+
+
+def members(state: SilhouetteState, node: Part | Group) -> tuple[Part, ...]:
+    """The part itself, or all parts of a group and of the groups in it."""
+    if isinstance(node, Part):
+        return (node,)
+    inside, size = {node.id}, 0
+    while len(inside) > size:
+        size = len(inside)
+        inside |= {other.id for other in state.nodes if other.within in inside}
+    return tuple(part for part in state.parts if part.id in inside)
+
+
+def grip_of(state: SilhouetteState, node: Part | Group) -> Grip | None:
+    """Where a node is held; None where it has no ink that can be seen on its sheet."""
+    parts = members(state, node)
+    found = [places for part in parts if len(places := _inked(state, part))]
+    if not found:
+        return None
+    sheet = parts[0].sheet
+    right, up = carried(state, node).directions(np.stack([sheet.right, sheet.up]))
+    points = np.concatenate(found)
+    flat = np.column_stack([points @ right, points @ up])
+    across = 0.5 * (flat.min(axis=0) + flat.max(axis=0))
+    normal = np.cross(right, up)
+    depth = points @ normal
+    middle = across[0] * right + across[1] * up + 0.5 * (depth.min() + depth.max()) * normal
+    radius = ROOM * float(np.hypot(*(flat - across).T).max())
+    return Grip(middle, right, up, radius) if radius > 0.0 else None
+
+
+def handles_layer(state: SilhouetteState) -> Layer | None:
+    """The handles of the chosen node; None where nothing is chosen that can be seen."""
+    node = next((node for node in state.nodes if node.id == state.selected), None)
+    if node is None or not is_shown(state, node):
+        return None
+    grip = grip_of(state, node)
+    if grip is None:
+        return None
+    turn, size = grip.on_ring(ANGLES)
+    ring = grip.on_ring(np.linspace(0.0, 2.0 * np.pi, RING_STEPS + 1))
+    return Layer(
+        "handles",
+        (
+            Lines(ring.astype(np.float32), color="accent", width=1.0, opacity=0.45, hidden="show"),
+            _handle(f"move:{node.id}", grip.middle, "Move"),
+            _handle(f"turn:{node.id}", turn, "Turn; with Shift by 15°"),
+            _handle(f"size:{node.id}", size, "Size"),
+        ),
+        tool=ARRANGE,
+    )
+
+
+def _handle(name: str, point: Array, tip: str) -> Handle:
+    x, y, z = (float(v) for v in point)
+    return Handle(name, (x, y, z), tip=tip)
+
+
+def _inked(state: SilhouetteState, part: Part) -> Array:
+    """A part's ink where it stands now, (n, 3)."""
+    lines = [part.sheet.from_pixels(s.points, s.camera) for s in part.strokes]
+    points = np.concatenate([np.zeros((0, 2)), *lines])
+    points = points[np.isfinite(points).all(axis=1)]
+    flat = np.column_stack([points, np.zeros(len(points))])
+    return placement_of(state, part).points(flat)

@@ -1,0 +1,132 @@
+"""What is shown of a drawing beside its shape: ink, outlines drawn over, profiles, deviations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Memory
+from bozzetto.scene import Layer, Lines
+from bozzetto_silhouette.analysis.fidelity import deviation_along
+from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.solids.placements import (
+    carried,
+    drawn_profile,
+    drawn_rings,
+    placement_of,
+    shown_parts,
+)
+
+__all__ = ["deviation_layer", "ink_layer"]
+
+Points = NDArray[np.float64]
+
+INK_WIDTH = (1.0, 3.0)
+"""Width of ghost ink at no and at full pressure, pixels."""
+
+STEPS = ((0.003, (70, 160, 90)), (0.006, (226, 158, 48)), (0.012, (206, 52, 46)))
+"""From which deviation on, as a share of the outline's diagonal, a line is drawn, and how:
+from what can just be seen, green, to what nobody would call the same outline, red."""
+
+DEVIATION_WIDTH = 3.0
+"""Pixels."""
+
+_deviations: Memory[list[tuple[Points, Points]]] = Memory(limit=16)
+
+
+def ink_layer(state: SilhouetteState) -> Layer:
+    """The ink of all parts that are shown, where they stand now.
+
+    Of a part whose outline was changed since, the outline takes the place of the ink. The
+    profile is shown of the part that is chosen.
+    """
+    items = []
+    for part in shown_parts(state):
+        chosen = part.id == state.selected
+        color = "accent" if chosen else "ghost"
+        if part.edits:
+            items.append(_outline(state, part, color))
+        elif len(part.strokes):
+            items.append(_ink(state, part, color))
+        if chosen and len(part.profile):
+            items.append(_lines(_profile(state, part), color, dashed=True))
+    return Layer("ink", tuple(item for item in items if len(item.points)))
+
+
+def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) -> Layer | None:
+    """Where the silhouette of a part leaves its outline by what can be seen; None nowhere."""
+    outline = outline_of(part)
+    known = _deviations.recall(
+        (solid, outline), lambda: [deviation_along(solid, ring) for ring in outline.rings]
+    )
+    place = placement_of(state, part)
+    limits = np.array([share for share, _ in STEPS]) * outline.diagonal
+    items = []
+    for number, (_, color) in enumerate(STEPS):
+        runs = [
+            place.points(np.column_stack([run, np.zeros(len(run))]))
+            for points, distance in known
+            for run in _runs(points, np.searchsorted(limits, distance, side="right") == number + 1)
+        ]
+        if runs:
+            items.append(_joined(runs, color, DEVIATION_WIDTH, "show"))
+    return Layer("fidelity", tuple(items)) if items else None
+
+
+def _ink(state: SilhouetteState, part: Part, color: str) -> Lines:
+    """A part's ink, as wide as the hand pressed."""
+    pose = carried(state, part)
+    thin, thick = INK_WIDTH
+    lines, widths = [], []
+    for stroke in part.strokes:
+        on_sheet = part.sheet.from_pixels(stroke.points, stroke.camera)
+        lines.append(pose.points(part.sheet.to_world(on_sheet)))
+        widths.append(thin + (thick - thin) * np.clip(stroke.pressure, 0.0, 1.0))
+    return _joined(lines, color, np.concatenate(widths).astype(np.float32), "faint")
+
+
+def _outline(state: SilhouetteState, part: Part, color: str) -> Lines:
+    try:
+        rings = drawn_rings(state, part)
+    except UserError:
+        return _ink(state, part, color)
+    return _lines((np.vstack([ring, ring[:1]]) for ring in rings), color)
+
+
+def _profile(state: SilhouetteState, part: Part) -> Sequence[Points]:
+    try:
+        return drawn_profile(state, part)
+    except UserError:
+        return ()
+
+
+def _lines(lines: Iterable[Points], color: str, *, dashed: bool = False) -> Lines:
+    return _joined(list(lines), color, sum(INK_WIDTH) / 2.0, "dashed" if dashed else "faint")
+
+
+def _joined(
+    lines: Sequence[Points],
+    color: str | tuple[int, int, int],
+    width: float | NDArray[np.float32],
+    hidden: Literal["faint", "dashed", "show"],
+) -> Lines:
+    """Polylines as one item."""
+    starts = np.cumsum([0, *(len(line) for line in lines[:-1])])
+    points = np.concatenate([*lines, np.zeros((0, 3))])
+    return Lines(points, starts, color=color, width=width, hidden=hidden)
+
+
+def _runs(points: Points, marked: NDArray[np.bool_]) -> list[Points]:
+    """The stretches of a line whose points are marked, each with the point after it."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
+    return [
+        points[first : min(last + 1, len(points))]
+        for first, last in edges.reshape(-1, 2)
+        if last > first and len(points[first : last + 1]) > 1
+    ]

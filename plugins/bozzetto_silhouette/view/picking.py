@@ -1,0 +1,90 @@
+"""The whole shape under the pen: where lines of sight meet it, and which part is met."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry import Mesh
+from bozzetto.plugin import Memory
+from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene.picking import Hits, cast_rays
+from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.evaluate import tree_body
+
+__all__ = ["Touch", "shape_seen", "touched_part"]
+
+Array = NDArray[np.float64]
+
+TOUCHED_CELLS = 64
+"""Resolution of the shape that the pen is held against: that of the preview, whose parts have
+been worked out before anybody can point at them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """A shape that lines of sight can meet.
+
+    Attributes
+    ----------
+    body : Body
+    scene : Scene
+        The same as a mesh; kept as it is, so that the tree of its boxes is built once.
+    """
+
+    body: Body
+    scene: Scene
+
+    def hits(self, rays: Rays) -> Hits:
+        """Where rays first meet the shape."""
+        return cast_rays(self.scene, rays)
+
+    def under(self, pixels: ArrayLike, camera: Camera) -> Hits:
+        """What lies under canvas positions (n, 2)."""
+        return self.hits(camera.rays(pixels))
+
+
+_shapes: Memory[Touch | None] = Memory(limit=16)
+
+
+def shape_seen(state: SilhouetteState) -> Touch | None:
+    """The shape of all nodes that are switched on; None where there is nothing.
+
+    It is put together without blends, which would take longer than a pen may wait: what is
+    touched lies under a fillet, not on it.
+
+    Raises
+    ------
+    UserError
+        If a part's ink is no outline.
+    """
+    sharp = tuple(replace(node, blend=0.0) for node in state.nodes)
+
+    def work() -> Touch | None:
+        body = tree_body(SilhouetteState(sharp), TOUCHED_CELLS)
+        if body is None:
+            return None
+        mesh = Mesh(body.vertices.astype(np.float32), body.faces)
+        return Touch(body, Scene((Layer("shape", (Shaded(mesh),)),)))
+
+    return _shapes.recall(sharp, work)
+
+
+def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> Part | None:
+    """The part that made the surface under a canvas position; None beside the shape.
+
+    The wall of a tunnel belongs to the tunnel.
+    """
+    touch = shape_seen(state)
+    if touch is None:
+        return None
+    hits = touch.under([(x, y)], camera)
+    if not hits.hit[0]:
+        return None
+    away = ((touch.body.vertices - hits.points[0]) ** 2).sum(axis=1)
+    source = touch.body.sources[touch.body.origins[int(away.argmin())]]
+    return next((part for part in state.parts if part.id == source), None)

@@ -1,0 +1,198 @@
+"""Open splines in a row as one spline, with bridges that are as fair as they can be.
+
+What is joined stays what it is, exactly; only a stretch before each end may be cut back
+where the bridge would bend too sharply. All in space, mm.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.spline import DEGREE, Spline
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.editing.trim import piece
+
+__all__ = ["bridged", "chained", "closed", "looped"]
+
+Array = NDArray[np.float64]
+
+CUT_BACK: Final = (0.0, *(float(share) for share in np.geomspace(0.002, 0.25, 15)))
+"""Shares of the shorter curve that are tried to be cut back at both ends."""
+
+DEAR: Final = 25.0
+"""What cutting back costs against bending: a kink of half a radian is rounded over a
+twentieth of the shorter curve."""
+
+TOUCHING: Final = 1e-7
+"""Gap, as a share of the shorter curve, and turn, radians, that are none."""
+
+SLOW: Final = 1e-3
+"""Speed, as a share of the greatest, below which a curve's bending is not told any better."""
+
+LOOKS: Final = 256
+"""Places by which lengths and bending are measured."""
+
+
+class _End(NamedTuple):
+    """An end of a spline: its place, mm, its direction, and the speed of the parameter."""
+
+    point: Array
+    direction: Array
+    speed: float
+
+
+def bridged(first: Spline, second: Spline) -> Spline:
+    """One spline along the first to its end, over a bridge, and along the second.
+
+    The directions agree at both ends of the bridge, and so does the parameter's speed. The
+    bridge, and how far the ends are cut back, are those of least bending (the integral of
+    the squared curvature times the length of the shorter curve) and least price of what is
+    cut back. Where the ends meet in one direction there is no bridge.
+
+    Parameters
+    ----------
+    first, second : Spline
+        Open, with clamped ends.
+
+    Raises
+    ------
+    UserError
+        If an end has no direction, or the ends lie upon one another and point back.
+    """
+    return chained(_with_bridge(first, second, loop=False))
+
+
+def looped(spline: Spline) -> Spline:
+    """A closed spline over 0 … 1: along an open one, and over a bridge back to its start.
+
+    It begins in the middle of the bridge. Ends are cut back as `bridged` does.
+
+    Raises
+    ------
+    UserError
+        As `bridged`.
+    """
+    return closed(chained(_with_bridge(spline, spline, loop=True)))
+
+
+def _with_bridge(first: Spline, second: Spline, *, loop: bool) -> list[Spline]:
+    """The pieces in a row; for a loop both halves of the bridge come around the curve."""
+    length = min(first.length, second.length)
+    best: tuple[float, list[Spline]] | None = None
+    for share in CUT_BACK:
+        cut = share * length
+        before = _shortened(first, cut if loop else 0.0, cut)
+        after = before if loop else _shortened(second, cut, 0.0)
+        here, there = _end(before, last=True), _end(after, last=False)
+        gap = float(np.linalg.norm(there.point - here.point)) / length
+        turn = float(np.linalg.norm(there.direction - here.direction))
+        even = not loop or abs(here.speed - there.speed) <= TOUCHING * here.speed
+        bridge: tuple[Spline, ...] = ()
+        price = 2.0 * DEAR * share
+        if gap > TOUCHING:
+            bridge = (_bridge(here, there, paced=loop),)
+            saved = _bending(first, last=True, cut=cut) + _bending(second, last=False, cut=cut)
+            price += length * max(0.0, _bending(bridge[0]) - saved)
+        elif turn > TOUCHING or not even:
+            continue
+        if best is None or price < best[0]:
+            halves = bridge[0].split(0.5) if bridge else ()
+            best = price, [*halves[1:], before, *halves[:1]] if loop else [before, *bridge, after]
+    if best is None:
+        raise UserError("These ends point back at one another. Join other ends.")
+    return best[1]
+
+
+def _end(spline: Spline, *, last: bool) -> _End:
+    at = spline.range[1 if last else 0]
+    velocity = spline.derivative([at])[0]
+    speed = float(np.linalg.norm(velocity))
+    if not speed > TOUCHING * float(np.ptp(spline.control_points, axis=0).max()):
+        raise UserError("The curve has no direction at this end. Join another one.")
+    return _End(spline.value([at])[0], velocity / speed, speed)
+
+
+def _bridge(here: _End, there: _End, *, paced: bool) -> Spline:
+    """The cubic between two ends that follows a circle where there is one through both.
+
+    Its speeds are chord / cos²(θ/4) for a turn of θ, those of a circle's arc; for a loop
+    they are as different as the speeds of the curve's ends.
+    """
+    chord = float(np.linalg.norm(there.point - here.point))
+    cosine = float(np.clip(here.direction @ there.direction, -1.0, 1.0))
+    speed = chord / np.cos(0.25 * np.arccos(cosine)) ** 2
+    pace = float(np.sqrt(here.speed / there.speed)) if paced else 1.0
+    points = np.stack(
+        (
+            here.point,
+            here.point + speed * pace / DEGREE * here.direction,
+            there.point - speed / pace / DEGREE * there.direction,
+            there.point,
+        )
+    )
+    return Spline.uniform(points)
+
+
+def _shortened(spline: Spline, start: float, end: float) -> Spline:
+    """Without stretches of these lengths, mm, at its ends."""
+    if start == end == 0.0:
+        return spline
+    at, along = _along(spline)
+    low, high = np.interp((start, along[-1] - end), along, at)
+    return piece(spline, float(low), float(high))
+
+
+def _along(spline: Spline) -> tuple[Array, Array]:
+    at = np.linspace(*spline.range, LOOKS)
+    return at, arc_length(spline.value(at))
+
+
+def _bending(spline: Spline, *, last: bool = False, cut: float | None = None) -> float:
+    """Integral of the squared curvature, 1/mm; of an end's stretch of a length where one is cut."""
+    low, high = spline.range
+    if cut is not None:
+        at, along = _along(spline)
+        if last:
+            low = float(np.interp(along[-1] - cut, along, at))
+        else:
+            high = float(np.interp(cut, along, at))
+    at = np.linspace(low, high, LOOKS)
+    first, second = spline.derivative(at), spline.derivative(at, 2)
+    speed = np.linalg.norm(first, axis=1)
+    speed = np.maximum(speed, SLOW * max(1e-300, float(speed.max())))
+    curved = np.linalg.norm(np.cross(first, second), axis=1)
+    return float(np.trapezoid(curved**2 / speed**5, at))
+
+
+def chained(parts: list[Spline]) -> Spline:
+    """Splines that meet, each in the direction of the one before, as one of continuous speed.
+
+    It begins with the parameters of the first.
+    """
+    whole = parts[0]
+    for part in parts[1:]:
+        meeting = whole.range[1]
+        pace = _end(part, last=False).speed / _end(whole, last=True).speed
+        later = meeting + pace * (part.knots[DEGREE + 1 :] - part.range[0])
+        whole = Spline(
+            np.concatenate((whole.knots[: -DEGREE - 1], (meeting, meeting), later)),
+            np.vstack((whole.control_points[:-1], part.control_points[1:])),
+        )
+    return whole
+
+
+def closed(spline: Spline) -> Spline:
+    """An open spline whose ends meet with one velocity as a closed one over 0 … 1."""
+    rounds = chained([spline, spline, spline])
+    count = len(spline.control_points) - 2
+    # The middle round, from the second of the two knots where it begins.
+    first = len(spline.control_points) + 1 - DEGREE
+    knots = rounds.knots[first : first + count + 2 * DEGREE + 1]
+    begin, end = float(knots[DEGREE]), float(knots[-DEGREE - 1])
+    points = rounds.control_points[first : first + count]
+    knots = (knots - begin) / (end - begin)
+    return Spline(knots, np.vstack((points, points[:DEGREE])), closed=True)

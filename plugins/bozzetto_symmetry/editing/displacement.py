@@ -1,0 +1,161 @@
+"""A spline that is changed in places only: knots where they are needed, and a displacement.
+
+The curve itself is not fitted anew. Knots are added without changing it, and then those
+control points are moved that act nowhere else than where the curve has to move: all the
+rest stays what it is, to rounding.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry.spline import DEGREE, Spline
+from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, made_symmetric
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
+
+__all__ = ["displaced"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+CLOSE_ENOUGH: Final = 0.3
+"""Distance from where a place should be, px, that is not worth a further knot."""
+
+FEWEST: Final = 4
+"""Places on a span that is halved, at least: what lies between places is not known."""
+
+MOST_HALVINGS: Final = 6
+"""How often spans are halved at most."""
+
+HOLD: Final = 1e-7
+"""Weight, per weight of the places, with which a control point stays that they leave free."""
+
+
+def displaced(
+    spline: Spline,
+    at: ArrayLike,
+    shifts: ArrayLike,
+    pixel: ArrayLike,
+    *,
+    symmetric: bool = False,
+) -> Spline:
+    """Move a curve where it is said to move, and nowhere else.
+
+    Least squares for the displacement over the curve's own knots; spans on which it is off
+    by more than 0.3 px are halved, and it is solved again.
+
+    Parameters
+    ----------
+    spline : Spline
+        In space.
+    at : (n,) array_like
+        Parameters of places along the curve, close enough to show all that is to change.
+    shifts : (n, 3) array_like
+        Where each of them goes from where it is, mm. Those that are exactly 0 stay.
+    pixel : (n,) array_like
+        Length of a pixel there, mm.
+    symmetric : bool
+        The curve is its own mirror image and stays so; what moves on one half moves on the
+        other, and where both move they meet in the middle.
+
+    Returns
+    -------
+    Spline
+        The same object where nothing moves by as much as 0.3 px.
+    """
+    station, wanted = np.asarray(at, float), np.asarray(shifts, float)
+    unit = np.asarray(pixel, float)
+    moved = np.asarray((wanted != 0.0).any(axis=1))
+    if symmetric:
+        known = _known(halves_of(spline), station, moved)
+        station, wanted, unit, moved = station[known], wanted[known], unit[known], moved[known]
+    if (np.linalg.norm(wanted, axis=1) <= CLOSE_ENOUGH * unit).all():
+        return spline
+    finer = spline
+    change, off = _change(finer, station, wanted, unit, moved, symmetric)
+    for _ in range(MOST_HALVINGS):
+        knots = _halvings(finer, station, off > CLOSE_ENOUGH)
+        if not len(knots):
+            break
+        finer = finer.refined(_both_sides(finer, knots) if symmetric else knots)
+        finer = made_symmetric(finer) if symmetric else finer
+        change, off = _change(finer, station, wanted, unit, moved, symmetric)
+    return Spline(finer.knots, finer.control_points + change, finer.closed)
+
+
+def _known(halves: Halves, at: Array, moved: Flags) -> Flags:
+    """Places that say what the curve should do: those at rest do not, where their image moves."""
+    away, beyond = halves.folded(at)
+    known = moved.copy()
+    for side in (beyond, ~beyond):
+        rest = side & ~moved
+        order = np.flatnonzero(~side)
+        order = order[np.argsort(away[order])]
+        if len(order):
+            image = np.interp(away[rest], away[order], moved[order].astype(float))
+            known[rest] = image == 0.0
+        else:
+            known[rest] = True
+    return known
+
+
+def _change(
+    spline: Spline, at: Array, shifts: Array, unit: Array, moved: Flags, symmetric: bool
+) -> tuple[Array, Array]:
+    """Displacement of the control points, and how far each place is off then, px."""
+    basis = _basis(spline, at)
+    numbers = np.arange(basis.shape[1])
+    partner = halves_of(spline).partner if symmetric else numbers
+    touched = basis + basis[:, partner]
+    free = (touched[~moved] == 0.0).all(axis=0) & (touched > 0.0).any(axis=0)
+    change = np.zeros((len(numbers), 3))
+    for axis, factor in enumerate(MIRROR if symmetric else np.ones(3)):
+        # Of control points that belong together the first one is sought; one that is its own
+        # partner does not leave the plane.
+        lone = numbers == partner
+        sought = np.flatnonzero(free & ((numbers < partner) | (lone & (factor > 0.0))))
+        columns = basis[:, sought] + np.where(lone[sought], 0.0, factor * basis[:, partner[sought]])
+        rows = columns / unit[:, None]
+        normal = rows.T @ rows
+        normal[np.diag_indices_from(normal)] += HOLD * max(1e-300, float(np.trace(normal)))
+        solution = np.linalg.solve(normal, rows.T @ (shifts[:, axis] / unit))
+        change[partner[sought], axis] = factor * solution
+        change[sought, axis] = solution
+    off = np.linalg.norm(basis @ change - shifts, axis=1) / unit
+    if spline.closed:
+        change = np.vstack((change, change[:DEGREE]))
+    return change, np.asarray(off)
+
+
+def _basis(spline: Spline, at: Array) -> Array:
+    """What each control point counts at each place, (n, k); of a closed curve those that differ."""
+    from scipy.interpolate import BSpline
+
+    begin, end = spline.range
+    inside = np.minimum(spline.within(at), np.nextafter(end, begin))
+    rows = BSpline.design_matrix(inside, spline.knots, DEGREE).toarray()
+    if not spline.closed:
+        return np.asarray(rows)
+    once = rows[:, :-DEGREE].copy()
+    once[:, :DEGREE] += rows[:, -DEGREE:]
+    return once
+
+
+def _halvings(spline: Spline, at: Array, off: Flags) -> Array:
+    """Middles of the spans that hold a place that is off, and places enough."""
+    breaks = np.unique(spline.knots[DEGREE:-DEGREE])
+    count = len(breaks) - 1
+    span = np.clip(np.searchsorted(breaks, spline.within(at), "right") - 1, 0, count - 1)
+    enough = np.bincount(span, minlength=count) >= FEWEST
+    bad = np.bincount(span, off, minlength=count) > 0
+    middles = 0.5 * (breaks[:-1] + breaks[1:])
+    return np.asarray(middles[enough & bad])
+
+
+def _both_sides(spline: Spline, knots: Array) -> Array:
+    halves = halves_of(spline)
+    away = np.unique(np.round(halves.folded(knots)[0] / halves.span, 12)) * halves.span
+    return np.concatenate((halves.middle - away, halves.middle + away))

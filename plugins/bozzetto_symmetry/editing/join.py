@@ -1,0 +1,124 @@
+"""Ends of curves in space made one; in the plane's frame (y = 0), mm."""
+
+from __future__ import annotations
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.spline import Spline
+from bozzetto_symmetry.editing.bridge import bridged, chained, closed, looped
+from bozzetto_symmetry.editing.trim import piece
+from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+
+__all__ = ["closed_up", "joined", "joined_across"]
+
+_CLOSED = "A closed curve has no end to join. Split it first."
+
+
+def joined(
+    curve: SpaceCurve, end: int, other: SpaceCurve, other_end: int, *, mirrored: bool = False
+) -> SpaceCurve:
+    """Two curves as one that runs smoothly over the place where they meet.
+
+    Parameters
+    ----------
+    curve, other : SpaceCurve
+        Of a pair and another pair comes a pair; of a curve across the plane and a pair,
+        which goes on beyond its free ends, a longer one; of two curves across the plane a
+        ring; of two in the plane one in the plane.
+    end, other_end : {0, 1}
+        Which ends meet; of a curve across the plane its one free end is 1.
+    mirrored : bool
+        The mirror image of the other curve is joined.
+
+    Returns
+    -------
+    SpaceCurve
+        In the sense of the first curve.
+
+    Raises
+    ------
+    UserError
+        If one is closed, or one lies in the plane and the other does not.
+    """
+    if curve.closed or other.closed:
+        raise UserError(_CLOSED)
+    if "plane" in (curve.reading, other.reading) and curve.reading != other.reading:
+        raise UserError(
+            "A curve in the centre plane and one beside it cannot be one curve. Snap their "
+            "ends to one another instead."
+        )
+    if other.reading == "self" and curve.reading == "pair":
+        return joined(other, 1, curve, end, mirrored=mirrored)
+    added = _image(other.spline) if mirrored else other.spline
+    added = added.reversed() if other_end == 1 or other.reading == "self" else added
+    if curve.reading != "self":
+        base = curve.spline if end == 1 else curve.spline.reversed()
+        spline = bridged(base, added)
+        return SpaceCurve(curve.reading, spline if end == 1 else spline.reversed())
+    half = _half(curve.spline)
+    if other.reading == "self":
+        back = piece(added, added.range[0], halves_of(added).middle)
+        return SpaceCurve("self", _ring(bridged(half, back)))
+    return SpaceCurve("self", _unfolded(bridged(half, added)))
+
+
+def joined_across(curve: SpaceCurve, end: int) -> SpaceCurve:
+    """A curve joined to its own mirror image, where it crosses the plane at a right angle.
+
+    One of a pair becomes a curve across the plane; that becomes a ring.
+
+    Parameters
+    ----------
+    curve : SpaceCurve
+    end : {0, 1}
+        The end at the plane; of a curve across the plane its free end is taken.
+
+    Raises
+    ------
+    UserError
+        If the curve is closed, or lies in the plane.
+    """
+    if curve.closed:
+        raise UserError(_CLOSED)
+    if curve.reading == "plane":
+        raise UserError("A curve in the centre plane is its own mirror image already.")
+    if curve.reading == "pair":
+        away = curve.spline if end == 0 else curve.spline.reversed()
+        return SpaceCurve("self", made_symmetric(bridged(_image(away).reversed(), away)))
+    # From the new crossing back to the old one; a ring begins at the old one.
+    ring = looped(curve.spline.reversed())
+    return SpaceCurve("self", _ring(piece(ring, 0.0, 0.5).reversed()))
+
+
+def closed_up(curve: SpaceCurve) -> SpaceCurve:
+    """A curve whose two ends are joined to one another.
+
+    Raises
+    ------
+    UserError
+        If it is closed already.
+    """
+    if curve.reading == "self":
+        return joined_across(curve, 1)
+    if curve.closed:
+        raise UserError(_CLOSED)
+    return SpaceCurve(curve.reading, looped(curve.spline))
+
+
+def _image(spline: Spline) -> Spline:
+    return spline.mirrored((0.0, 1.0, 0.0))
+
+
+def _half(spline: Spline) -> Spline:
+    halves = halves_of(spline)
+    return piece(spline, halves.middle, halves.end)
+
+
+def _unfolded(half: Spline) -> Spline:
+    """The curve across the plane whose half is given; it leaves the plane at a right angle."""
+    return made_symmetric(chained([_image(half).reversed(), half]))
+
+
+def _ring(half: Spline) -> Spline:
+    """The closed curve across the plane whose half runs from the plane to the plane."""
+    return made_symmetric(closed(chained([half, _image(half).reversed()])))

@@ -1,0 +1,160 @@
+"""A curve in space that gives way to strokes drawn over it in one view.
+
+Kara & Shimada, section 13.2: the curve's picture is an active contour that the strokes
+pull, and what it becomes is lifted back with the least surprise. The curve's own control
+points follow, so what was not drawn over stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.spline import Spline
+from bozzetto.ink import Stroke
+from bozzetto.ink.checked_points import is_on_sheet
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink.oversketch.lift import lifted
+from bozzetto.ink.oversketch.snake import LOCATION, PRESSURE, RESTITUTION, modified
+from bozzetto_symmetry.editing.displacement import displaced
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+
+__all__ = ["Forces", "drawn_over"]
+
+Array = NDArray[np.float64]
+
+SPACING: Final = 2.5
+"""Distance of the contour's nodes along the picture, px: about the finest detail of a hand."""
+
+MOST_NODES: Final = 1200
+"""Most nodes of a contour; a curve longer than the sheet gets coarser ones."""
+
+LOOKS: Final = 1024
+"""Places by which the length of a picture is measured."""
+
+STEEPEST: Final = 20.0
+"""How much farther a place may go in the plane than it seems to, before the view says too
+little about it: the plane is seen within three degrees of its edge then."""
+
+
+@dataclass(frozen=True)
+class Forces:
+    """What pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
+
+    restitution: float = RESTITUTION
+    location: float = LOCATION
+    pressure: float = PRESSURE
+
+
+def drawn_over(
+    curve: SpaceCurve,
+    stereo: Stereo,
+    strokes: Sequence[Stroke],
+    *,
+    mirrored: bool = False,
+    forces: Forces | None = None,
+) -> SpaceCurve:
+    """The curve after strokes drawn over it.
+
+    Only what was drawn over changes, and a short stretch beyond. A pair stays one, exactly;
+    so does a curve across the plane, which crosses it at a right angle as before; and one in
+    the plane stays there.
+
+    Parameters
+    ----------
+    curve : SpaceCurve
+    stereo : Stereo
+        Of the camera through which the strokes were drawn.
+    strokes : sequence of Stroke
+    mirrored : bool
+        Of a pair: they were drawn over the mirror image.
+    forces : Forces, optional
+
+    Returns
+    -------
+    SpaceCurve
+        The same object where the strokes follow the curve as it is.
+
+    Raises
+    ------
+    UserError
+        If nothing of the curve is seen, or the plane that holds it is seen edge-on.
+    """
+    weights = forces or Forces()
+    image = MIRROR if mirrored and curve.reading == "pair" else np.ones(3)
+    at, points, whole = _nodes(curve.spline, stereo, image)
+    pixels = stereo.project(points)
+    bent = modified(
+        pixels,
+        [(stroke.points, stroke.pressure) for stroke in strokes],
+        closed=whole,
+        restitution=weights.restitution,
+        location=weights.location,
+        pressure=weights.pressure,
+    )
+    if not bent.moved.any():
+        return curve
+    if curve.reading == "plane":
+        goal = _in_plane(stereo, bent.points, points, pixels)
+    else:
+        goal = lifted(points, stereo.camera, bent.points)
+    shifts = np.where(bent.moved[:, None], (goal - points) * image, 0.0)
+    unit = _pixel(stereo, points)
+    spline = displaced(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")
+    return curve if spline is curve.spline else SpaceCurve(curve.reading, spline)
+
+
+def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, bool]:
+    """Places at equal steps along the picture: parameters, points, and whether they close.
+
+    Of a curve that passes the eye the longest part that is seen.
+    """
+    begin, end = spline.range
+    dense = np.linspace(begin, end, LOOKS)
+    pixels = stereo.project(spline.value(dense) * image)
+    seen = np.array([is_on_sheet(place) for place in pixels])
+    first, last = _longest_run(seen)
+    if last - first < 2:
+        raise UserError("The curve is not seen from here. Turn the view, then draw over it.")
+    whole = spline.closed and last - first == LOOKS
+    along = arc_length(pixels[first:last])
+    count = int(np.clip(along[-1] / SPACING, 16, MOST_NODES))
+    stations = np.linspace(0.0, along[-1], count, endpoint=not whole)
+    at = np.interp(stations, along, dense[first:last])
+    return at, spline.value(at) * image, whole
+
+
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags, [0])).astype(int)))
+    runs = edges.reshape(-1, 2)
+    if not len(runs):
+        return 0, 0
+    first, last = runs[np.argmax(runs[:, 1] - runs[:, 0])]
+    return int(first), int(last)
+
+
+def _in_plane(stereo: Stereo, pixels: Array, points: Array, before: Array) -> Array:
+    """Where the new places are seen in the centre plane."""
+    goal = stereo.on_plane(pixels)
+    way = np.linalg.norm(goal - points, axis=1) / _pixel(stereo, points)
+    if not (way <= STEEPEST * np.linalg.norm(pixels - before, axis=1) + 1.0).all():
+        raise UserError(
+            "Where the stroke leads, the centre plane is seen edge-on or not at all. Turn the "
+            "view, then draw over the curve."
+        )
+    return goal
+
+
+def _pixel(stereo: Stereo, points: Array) -> Array:
+    """Length of a pixel at points in front of the eye, mm."""
+    camera = stereo.camera
+    if stereo.parallel:
+        return np.full(len(points), 1.0 / camera.pixels_per_mm)
+    depth = camera.view_space(points)[:, 2]
+    return np.asarray(depth / (camera.distance * camera.pixels_per_mm))

@@ -1,0 +1,120 @@
+"""An end of a curve that is taken to a place; in the plane's frame (y = 0), mm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.spline import DEGREE, Spline
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
+
+__all__ = ["snapped"]
+
+Array = NDArray[np.float64]
+
+FADE: Final = 8.0
+"""An end carries the curve along over this many times the way that it goes; the curve turns
+by a few degrees, and by less than a fifth of a radian at most."""
+
+LEAST_FADE: Final = 0.1
+"""Least share of the curve that goes along."""
+
+STEPS: Final = 8
+"""Knots on the stretch that goes along, at least: its displacement has one bend each way."""
+
+ON_PLANE: Final = 1e-12
+"""Distance from the plane, as a share of that from the origin, that is rounding."""
+
+LOOKS: Final = 256
+"""Places by which lengths are measured."""
+
+
+def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
+    """A curve whose end is at a given place.
+
+    The direction at the end stays; a stretch before it goes along, the less the farther it is
+    from the end, and the rest does not move.
+
+    Parameters
+    ----------
+    curve : SpaceCurve
+    end : {0, 1}
+        Of a curve across the plane its one free end is 1.
+    point : (3,) array_like
+        mm; of a curve in the plane y counts as 0.
+
+    Raises
+    ------
+    UserError
+        If the curve is closed, or the place is not finite.
+    """
+    if curve.closed:
+        raise UserError("A closed curve has no end to snap. Split it first.")
+    place = np.array(point, float)
+    if not np.isfinite(place).all():
+        raise UserError("The end of a curve cannot be taken there. Choose another place.")
+    if curve.reading == "plane" or abs(place[1]) <= ON_PLANE * np.abs(place).max():
+        place[1] = 0.0
+    if curve.reading == "self":
+        return SpaceCurve("self", _both_ends_moved(curve.spline, place))
+    base = curve.spline if end == 1 else curve.spline.reversed()
+    moved = _end_moved(base, place)
+    return SpaceCurve(curve.reading, moved if end == 1 else moved.reversed())
+
+
+def _end_moved(spline: Spline, place: Array) -> Spline:
+    way = place - spline.value(spline.range[1:])[0]
+    fade = _Fade.of(spline, spline.range[0], way)
+    finer = spline.refined(fade.knots)
+    points = finer.control_points + fade.shares(finer)[:, None] * way
+    points[-1] = place
+    return Spline(finer.knots, points)
+
+
+def _both_ends_moved(spline: Spline, place: Array) -> Spline:
+    """Of a curve across the plane the free end, and its mirror image."""
+    middle = halves_of(spline).middle
+    way = place - spline.value(spline.range[1:])[0]
+    fade = _Fade.of(spline, middle, way)
+    finer = made_symmetric(spline.refined(np.concatenate((fade.knots, 2.0 * middle - fade.knots))))
+    shift = fade.shares(finer, middle)[:, None] * way
+    points = finer.control_points + shift + shift[::-1] * MIRROR
+    points[-1], points[0] = place, place * MIRROR
+    return Spline(finer.knots, points)
+
+
+@dataclass(frozen=True, eq=False)
+class _Fade:
+    """A stretch before the end of a spline: parameters, and the share of the way of each."""
+
+    at: Array
+    share: Array
+
+    @classmethod
+    def of(cls, spline: Spline, begin: float, way: Array) -> _Fade:
+        at = np.linspace(begin, spline.range[1], LOOKS)
+        along = arc_length(spline.value(at))
+        length = along[-1] or 1.0
+        reach = min(length, max(FADE * float(np.linalg.norm(way)), LEAST_FADE * length))
+        done = np.clip(1.0 - (length - along) / reach, 0.0, 1.0)
+        return cls(at, done**2 * (3.0 - 2.0 * done))
+
+    @property
+    def knots(self) -> Array:
+        """Where the displacement needs knots."""
+        begin = self.at[max(0, int(np.argmax(self.share > 0.0)) - 1)]
+        return np.linspace(begin, self.at[-1], STEPS + 1)[:-1]
+
+    def shares(self, spline: Spline, middle: float = -np.inf) -> Array:
+        """What each control point has of the way; the last two all, which keeps the direction."""
+        places = (spline.knots[1:-3] + spline.knots[2:-2] + spline.knots[3:-1]) / DEGREE
+        share = np.interp(places, self.at, self.share)
+        share[-2:] = 1.0
+        return np.where(places > middle, share, 0.0)

@@ -1,0 +1,31 @@
+"""The curves for other programs: exact splines in the frame of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bozzetto.geometry import Shapes
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.visibility import shown_curves
+from bozzetto_symmetry.solve.curve_solver import Trace
+
+__all__ = ["shapes_of"]
+
+
+def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
+    """All curves that are shown; the mirror image of a pair comes after it."""
+    place = state.plane.placement
+    handed = []
+    for curve in shown_curves(state):
+        trace = traces.get(curve.id)
+        if trace is None or trace.curve is None:
+            continue
+        for number, made in enumerate(trace.curve.to_curves(curve.color)):
+            points = place.points(made.control_points)
+            handed.append(replace(made, name=_name(curve, number), control_points=points))
+    return Shapes(curves=tuple(handed))
+
+
+def _name(curve: Curve, number: int) -> str:
+    return f"{curve.name} mirrored" if number else curve.name

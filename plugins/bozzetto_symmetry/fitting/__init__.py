@@ -1,0 +1,1 @@
+"""Symmetric splines fitted to ink in any number of views. Imports stereo and below."""

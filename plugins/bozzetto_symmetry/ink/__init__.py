@@ -1,0 +1,1 @@
+"""From strokes to the lines of the two sides. Imports model."""

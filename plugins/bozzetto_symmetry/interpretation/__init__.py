@@ -1,0 +1,1 @@
+"""What strokes mean: pair, single, crossing, in the plane. Imports stereo and below."""

@@ -1,0 +1,147 @@
+"""One line as a curve across the centre plane, folded where it crosses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.ink.sides import Side
+from bozzetto_symmetry.interpretation.candidate import TELL, Read, matched, price
+from bozzetto_symmetry.interpretation.side_pairing import Folding, foldings
+from bozzetto_symmetry.interpretation.triangulation import Solved, solved
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.stereo.uncertainty import plane_covariances
+
+__all__ = ["as_crossing"]
+
+Array = NDArray[np.float64]
+
+SAME: Final = 1e-6
+"""Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
+
+
+def as_crossing(stereo: Stereo, side: Side, box: Array | None) -> Iterator[Read]:
+    """Every way in which a side can be a curve across the plane, at its price.
+
+    A closed side is a ring; where it can be none, it may be a line whose ends happen to be
+    seen near one another.
+
+    Parameters
+    ----------
+    stereo : Stereo
+    side : Side
+    box : (2, 3) float or None
+        Least and greatest corner, in the frame of the plane, mm.
+    """
+    ways = [(side.pixels, True)] if side.closed else []
+    some = False
+    for pixels, ring in [*ways, (side.unrolled, False)]:
+        for folding in () if some else foldings(stereo, pixels, closed=ring):
+            found = _folded(stereo, folding, pixels, ring, box)
+            if found is not None:
+                some |= ring
+                yield found
+
+
+def _folded(
+    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, box: Array | None
+) -> Read | None:
+    pairing = folding.pairing
+    made = solved(stereo, pairing, box)
+    middle = stereo.on_plane(folding.crossings)
+    if len(made.points) < 2 or not np.isfinite(middle).all():
+        return None
+    if ring:
+        near, far, turned = _ring_halves(pixels, folding)
+        covered = float(np.mean(pairing.coverage))
+    else:
+        near, far, covered = _halves(pixels, folding)
+        turned = not folding.first
+    missing = 1.0 - made.kept * min(covered, 1.0)
+    flat = plane_covariances(stereo, folding.crossings)
+    points, covariances = _whole(made, middle, flat, turned, ring)
+    told: tuple[str, ...] = ()
+    if missing > TELL:
+        told = (f"{100.0 * missing:.0f} % of the curve across the plane have no partner.",)
+    return Read(
+        "self",
+        price(pairing.cost, made, missing),
+        1.0 - missing,
+        points,
+        covariances,
+        pairing,
+        folding.crossings,
+        (near,),
+        (far,),
+        closed=ring,
+        ring=ring,
+        warnings=told,
+    )
+
+
+def _place(pixels: Array, crossing: Array) -> int:
+    return int(np.argmin(np.linalg.norm(pixels - crossing, axis=1)))
+
+
+def _halves(pixels: Array, folding: Folding) -> tuple[Array, Array, float]:
+    """The ink before and behind the crossing, outwards, and the share of it with a partner."""
+    pairing, foot = folding.pairing, folding.crossings[:1]
+    cut = _place(pixels, foot[0])
+    halves = np.vstack((foot, pixels[:cut][::-1])), np.vstack((foot, pixels[cut + 1 :]))
+    stations, coverage = [pairing.stations, pairing.far_stations], list(pairing.coverage)
+    if not folding.first:
+        stations.reverse()
+        coverage.reverse()
+    lengths = [float(arc_length(half)[-1]) for half in halves]
+    covered = float(np.dot(lengths, coverage)) / max(sum(lengths), 1e-300)
+    before, behind = (
+        matched(half, np.append(share, 0.0)) for half, share in zip(halves, stations, strict=True)
+    )
+    return before, behind, covered
+
+
+def _ring_halves(pixels: Array, folding: Folding) -> tuple[Array, Array, bool]:
+    """Both halves of a ring from its first crossing; whether the first drawn is the far one."""
+    begin, end = (_place(pixels, crossing) for crossing in folding.crossings)
+    turned = np.roll(pixels, -begin, axis=0)
+    count = (end - begin) % len(pixels)
+    first, last = folding.crossings
+    one = np.vstack((first, turned[1:count], last))
+    other = np.vstack((last, turned[count + 1 :], first))[::-1]
+    middle = folding.pairing.near[len(folding.pairing.near) // 2]
+    to_one, to_other = (float(np.linalg.norm(half - middle, axis=1).min()) for half in (one, other))
+    return one, other, to_other < to_one
+
+
+def _whole(
+    made: Solved, middle: Array, flat: Array, turned: bool, ring: bool
+) -> tuple[Array, Array]:
+    """The curve and its mirror image in one line, in the sense drawn.
+
+    Parameters
+    ----------
+    middle, flat : (c, 3) and (c, 3, 3) float
+        Where the curve crosses the plane, and the covariances there.
+    turned : bool
+        The half that was drawn first is the mirror image of what was solved.
+    """
+    own = np.linalg.norm(made.points[:, None] - middle, axis=2).min(axis=1)
+    apart = own > SAME * float(np.linalg.norm(np.ptp(made.points, axis=0)))
+    points, spread = made.points[apart], made.covariances[apart]
+    flip = np.diag(MIRROR)
+    mirrored, reflected = points * MIRROR, flip @ spread @ flip
+    if turned:
+        points, spread, mirrored, reflected = mirrored, reflected, points, spread
+    if ring:
+        return (
+            np.vstack((middle[:1], points, middle[-1:], mirrored[::-1])),
+            np.concatenate((flat[:1], spread, flat[-1:], reflected[::-1])),
+        )
+    return (
+        np.vstack((points[::-1], middle, mirrored)),
+        np.concatenate((spread[::-1], flat, reflected)),
+    )

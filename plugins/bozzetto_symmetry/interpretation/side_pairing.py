@@ -1,0 +1,162 @@
+"""Which places of one side of a thing belong to which places of its other side."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.ink.curves.resample import resample
+from bozzetto.plugin import Memory
+from bozzetto_symmetry.interpretation.folding import Folding, foldings
+from bozzetto_symmetry.stereo.correspondence import Pairing, paired
+from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
+from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
+from bozzetto_symmetry.stereo.mirror_camera import Stereo
+
+__all__ = ["Folding", "Pairing", "foldings", "pairings"]
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 160
+"""Places along each side that are matched."""
+
+OPEN_END: Final = 0.01
+"""Price of a sample without a partner at an end, per px of what the signals range over."""
+
+UNEVEN: Final = 0.01
+"""Price of a step along one side only, in the same unit."""
+
+NEAR_TOP: Final = 0.1
+"""How much lower than the highest turn of a loop, as a share of its range, another one may
+be and still be the same place."""
+
+MOST_CUTS: Final = 3
+"""Places of the other loop at which it is tried to be cut."""
+
+FLATTEST: Final = 0.05
+"""Least roundness that counts, so that no loop is without end the worse."""
+
+
+_known: Memory[tuple[Pairing, ...]] = Memory(limit=64)
+
+
+def pairings(
+    stereo: Stereo, near: ArrayLike, far: ArrayLike, *, closed: bool = False
+) -> tuple[Pairing, ...]:
+    """Match the two sides of a pair; remembered.
+
+    Parameters
+    ----------
+    stereo : Stereo
+    near, far : (n, 2) array_like
+        The sides as drawn, px, in any sense.
+    closed : bool
+        Both are loops; the first point is not repeated.
+
+    Returns
+    -------
+    tuple of Pairing
+        The best first, both senses where both are possible; none where nothing matches.
+    """
+    first, second = np.asarray(near, float), np.asarray(far, float)
+    told = (first.shape, first.tobytes(), second.tobytes())
+    question = (stereo, *told, closed)
+    return _known.recall(question, lambda: _paired(stereo, first, second, closed))
+
+
+def _paired(stereo: Stereo, near: Array, far: Array, closed: bool) -> tuple[Pairing, ...]:
+    one = resample(near, count=SAMPLES, closed=closed)
+    other = resample(far, count=SAMPLES, closed=closed)
+    if not (np.ptp(one, axis=0).any() and np.ptp(other, axis=0).any()):
+        return ()
+    made = _of_loops(stereo, one, other) if closed else _of_open(stereo, one, other)
+    kept = [pairing for pairing in made if len(pairing.near) > 1]
+    return tuple(sorted(kept, key=lambda pairing: pairing.score))
+
+
+def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
+    first = Signal.of(stereo, one)
+    along = Signal.of(stereo, other).shifted(stereo, first)
+    against = along.turned()
+    unit = spread(first, along)
+    table = differences(first, along)
+    ways = warpings(
+        np.stack([table, table[:, ::-1]]),
+        step=UNEVEN * unit,
+        begin=OPEN_END * unit,
+        end=OPEN_END * unit,
+    )
+    backwards = paired(stereo, first, against, ways[1])
+    return [
+        paired(stereo, first, along, ways[0]),
+        replace(backwards, far_stations=1.0 - backwards.far_stations, reversed=True),
+    ]
+
+
+def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
+    """Loops are cut where they reach furthest round, which both images do at one place."""
+    count = len(one)
+    cut = int(np.argmax(stereo.angles(one)))
+    first = Signal.of(stereo, _cut(one, cut))
+    made = []
+    for sense in (1, -1):
+        ring = other[::sense]
+        cuts = _tops(stereo.angles(ring))
+        seconds = [Signal.of(stereo, _cut(ring, k)).shifted(stereo, first) for k in cuts]
+        unit = spread(first, *seconds)
+        tables = np.stack([differences(first, second) for second in seconds])
+        ways = warpings(tables, step=UNEVEN * unit)
+        best = min(range(len(cuts)), key=lambda k: ways[k].total)
+        found = paired(stereo, first, seconds[best], ways[best], closed=True)
+        stations = (found.stations + cut / count) % 1.0
+        order = np.argsort(stations, kind="stable")
+        theirs = (found.far_stations * count + cuts[best]) / count
+        theirs = theirs if sense > 0 else (count - 1) / count - theirs
+        roundness = _roundness(stereo.intersected(found.near, found.far))
+        made.append(
+            replace(
+                found,
+                near=found.near[order],
+                far=found.far[order],
+                weak=found.weak[order],
+                stations=stations[order],
+                far_stations=theirs[order] % 1.0,
+                score=found.score / roundness,
+                reversed=sense < 0,
+            )
+        )
+    return made
+
+
+def _cut(ring: Array, place: int) -> Array:
+    rolled = np.roll(ring, -place, axis=0)
+    return np.vstack([rolled, rolled[:1]])
+
+
+def _tops(angles: Array) -> list[int]:
+    """Local maxima that may be the highest one, the highest first."""
+    higher = (angles >= np.roll(angles, 1)) & (angles > np.roll(angles, -1))
+    high = angles > angles.max() - NEAR_TOP * np.ptp(angles)
+    tops = np.flatnonzero(higher & high)
+    if not len(tops):
+        return [int(np.argmax(angles))]
+    return [int(k) for k in tops[np.argsort(-angles[tops])][:MOST_CUTS]]
+
+
+def _roundness(points: Array) -> float:
+    """Of a loop in space: area by the square of its length, 1 for a circle.
+
+    Matched the other way round, a loop changes places with one that is wide in depth where
+    it was wide in height: both fit alike, and of the two people mean the rounder one.
+    """
+    seen = points[np.isfinite(points).all(axis=1)]
+    if len(seen) < 3:
+        return FLATTEST
+    after = np.roll(seen, -1, axis=0)
+    length = float(np.linalg.norm(after - seen, axis=1).sum())
+    middle = seen.mean(axis=0)
+    area = 0.5 * float(np.linalg.norm(np.cross(seen - middle, after - middle).sum(axis=0)))
+    return max(FLATTEST, 4.0 * np.pi * area / length**2 if length else 0.0)

@@ -1,0 +1,126 @@
+"""Places in space from matched places on the sheet, with their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_symmetry.interpretation.side_pairing import Pairing
+from bozzetto_symmetry.stereo import degeneracies as special_cases
+from bozzetto_symmetry.stereo.mirror_camera import Stereo
+from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
+
+__all__ = ["Solved", "solved", "strays"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+ROOM: Final = 0.05
+"""Share of the box's size by which a curve may leave it without a price. It is what tells the
+sense of a curve that fits either way, like a hook."""
+
+STRAY_ROOM: Final = 0.2
+"""The same for single places to be left out as strays: the box is a ruler, no fence."""
+
+STRAY: Final = 0.2
+"""Greatest share of places outside the box that are left out as strays; if there are more,
+the curve is meant to be there."""
+
+REACH: Final = 3
+"""Matched places on either side over which the direction of the far curve is taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """One half of a symmetric curve.
+
+    Attributes
+    ----------
+    points : (k, 3) float
+        mm, in front of the eye, in the order of the pairing.
+    covariances : (k, 3, 3) float
+        For 1 px of noise, mm².
+    kept : float
+        Share of the matched places that gave a point.
+    outside : float
+        Share of the points outside the box and the room about it.
+    astride : float
+        How much of the curve lies on the other side of the plane than most of it, 0 … 1.
+    askew : float
+        How far the plane that fits the points best is from facing one of the box's ways:
+        0 if it does, and 0.42 at most.
+    reasons : tuple of str
+        Why matched places gave no point, and what to do.
+    """
+
+    points: Array
+    covariances: Array
+    kept: float
+    outside: float
+    astride: float
+    askew: float
+    reasons: tuple[str, ...] = ()
+
+
+def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
+    """Intersect the rays of a pairing.
+
+    Parameters
+    ----------
+    stereo : Stereo
+    pairing : Pairing
+    box : (2, 3) float or None
+        Least and greatest corner, in the frame of the plane, mm.
+    """
+    points, codes = special_cases.solved(stereo, pairing.near, pairing.far)
+    seen = np.isfinite(points).all(axis=1)
+    reasons = special_cases.reasons(codes)
+    if not seen.any():
+        return Solved(np.zeros((0, 3)), np.zeros((0, 3, 3)), 0.0, 0.0, 0.0, 0.0, reasons)
+    points, near, far = points[seen], pairing.near[seen], pairing.far[seen]
+    covariances = pair_covariances(stereo, near, far, _directions(stereo, far))
+    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    covariances[pairing.weak[seen], 1, 1] += extent**2
+    # A place that the view hardly knows says little about where the curve is.
+    trust = 1.0 / (sigmas(covariances) + 0.01 * extent + 1e-300) ** 2
+    trust /= trust.sum()
+    out = _beyond(points, box, ROOM)
+    middle = points - trust @ points
+    least = np.linalg.svd(middle * np.sqrt(trust)[:, None], full_matrices=False)[2][-1]
+    askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
+    outside, astride = float(trust[out].sum()), _astride(points[:, 1], trust)
+    keep = ~strays(points, box)
+    return Solved(
+        points[keep], covariances[keep], float(seen.mean()), outside, astride, askew, reasons
+    )
+
+
+def strays(points: Array, box: Array | None) -> Flags:
+    """Which of the points are far outside the box while most are not, (n,)."""
+    out = _beyond(points, box, STRAY_ROOM)
+    return out if out.sum() <= STRAY * len(out) else np.zeros(len(points), bool)
+
+
+def _beyond(points: Array, box: Array | None, share: float) -> Flags:
+    if box is None:
+        return np.zeros(len(points), bool)
+    room = share * (box[1] - box[0])
+    return np.asarray(((points < box[0] - room) | (points > box[1] + room)).any(axis=1))
+
+
+def _astride(y: Array, trust: Array) -> float:
+    left, right = float(trust @ np.maximum(y, 0.0)), float(trust @ np.maximum(-y, 0.0))
+    return 2.0 * min(left, right) / max(left + right, 1e-300)
+
+
+def _directions(stereo: Stereo, far: Array) -> Array:
+    """Unit directions of the far curve; where it stands still, along the epipolar line."""
+    index = np.arange(len(far))
+    ahead, back = np.minimum(index + REACH, len(far) - 1), np.maximum(index - REACH, 0)
+    way = far[ahead] - far[back]
+    length = np.linalg.norm(way, axis=1, keepdims=True)
+    unit = np.divide(way, length, out=np.zeros_like(way), where=length > 1e-9)
+    return np.where(length > 1e-9, unit, stereo.toward_vanishing(far))

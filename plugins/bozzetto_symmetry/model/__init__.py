@@ -1,0 +1,1 @@
+"""The state of a drawing: box, plane, axes. Imports no other room."""

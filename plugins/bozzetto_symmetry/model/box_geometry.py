@@ -1,0 +1,75 @@
+"""The box and the centre plane as points and edges in space."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_symmetry.model.axes import AXES
+from bozzetto_symmetry.model.state import SymmetryState
+
+__all__ = ["box_corners", "box_edges", "plane_foot", "plane_outline", "plane_section"]
+
+Array = NDArray[np.float64]
+
+FLUSH: Final = 1e-9
+"""Share of the box's diagonal within which a corner lies on the plane."""
+
+SQUARE: Final = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+"""Signs of the corners of a square, in order around it."""
+
+
+def box_corners(state: SymmetryState) -> Array:
+    """The eight corners of the box in the model's frame, (8, 3) mm; the last axis runs first."""
+    half = 0.5 * np.asarray(state.size)
+    return np.asarray(state.centre + half * np.array(list(product((-1.0, 1.0), repeat=3))))
+
+
+def box_edges(state: SymmetryState) -> Array:
+    """The twelve edges of the box, (12, 2, 3) mm: four along x, four along y, four along z."""
+    corners = box_corners(state)
+    pairs = [(k, k | bit) for bit in (4, 2, 1) for k in range(8) if not k & bit]
+    return np.asarray(corners[pairs])
+
+
+def plane_foot(state: SymmetryState) -> Array:
+    """The place of the centre plane that is nearest to the middle of the box, (3,) mm."""
+    normal, centre = np.asarray(state.plane.normal), np.asarray(state.centre)
+    return np.asarray(centre - normal * float((centre - state.plane.point) @ normal))
+
+
+def plane_section(state: SymmetryState) -> Array:
+    """Corners of the centre plane's section with the box, in order around it, (n, 3) mm.
+
+    None where the plane passes the box by, or only touches it.
+    """
+    corners, normal = box_corners(state), np.asarray(state.plane.normal)
+    across, up = state.plane.placement.directions(AXES[[0, 2]])
+    height = (corners - state.plane.point) @ normal
+    slack = FLUSH * state.diagonal
+    edges = box_edges(state)
+    low, high = ((edges[:, end] - state.plane.point) @ normal for end in (0, 1))
+    cut = (np.minimum(low, high) < -slack) & (np.maximum(low, high) > slack)
+    share = low[cut] / (low[cut] - high[cut])
+    met = edges[cut, 0] + share[:, None] * (edges[cut, 1] - edges[cut, 0])
+    points = np.concatenate((corners[np.abs(height) <= slack], met))
+    if len(points) < 3:
+        return np.zeros((0, 3))
+    offset = points - points.mean(axis=0)
+    return np.asarray(points[np.argsort(np.arctan2(offset @ up, offset @ across))])
+
+
+def plane_outline(state: SymmetryState) -> Array:
+    """Corners of what is shown of the centre plane, in order around it, (n, 3) mm.
+
+    Its section with the box; a square of the box's size where it passes the box by.
+    """
+    section = plane_section(state)
+    if len(section):
+        return section
+    across, up = state.plane.placement.directions(AXES[[0, 2]])
+    half = 0.5 * state.diagonal
+    return np.array([plane_foot(state) + half * (i * across + j * up) for i, j in SQUARE])

@@ -1,0 +1,274 @@
+"""The box and the centre plane as ink files tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto_symmetry.model.axes import AXES
+from bozzetto_symmetry.model.state import AskedReading, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
+
+__all__ = ["box_around", "box_facts", "facts_of", "readings_of"]
+
+Array = NDArray[np.float64]
+
+SIZE_LIMITS: Final = (0.1, 1e6)
+"""Least and greatest edge of a box, mm; as in the form."""
+
+FARTHEST: Final = 1e7
+"""Greatest coordinate, mm."""
+
+SYMMETRIES: Final = {"x": "length", "y": "width", "z": "height"}
+"""The box's own planes of symmetry by the axis that they are square to."""
+
+COINCIDENT: Final = 1e-9
+"""Difference of unit normals, and share of the box's diagonal between planes, below which a
+plane is the box's own."""
+
+LEAST_SEEN: Final = 0.4
+"""Share of its length that an axis is taken to be seen at, however short it is seen."""
+
+FIGURES: Final = 2
+"""Digits of the edges of a box around ink."""
+
+
+def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """What the facts of a drawing change in a state.
+
+    Parameters
+    ----------
+    facts : mapping
+        Plain JSON values that nobody has checked. ``"box"`` is ``[l, w, h]``, or
+        ``{"center": [x, y, z], "size": [l, w, h]}``, or ``{"min": […], "max": […]}``, or
+        ``{"length": l, "width": w, "height": h}`` with or without ``"center"``. ``"plane"``
+        is ``"x"``, ``"y"`` or ``"z"`` for the plane through the middle of the box that is
+        square to that axis, ``"y = 0"`` and the like for one at a coordinate, or
+        ``{"point": […], "normal": […]}``, or
+        ``{"normal": n, "offset": d}`` for n · p = d, or ``[a, b, c, d]`` for
+        a x + b y + c z + d = 0. Other keys are left alone.
+
+    Returns
+    -------
+    dict
+        Fields of `SymmetryState` with their new values; only those that are told.
+
+    Raises
+    ------
+    UserError
+        If a box or plane cannot be read; the message names the place.
+    """
+    changes: dict[str, Any] = {}
+    if facts.get("box") is not None:
+        centre, size = _box(facts["box"])
+        changes["centre"] = tuple(centre.tolist())
+        changes["length"], changes["width"], changes["height"] = size.tolist()
+    if facts.get("plane") is not None:
+        changes |= _plane(facts["plane"], SymmetryState(**changes))
+    return changes
+
+
+def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
+    """What the facts of a drawing say that its curves are.
+
+    Parameters
+    ----------
+    facts : mapping
+        ``"readings"`` names a reading for some curves, by the names of their strokes:
+        ``"auto"``, ``"pair"``, ``"self"``, ``"plane"`` or ``"half"``.
+
+    Raises
+    ------
+    UserError
+        If it is something else.
+    """
+    told = facts.get("readings", {})
+    if not isinstance(told, Mapping):
+        raise UserError("“readings” is no list of names. Give one reading for each curve.")
+    for name, reading in told.items():
+        if reading not in get_args(AskedReading):
+            known = ", ".join(f"“{r}”" for r in get_args(AskedReading))
+            raise UserError(f"“readings” of “{str(name)[:40]}”: there are {known}.")
+    return dict(told)
+
+
+def facts_of(state: SymmetryState) -> dict[str, Any]:
+    """The facts that make `box_facts` give back the box and the plane of a state."""
+    plane: Any = next((a for a, name in SYMMETRIES.items() if name == state.symmetry), None)
+    if plane is None:
+        free = state.free_plane
+        plane = {"point": list(free.point), "normal": list(free.normal)}
+    return {"box": {"center": list(state.centre), "size": list(state.size)}, "plane": plane}
+
+
+def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
+    """A box for a drawing that tells none: its picture has room for all the ink.
+
+    It stands in the middle of the first view, on both sides of the centre plane. Along every
+    axis it is as long as the ink is wide on the sheet, and longer the more that axis is
+    foreshortened.
+
+    Parameters
+    ----------
+    strokes : sequence of Stroke
+        At least one.
+    plane : CentrePlane
+        That of the drawing.
+
+    Returns
+    -------
+    dict
+        Fields of `SymmetryState` with their values.
+    """
+    camera = strokes[0].camera
+    normal, target = np.asarray(plane.normal), np.asarray(camera.target)
+    centre = target - normal * float((target - plane.point) @ normal)
+    middle, _ = camera.project(centre)
+    ink = np.concatenate([stroke.points for stroke in strokes if stroke.camera == camera])
+    if not np.isfinite(middle).all():
+        middle = 0.5 * np.asarray([camera.viewport])
+    reach = 2.0 * float(np.abs(ink - middle).max()) / camera.pixels_per_mm
+    seen = np.sqrt(np.clip(1.0 - camera.axes[2] ** 2, LEAST_SEEN**2, 1.0))
+    edges = np.clip([float(f"{v:.{FIGURES}g}") for v in reach / seen], *SIZE_LIMITS)
+    length, width, height = edges.tolist()
+    x, y, z = (float(v) + 0.0 for v in np.clip(centre, -FARTHEST, FARTHEST))
+    return {"centre": (x, y, z), "length": length, "width": width, "height": height}
+
+
+# -- the box ---------------------------------------------------------------------------------
+
+
+def _box(told: object) -> tuple[Array, Array]:
+    """Centre and size."""
+    if not isinstance(told, Mapping):
+        return np.zeros(3), _size(told, "box")
+    told = {"center" if key == "centre" else key: value for key, value in told.items()}
+    keys = set(told)
+    if keys == {"min", "max"}:
+        low, high = _place(told["min"], "box.min"), _place(told["max"], "box.max")
+        if not (low < high).all():
+            raise UserError(
+                "“box”: “min” is not below “max”. Give the lower corner as “min” and the upper "
+                "one as “max”."
+            )
+        return 0.5 * (low + high), _size((high - low).tolist(), "box")
+    if keys - {"center"} == {"size"}:
+        size = _size(told["size"], "box.size")
+    elif keys - {"center"} == {"length", "width", "height"}:
+        size = _size([told[name] for name in ("length", "width", "height")], "box")
+    else:
+        raise UserError(
+            "“box” holds other keys than it can. Give “center” and “size”, or “min” and “max”, "
+            "or “length”, “width” and “height”."
+        )
+    return (_place(told["center"], "box.center") if "center" in told else np.zeros(3)), size
+
+
+def _size(told: object, key: str) -> Array:
+    size = _numbers(told, key, 3, "length, width and height in millimetres")
+    least, most = SIZE_LIMITS
+    if not ((size >= least) & (size <= most)).all():
+        raise UserError(f"“{key}”: a box's edges are from {least:g} to {most:,.0f} mm. Change it.")
+    return size
+
+
+# -- the plane -------------------------------------------------------------------------------
+
+
+def _plane(told: object, state: SymmetryState) -> dict[str, Any]:
+    if isinstance(told, str) and told in SYMMETRIES:
+        return {"symmetry": SYMMETRIES[told]}
+    point, normal = _point_and_normal(told)
+    plane = CentrePlane(_triple(point), _triple(normal))
+    aside = abs(float((np.asarray(state.centre) - plane.point) @ plane.normal))
+    for axis, symmetry in zip(AXES, SYMMETRIES.values(), strict=True):
+        turned = float(np.abs(np.abs(plane.normal) - axis).max())
+        if turned <= COINCIDENT and aside <= COINCIDENT * state.diagonal:
+            return {"symmetry": symmetry}
+    return {"symmetry": "free", "free_plane": plane}
+
+
+def _point_and_normal(told: object) -> tuple[Array, Array]:
+    if isinstance(told, str):
+        return _at_coordinate(told)
+    if isinstance(told, Mapping):
+        if set(told) == {"point", "normal"}:
+            return _place(told["point"], "plane.point"), _normal(told["normal"], "plane.normal")
+        if set(told) == {"normal", "offset"}:
+            normal = _normal(told["normal"], "plane.normal")
+            (offset,) = _numbers([told["offset"]], "plane.offset", 1, "the distance")
+            return _foot(normal, float(offset), "plane.offset"), normal
+        raise UserError(
+            "“plane” holds other keys than it can. Give “point” and “normal”, or “normal” and "
+            "“offset”."
+        )
+    numbers = _numbers(told, "plane", 4, "a, b, c and d of a x + b y + c z + d = 0")
+    normal = _normal(numbers[:3].tolist(), "plane")
+    return _foot(normal, -float(numbers[3]), "plane"), normal
+
+
+def _at_coordinate(told: str) -> tuple[Array, Array]:
+    """The plane that "y = 0" and the like tell."""
+    name, _, number = told.partition("=")
+    try:
+        axis = AXES[list(SYMMETRIES).index(name.strip())]
+        offset = float(number)
+    except ValueError:
+        raise UserError(
+            f"“plane” is “{told[:20]}”. Give “x”, “y” or “z”, or “y = 0”, or a normal."
+        ) from None
+    return _foot(axis, offset, "plane"), axis
+
+
+def _foot(normal: Array, offset: float, key: str) -> Array:
+    """The place of the plane n · p = d that is nearest to the origin."""
+    point = normal * (offset / float(normal @ normal))
+    return _place(point.tolist(), key)
+
+
+def _normal(told: object, key: str) -> Array:
+    normal = _numbers(told, key, 3, "a direction")
+    if not 1.0 / FARTHEST < float(np.abs(normal).max()) < FARTHEST:
+        raise UserError(f"“{key}” has no direction. Give one of about unit length.")
+    return normal
+
+
+# -- numbers ---------------------------------------------------------------------------------
+
+
+def _place(told: object, key: str) -> Array:
+    place = _numbers(told, key, 3, "a place in millimetres")
+    if not (np.abs(place) <= FARTHEST).all():
+        raise UserError(f"“{key}” is too far away. Stay within {FARTHEST:,.0f} mm of the origin.")
+    return place
+
+
+def _numbers(told: object, key: str, count: int, meaning: str) -> Array:
+    """Finite numbers out of a list of anything."""
+    if (
+        not isinstance(told, list | tuple)
+        or len(told) != count
+        or not all(_is_number(value) for value in told)
+    ):
+        raise UserError(f"“{key}” needs {count} plain number{'s' * (count > 1)}: {meaning}.")
+    return np.array(told, float)
+
+
+def _is_number(value: object) -> bool:
+    """Whether a JSON value is a number that is finite as a float."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return bool(np.isfinite(float(value)))
+    except OverflowError:
+        return False
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in values)
+    return x, y, z

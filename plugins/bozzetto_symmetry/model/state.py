@@ -1,0 +1,321 @@
+"""The recipe of a symmetry model: a box, a centre plane, and curves as they were drawn.
+
+Every curve keeps its ink with the cameras, and what was done to it since, in order, so that
+better code can solve it again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Annotated, Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.ink import Strokes
+from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
+
+__all__ = [
+    "AskedReading",
+    "Color",
+    "Curve",
+    "Edit",
+    "Group",
+    "Joint",
+    "Line",
+    "Modification",
+    "Node",
+    "Snap",
+    "SymmetryState",
+    "Trim",
+]
+
+Color = tuple[int, int, int]
+AskedReading = Literal["auto", "pair", "self", "plane", "half"]
+
+
+@dataclass(frozen=True)
+class Modification:
+    """Strokes drawn over the curve in one view: it gives way to them.
+
+    Parameters
+    ----------
+    strokes : Strokes
+        Of one camera.
+    mirrored : bool
+        They were drawn over the mirror image.
+    """
+
+    strokes: Strokes
+    mirrored: bool = False
+
+
+@dataclass(frozen=True)
+class Trim:
+    """Only a stretch of the curve is kept.
+
+    Parameters
+    ----------
+    begin, end : float
+        Shares of the curve's parameter range, ``begin < end``; on a closed curve `end` may be
+        above 1. Of a curve across the plane these are shares of the half, counted from the
+        plane.
+    """
+
+    begin: float = 0.0
+    end: float = 1.0
+
+
+@dataclass(frozen=True)
+class Snap:
+    """An end of the curve is taken to a place in space.
+
+    Parameters
+    ----------
+    end : {0, 1}
+        The first or the last end; of a curve across the plane its one free end is 1.
+    point : (x, y, z)
+        In the frame of the model, on the side that was drawn; mm.
+    """
+
+    end: int
+    point: Point
+
+
+@dataclass(frozen=True)
+class Joint:
+    """An end is joined to another one, with a common tangent there.
+
+    Parameters
+    ----------
+    end : {0, 1}
+        Of this curve.
+    other : Curve or None
+        The curve that the other end belongs to, as it was; it is no node of its own any more.
+        None is this curve itself: its two ends close it, or, mirrored, an end meets its image.
+    other_end : {0, 1}
+    mirrored : bool
+        The other end is one of the mirror image.
+    """
+
+    end: int
+    other: Curve | None
+    other_end: int
+    mirrored: bool = False
+
+
+Edit = Modification | Trim | Snap | Joint
+
+
+@dataclass(frozen=True)
+class Node:
+    """What everything in the list has in common.
+
+    Parameters
+    ----------
+    id : str
+        Unique within the state.
+    name : str
+    visible : bool
+    within : str
+        Id of the group that it is in; "" for none.
+    """
+
+    id: str = ""
+    name: str = ""
+    visible: bool = True
+    within: str = ""
+
+
+@dataclass(frozen=True)
+class Group(Node):
+    """Curves that belong together."""
+
+
+@dataclass(frozen=True)
+class Curve(Node):
+    """A curve, drawn in one or several views.
+
+    Parameters
+    ----------
+    strokes : Strokes
+        Raw ink, each stroke with its camera, in the order drawn.
+    edits : tuple of Edit
+        What was done to the curve since, in order.
+    """
+
+    strokes: Strokes = Strokes()
+    edits: tuple[Edit, ...] = ()
+    reading: Annotated[
+        AskedReading,
+        Parameter(
+            "Reading",
+            help="What the strokes are: both sides, one stroke across, or in the centre plane.",
+            choices=(
+                ("auto", "Find out"),
+                ("pair", "Left and right"),
+                ("self", "Across the plane"),
+                ("plane", "In the plane"),
+                ("half", "One side, waiting"),
+            ),
+        ),
+    ] = "auto"
+    other: Annotated[
+        bool,
+        Parameter(
+            "Other matching",
+            help="Take the second-best way in which the two sides can belong together.",
+        ),
+    ] = False
+    detail: Annotated[
+        Literal["adaptive", "seven"],
+        Parameter(
+            "Control points",
+            advanced=True,
+            help="As many as the ink needs, or always seven for a half.",
+            choices=(("adaptive", "As needed"), ("seven", "Seven")),
+        ),
+    ] = "adaptive"
+    color: Annotated[Color | None, Parameter("Colour", help="Of this curve.")] = None
+
+
+@dataclass(frozen=True)
+class Line(Node):
+    """A construction line: straight, to draw by; not handed over.
+
+    Parameters
+    ----------
+    begin, end : (x, y, z)
+        mm, in the frame of the model.
+    """
+
+    begin: Point = (0.0, 0.0, 0.0)
+    end: Point = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SymmetryState:
+    """The box, the plane, the curves, and what is chosen.
+
+    Parameters
+    ----------
+    nodes : tuple of Curve, Line or Group
+    selected : str
+        Id of the node that is chosen; "" for none.
+    centre : (x, y, z)
+        Middle of the box, mm.
+    free_plane : CentrePlane
+        The plane of symmetry where it is none of the box's own.
+    """
+
+    nodes: tuple[Curve | Line | Group, ...] = ()
+    selected: str = ""
+    centre: Point = (0.0, 0.0, 0.0)
+    free_plane: CentrePlane = CentrePlane()
+    length: Annotated[float, Parameter("Length", 0.1, unit="mm", help="Of the box, along x.")] = (
+        200.0
+    )
+    width: Annotated[float, Parameter("Width", 0.1, unit="mm", help="Of the box, along y.")] = 100.0
+    height: Annotated[float, Parameter("Height", 0.1, unit="mm", help="Of the box, along z.")] = (
+        100.0
+    )
+    symmetry: Annotated[
+        Literal["width", "length", "height", "free"],
+        Parameter(
+            "Centre plane",
+            help="Which way left and right lie.",
+            choices=(
+                ("width", "Across the width (y)"),
+                ("length", "Across the length (x)"),
+                ("height", "Across the height (z)"),
+                ("free", "As it was given"),
+            ),
+        ),
+    ] = "width"
+    grid: Annotated[
+        bool, Parameter("Grid", help="Show faint grids on the box's floor and its centre plane.")
+    ] = True
+    vanishing: Annotated[
+        bool,
+        Parameter("Vanishing lines", help="Lengthen the box's edges to where they meet."),
+    ] = False
+    restitution: Annotated[
+        float,
+        Parameter("Stiffness", 0.05, 2.0, step=0.05, advanced=True,
+                  help="How much a curve resists being bent when it is drawn over."),
+    ] = 0.3  # fmt: skip
+    location: Annotated[
+        float,
+        Parameter("Nearness counts", 0.0, 1.0, step=0.05, advanced=True,
+                  help="How much the nearer of several strokes pulls."),
+    ] = 0.4  # fmt: skip
+    pressure: Annotated[
+        float,
+        Parameter("Pressure counts", 0.0, 1.0, step=0.05, advanced=True,
+                  help="How much the firmer of several strokes pulls."),
+    ] = 0.3  # fmt: skip
+
+    @property
+    def size(self) -> Point:
+        """Length, width and height of the box, mm."""
+        return self.length, self.width, self.height
+
+    @property
+    def diagonal(self) -> float:
+        """Of the box, mm."""
+        return float(sum(side**2 for side in self.size) ** 0.5)
+
+    @property
+    def plane(self) -> CentrePlane:
+        """The plane of symmetry: through the middle of the box, or as it was given."""
+        normals: dict[str, Point] = {
+            "width": (0.0, 1.0, 0.0),
+            "length": (1.0, 0.0, 0.0),
+            "height": (0.0, 0.0, 1.0),
+        }
+        if self.symmetry == "free":
+            return self.free_plane
+        return CentrePlane(self.centre, normals[self.symmetry])
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Corners (2, 3) of the box in the frame of the centre plane, mm."""
+        half = 0.5 * np.asarray(self.size)
+        corners = self.centre + half * np.array(list(product((-1.0, 1.0), repeat=3)))
+        inside = self.plane.inverse.points(corners)
+        return np.stack((inside.min(axis=0), inside.max(axis=0)))
+
+    @property
+    def curves(self) -> tuple[Curve, ...]:
+        """The nodes that are curves."""
+        return tuple(node for node in self.nodes if isinstance(node, Curve))
+
+    def node(self, node_id: str) -> Curve | Line | Group:
+        """A node by its id; raises `KeyError`."""
+        for node in self.nodes:
+            if node.id == node_id:
+                return node
+        raise KeyError(node_id)
+
+    def with_node(self, node: Kind) -> SymmetryState:
+        """With a node in the place of the one of its id, or at the end; it becomes chosen."""
+        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
+
+    def without(self, *node_ids: str) -> SymmetryState:
+        """Without some nodes; what was joined to them is no longer."""
+        nodes = tuple(node for node in self.nodes if node.id not in node_ids)
+        selected = "" if self.selected in node_ids else self.selected
+        return replace(self, nodes=nodes, selected=selected)
+
+    def unused_id(self) -> str:
+        """An id that no node has."""
+        return unused_id(self.nodes)
+
+    def unused_name(self, stem: str = "Curve") -> str:
+        """A name that no node has."""
+        return unused_name(self.nodes, stem)
+
+
+Kind = TypeVar("Kind", Curve, Line, Group)

@@ -1,0 +1,188 @@
+"""Where new ink belongs: to a side that waits, to a curve that it is drawn along, or to none.
+
+A person draws one side and then the other, goes over a curve again until it settles, looks
+at it from elsewhere and draws it once more. Ink files do the same with strokes in a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink.curves.resample import resample
+from bozzetto.view import Camera
+from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
+from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
+from bozzetto_symmetry.model.visibility import shown_curves
+from bozzetto_symmetry.solve.curve_solver import Trace, traced
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+
+__all__ = ["drawn_curves", "landed", "waiting_view", "waits"]
+
+Array = NDArray[np.float64]
+
+ALONG: Final = 14.0
+"""Distance, px, up to which ink runs along what is drawn already: about four times what two
+strokes that are meant to be one lie apart."""
+
+MOSTLY: Final = 0.8
+"""Share of a stroke that must run along."""
+
+WORTH: Final = 0.25
+"""Share of the curve's length that a stroke along it must have: shorter ones are details."""
+
+LOOKS: Final = 60
+"""Places of a stroke that are looked at."""
+
+SURE_PAIR: Final = 8.0
+"""Cost of a pair, px, above which two strokes are rather two curves. Sides of one curve cost
+up to 5, if an end is missing; two curves cost 16 and more."""
+
+
+def drawn_curves(
+    state: SymmetryState,
+    strokes: Sequence[Stroke],
+    readings: Mapping[str, AskedReading] | None = None,
+) -> SymmetryState:
+    """The state with the strokes of a whole drawing.
+
+    Strokes of one group are one curve, whose id is the group's name. Others find their own
+    place one by one.
+
+    Parameters
+    ----------
+    state : SymmetryState
+    strokes : sequence of Stroke
+    readings : mapping, optional
+        What curves are, by their id, where the drawing says so.
+    """
+    asked = readings or {}
+    groups: dict[str, list[Stroke]] = {}
+    for stroke in strokes:
+        if stroke.group:
+            groups.setdefault(stroke.group, []).append(stroke)
+    for name, drawn in groups.items():
+        curve = Curve(
+            id=name,
+            name=name,
+            strokes=Strokes(drawn),
+            reading=asked.get(name, "auto"),
+            color=drawn[0].color,
+        )
+        state = state.with_node(curve)
+    for stroke in strokes:
+        if not stroke.group:
+            state = landed(state, (stroke,))
+    return state
+
+
+def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
+    """The state with new ink, which becomes part of a curve or a curve of its own.
+
+    Raises
+    ------
+    UserError
+        If the ink is no more than a dot.
+    """
+    owner = _owner(state, strokes)
+    if owner is None:
+        owner = Curve(
+            id=state.unused_id(),
+            name=state.unused_name(),
+            strokes=Strokes(strokes),
+            color=strokes[0].color,
+        )
+        traced(owner, state)
+    else:
+        owner = replace(owner, strokes=owner.strokes.extended(strokes))
+    return state.with_node(owner)
+
+
+def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
+    """The curve that new strokes belong to: the chosen one, or one that waits.
+
+    Only the chosen curve can be gone over again; beside others it is a new curve that is
+    meant.
+    """
+    known = [(curve, trace) for curve in shown_curves(state) if (trace := _trace(curve, state))]
+    for curve, trace in known:
+        if curve.id == state.selected and _runs_along(strokes, trace, state):
+            return curve
+    fits = [
+        (curve.id != state.selected, cost, curve)
+        for curve, trace in known
+        if waits(curve, trace) and np.isfinite(cost := _as_pair(curve, strokes, state))
+    ]
+    return min(fits, key=lambda fit: fit[:2])[2] if fits else None
+
+
+def waits(curve: Curve, trace: Trace) -> bool:
+    """Whether a curve may still get its other side: it has one, and nobody said what it is.
+
+    A side alone can look like a curve across the plane, or in it.
+    """
+    one_sided = len(trace.views) == 1 and len(trace.views[0].sides) == 1
+    return trace.reading == "half" or (one_sided and curve.reading == "auto")
+
+
+def waiting_view(state: SymmetryState) -> Camera | None:
+    """The camera, in the frame of the model, in whose view the chosen curve waits; else None."""
+    for curve in state.curves:
+        if curve.id == state.selected:
+            trace = _trace(curve, state)
+            return curve.strokes[-1].camera if trace and trace.reading == "half" else None
+    return None
+
+
+def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
+    try:
+        return traced(curve, state)
+    except UserError:
+        return None
+
+
+def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> float:
+    """How ill new strokes go with a waiting side of the same view, px; inf: not at all."""
+    if not any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes):
+        return float("inf")
+    both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
+    if both is None or both.reading != "pair" or both.cost > SURE_PAIR:
+        return float("inf")
+    return both.cost
+
+
+def _runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
+    """Whether strokes are drawn along a curve, or along ink of it in the same view."""
+    return all(_runs_along_one(stroke, trace, state) for stroke in strokes)
+
+
+def _runs_along_one(stroke: Stroke, trace: Trace, state: SymmetryState) -> bool:
+    """The same of one stroke."""
+    lines: list[Array] = []
+    for view in trace.views:
+        canvas = view.strokes[0].camera
+        if is_one_view(stroke.camera, canvas):
+            stroke = on_canvas(stroke, canvas)
+            lines += [side.pixels for side in view.sides]
+    stereo = Stereo.of(stroke.camera, state.plane)
+    if trace.curve is not None:
+        images = [trace.points] + ([trace.points * MIRROR] if trace.reading == "pair" else [])
+        lines += [stereo.project(points) for points in images]
+    seen = (line for line in lines if len(line) > 1 and np.isfinite(line).all())
+    return any(_is_along(stroke.points, line) for line in seen)
+
+
+def _is_along(ink: Array, line: Array) -> bool:
+    if len(np.unique(ink, axis=0)) < 2:
+        return False
+    places = resample(ink, count=LOOKS)
+    near = distances_to_polyline(places, line) < ALONG
+    lengths = [float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum()) for p in (places, line)]
+    return bool(near.mean() >= MOSTLY and lengths[0] >= WORTH * lengths[1])

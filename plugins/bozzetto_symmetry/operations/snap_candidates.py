@@ -1,0 +1,180 @@
+"""What an end of a curve is caught by: ends, curves, edges, the centre plane, the box's faces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context
+from bozzetto.view import Camera
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.model.state import Snap, SymmetryState
+from bozzetto_symmetry.operations.snap_targets import Targets, targets
+from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.picking import solved_curves
+
+__all__ = ["snap_of", "snaps_of", "with_ends_caught"]
+
+Array = NDArray[np.float64]
+
+TOLERANCE: Final = 8.0
+"""Distance on the sheet, px, within which an end is caught."""
+
+DEPTH_SIGMAS: Final = 2.0
+"""How much farther along the line of sight it may be: standard deviations of the end."""
+
+
+def snap_of(
+    end: int,
+    point: ArrayLike,
+    sigma: float,
+    camera: Camera,
+    known: Targets,
+    state: SymmetryState,
+) -> Snap | None:
+    """The place that an end of a curve is meant to be at.
+
+    It is the nearest one within 8 px on the sheet and as much in depth, and besides two
+    standard deviations of the end along the line of sight, where the hand says least. A
+    point wins over a curve or an edge, that over the centre plane, and that over a face of
+    the box.
+
+    Parameters
+    ----------
+    end : {0, 1}
+        Of the curve; a curve across the plane has end 1 only.
+    point : (3,) array_like
+        Where it is now, in the model's frame, mm.
+    sigma : float
+        Its standard deviation, mm.
+    camera : Camera
+        Through which the curve was drawn, in the model's frame.
+    known : Targets
+        Without the curve itself.
+    state : SymmetryState
+        Its box and plane.
+
+    Returns
+    -------
+    Snap or None
+    """
+    place = np.asarray(point, float)
+    pixels, depth = camera.project(place)
+    if not np.isfinite(pixels).all():
+        return None
+    way = camera.rays(pixels).directions[0]
+    pixel = 1.0 / camera.pixels_per_mm
+    if camera.kind == "perspective":
+        pixel *= float(depth[0]) / camera.distance
+    across = TOLERANCE * pixel
+    along = across + DEPTH_SIGMAS * sigma
+    # In these axes everything within reach is in the unit ball about the end.
+    shrink = np.eye(3) / across + (1.0 / along - 1.0 / across) * np.outer(way, way)
+    grow = np.eye(3) * across + (along - across) * np.outer(way, way)
+    for found in (
+        _among_points(place, shrink, known),
+        _among_segments(place, shrink, known),
+        _among_planes(place, grow, _centre_plane(state)),
+        _among_planes(place, grow, _faces(state)),
+    ):
+        if found is not None:
+            x, y, z = (float(v) for v in found)
+            return Snap(end, (x, y, z))
+    return None
+
+
+def snaps_of(
+    curve: SpaceCurve, sigma: ArrayLike, camera: Camera, known: Targets, state: SymmetryState
+) -> tuple[Snap, ...]:
+    """What the free ends of a curve are caught by.
+
+    Parameters
+    ----------
+    curve : SpaceCurve
+    sigma : (k,) array_like
+        Standard deviations along the curve, from its first end to its last, mm.
+    camera, known, state
+        As `snap_of` takes them.
+    """
+    if curve.closed:
+        return ()
+    ends = (1,) if curve.reading == "self" else (0, 1)
+    spread = np.asarray(sigma, float)
+    places = state.plane.placement.points(curve.spline.value(curve.spline.range))
+    found = (snap_of(end, places[end], float(spread[-end]), camera, known, state) for end in ends)
+    return tuple(snap for snap in found if snap is not None)
+
+
+def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
+    """The state in which the free ends of the chosen curve are where they are meant to be.
+
+    The curve's own last view says how sure its ends are.
+
+    Raises
+    ------
+    UserError
+        If no curve is chosen, it has no free end, or nothing is near its ends.
+    """
+    node = next((curve for curve in state.curves if curve.id == state.selected), None)
+    trace = None if node is None else traced(node, state)
+    if node is None or trace is None or trace.curve is None or trace.curve.closed:
+        raise UserError("Choose a curve with free ends. They snap to what is near them.")
+    others = [curve for other, curve in solved_curves(state) if other.id != node.id]
+    camera = node.strokes[-1].camera
+    known = targets(state, others, context)
+    snaps = snaps_of(trace.curve, trace.sigma, camera, known, state)
+    if not snaps:
+        raise UserError("There is nothing near the ends of this curve. Draw them closer.")
+    return state.with_node(replace(node, edits=(*node.edits, *snaps)))
+
+
+def _among_points(place: Array, shrink: Array, known: Targets) -> Array | None:
+    if not len(known.points):
+        return None
+    away = np.linalg.norm((known.points - place) @ shrink, axis=1)
+    best = int(np.argmin(away))
+    return known.points[best] if away[best] <= 1.0 else None
+
+
+def _among_segments(place: Array, shrink: Array, known: Targets) -> Array | None:
+    if not len(known.begins):
+        return None
+    begin, end = (known.begins - place) @ shrink, (known.ends - place) @ shrink
+    step = end - begin
+    square = np.einsum("nk,nk->n", step, step)
+    share = -np.einsum("nk,nk->n", begin, step) / np.where(square > 0, square, 1.0)
+    share = np.clip(share, 0.0, 1.0)[:, None]
+    away = np.linalg.norm(begin + share * step, axis=1)
+    best = int(np.argmin(away))
+    if away[best] > 1.0:
+        return None
+    return np.asarray((1.0 - share[best]) * known.begins[best] + share[best] * known.ends[best])
+
+
+def _among_planes(place: Array, grow: Array, planes: list[tuple[Array, float]]) -> Array | None:
+    """The place of one of some planes ``normal · x = height`` that is nearest in these axes."""
+    best: tuple[float, Array] | None = None
+    for normal, height in planes:
+        stretched = grow @ normal
+        reach = float(np.linalg.norm(stretched))
+        gap = (height - float(normal @ place)) / reach
+        if abs(gap) <= 1.0 and (best is None or abs(gap) < best[0]):
+            best = abs(gap), place + gap / reach * (grow @ stretched)
+    return None if best is None else best[1]
+
+
+def _centre_plane(state: SymmetryState) -> list[tuple[Array, float]]:
+    normal = np.asarray(state.plane.normal)
+    return [(normal, float(normal @ np.asarray(state.plane.point)))]
+
+
+def _faces(state: SymmetryState) -> list[tuple[Array, float]]:
+    return [
+        (np.eye(3)[axis], state.centre[axis] + sign * size)
+        for axis, size in enumerate(state.size)
+        for sign in (-0.5, 0.5)
+    ]

@@ -1,0 +1,208 @@
+"""Known places in space that the pen can start from or end on: ends, corners, curves, edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.geometry import Curve as ShapeCurve
+from bozzetto.plugin import Context
+from bozzetto.view import Camera
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
+from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import Point
+from bozzetto_symmetry.model.visibility import shown_lines
+
+__all__ = ["Kind", "Place", "Targets", "nearest_target", "targets"]
+
+Array = NDArray[np.float64]
+
+Kind = Literal["end", "crossing", "corner", "curve", "line", "edge"]
+"""The end of a curve or line, where a curve crosses the centre plane, a corner of the box or of
+the centre plane in it; a curve, a line, an edge of the box or of that plane."""
+
+PIECES_PER_SPAN: Final = 16
+"""Segments that stand for one span of a spline: a span that turns by a right angle is left
+by a thousandth of its length."""
+
+NEAREST_DEPTH: Final = 1e-6
+"""Share of the camera's distance in front of the eye at which segments are cut off."""
+
+SAME_PIXEL: Final = 0.5
+"""Difference of distances, px, below which the place nearer to the eye is meant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """Places and segments in the model's frame, mm.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+    point_kinds : tuple of Kind
+    begins, ends : (m, 3) float
+        Both ends of every segment.
+    segment_kinds : tuple of Kind
+    """
+
+    points: Array
+    point_kinds: tuple[Kind, ...]
+    begins: Array
+    ends: Array
+    segment_kinds: tuple[Kind, ...]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A known place near the pen.
+
+    Parameters
+    ----------
+    point : (x, y, z)
+        In the model's frame, mm.
+    kind : Kind
+    pixels : float
+        Its distance from the pen on the sheet.
+    """
+
+    point: Point
+    kind: Kind
+    pixels: float
+
+
+def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context) -> Targets:
+    """All that a stroke can start from or end on.
+
+    Parameters
+    ----------
+    state : SymmetryState
+        Its box, the centre plane's section with it, and the construction lines shown.
+    curves : iterable of SpaceCurve
+        In the centre plane's frame; both of a pair count.
+    context : Context
+        The curves of other models.
+    """
+    section = plane_section(state)
+    points: list[Array] = [box_corners(state), section]
+    kinds: list[Kind] = ["corner"] * (8 + len(section))
+    paths: list[tuple[Array, Kind]] = [(edge, "edge") for edge in box_edges(state)]
+    if len(section):
+        paths.append((np.vstack((section, section[:1])), "edge"))
+    for line in shown_lines(state):
+        paths.append((np.array([line.begin, line.end], float), "line"))
+    to_model = state.plane.placement
+    for curve in curves:
+        for spline in curve.curves():
+            spans = len(np.unique(spline.knots))
+            paths.append((to_model.points(spline.sampled(spans * PIECES_PER_SPAN + 1)), "curve"))
+        if curve.reading == "self" and not curve.closed:
+            begin, end = curve.spline.range
+            points.append(to_model.points(curve.spline.value([0.5 * (begin + end)])))
+            kinds.append("crossing")
+    paths += [(polyline(curve), "curve") for curve in context.curves]
+    for path, kind in paths:
+        if kind != "edge" and (path[0] != path[-1]).any():
+            points.append(path[[0, -1]])
+            kinds += ["end", "end"]
+    return Targets(
+        np.concatenate(points),
+        tuple(kinds),
+        np.concatenate([path[:-1] for path, _ in paths]),
+        np.concatenate([path[1:] for path, _ in paths]),
+        tuple(kind for path, kind in paths for _ in path[1:]),
+    )
+
+
+def polyline(curve: ShapeCurve) -> Array:
+    """Places along a curve of another model, both ends included, (n, 3) mm."""
+    from scipy.interpolate import BSpline
+
+    degree, knots = curve.degree, curve.knots
+    breaks = np.unique(knots[degree : len(knots) - degree])
+    pieces = 1 if degree == 1 else PIECES_PER_SPAN
+    share = np.arange(pieces) / pieces
+    at = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel(), breaks[-1])
+    weights = np.ones(len(curve.control_points)) if curve.weights is None else curve.weights
+    homogeneous = np.column_stack((curve.control_points * weights[:, None], weights))
+    made = BSpline(knots, homogeneous, degree)(at)
+    return np.asarray(made[:, :3] / made[:, 3:])
+
+
+def nearest_target(
+    pixel: ArrayLike, camera: Camera, known: Targets, tolerance: float
+) -> Place | None:
+    """The known place that is meant by a place on the sheet.
+
+    Parameters
+    ----------
+    pixel : (2,) array_like
+        px.
+    camera : Camera
+        In the model's frame.
+    known : Targets
+    tolerance : float
+        How far away it may be, px.
+
+    Returns
+    -------
+    Place or None
+        A point within the tolerance wins over all segments; among equals the nearest on the
+        sheet, and of those in one place on the sheet the one nearest to the eye.
+    """
+    pen = np.asarray(pixel, float)
+    seen, depth = camera.project(known.points)
+    gaps = np.linalg.norm(seen - pen, axis=1)
+    chosen = _chosen(gaps, depth, tolerance)
+    if chosen is not None:
+        return _place(known.points[chosen], known.point_kinds[chosen], gaps[chosen])
+    begins, ends, kept = _in_front(known, camera)
+    (first, near), (last, far) = camera.project(begins), camera.project(ends)
+    step = last - first
+    square = np.einsum("ij,ij->i", step, step)
+    share = np.einsum("ij,ij->i", pen - first, step)
+    share = np.divide(share, square, out=np.zeros_like(share), where=square > 0)
+    share = np.clip(share, 0.0, 1.0)
+    gaps = np.linalg.norm(first + share[:, None] * step - pen, axis=1)
+    if camera.kind == "perspective":
+        share = share * near / (far + share * (near - far))
+    places = begins + share[:, None] * (ends - begins)
+    chosen = _chosen(gaps, near + share * (far - near), tolerance)
+    if chosen is None:
+        return None
+    return _place(places[chosen], known.segment_kinds[kept[chosen]], gaps[chosen])
+
+
+def _in_front(known: Targets, camera: Camera) -> tuple[Array, Array, Sequence[int]]:
+    """The segments' parts that a perspective eye can see, and which segments they are of."""
+    count = len(known.begins)
+    if camera.kind == "orthographic":
+        return known.begins, known.ends, range(count)
+    limit = NEAREST_DEPTH * camera.distance
+    near = camera.view_space(known.begins)[:, 2] - limit
+    far = camera.view_space(known.ends)[:, 2] - limit
+    kept = np.flatnonzero((near > 0) | (far > 0))
+    begins, ends = known.begins[kept], known.ends[kept]
+    near, far = near[kept], far[kept]
+    cut = np.zeros(len(kept))
+    np.divide(near, near - far, out=cut, where=near * far < 0)
+    met = begins + cut[:, None] * (ends - begins)
+    begins = np.where((near <= 0)[:, None], met, begins)
+    return begins, np.where((far <= 0)[:, None], met, ends), kept.tolist()
+
+
+def _chosen(gaps: Array, depth: Array, tolerance: float) -> int | None:
+    within = np.flatnonzero(gaps <= tolerance)  # NaN, behind the eye, is never within
+    if not len(within):
+        return None
+    alike = within[gaps[within] <= gaps[within].min() + SAME_PIXEL]
+    return int(alike[np.argmin(depth[alike])])
+
+
+def _place(point: Array, kind: Kind, pixels: float) -> Place:
+    x, y, z = (float(v) for v in point)
+    return Place((x, y, z), kind, float(pixels))

@@ -1,0 +1,1 @@
+"""From the state to curves in space. Imports editing and below."""

@@ -1,0 +1,398 @@
+"""From the recipe of one curve to the curve in space; remembered.
+
+The ink of each view is put in sides and read; what the views say is fused; one symmetric
+spline is fitted to the ink of all views; then everything that was done to the curve since is
+done again, in order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.geometry.spline import Spline
+from bozzetto.ink import Stroke
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.plugin import Memory
+from bozzetto_symmetry.editing.replay import applied
+from bozzetto_symmetry.fitting.bundle_adjustment import Bundled, Sight, bundled
+from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fused
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.ink.same_view import by_view
+from bozzetto_symmetry.ink.sides import Side, sides_of
+from bozzetto_symmetry.interpretation.reader import Read, read
+from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
+from bozzetto_symmetry.model.visibility import shown_curves
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+__all__ = ["MOST_MARGIN", "Trace", "View", "solved", "traced", "views_of"]
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 200
+"""Places of a curve at which its uncertainty is told."""
+
+LOOKS: Final = 12
+"""Places of a curve whose directions a view is judged by."""
+
+NEWEST: Final = 8
+"""Curves that a view is judged by, the last ones: what is drawn next goes with these, and a
+drawing of many curves that was just opened is not solved for the sake of advice."""
+
+WAITING: Final = "One side waits for the other. Draw its mirror image in the same view."
+
+MOST_MARGIN: Final = 1000.0
+"""Greatest margin that is told; where there is no other reading it is this."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What was drawn of one curve through one camera."""
+
+    stereo: Stereo
+    strokes: tuple[Stroke, ...]
+    sides: tuple[Side, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What the recipe of a curve gives, in the frame of the centre plane.
+
+    Attributes
+    ----------
+    reading : {"pair", "self", "plane", "half"}
+        "half": there is one side, and no curve yet.
+    curve : SpaceCurve or None
+    points : (k, 3) float
+        Along the side that was drawn, mm; of a curve across the plane along all of it.
+    sigma : (k,) float
+        How far each of them may be off across the curve if the hand is off by 1 px, mm.
+    margin : float
+        Cost of the next best reading over the cost of this one; 1 is undecided.
+    cost : float
+        How far the ink contradicts this reading, px.
+    rms : float
+        Distance of the ink from the images of the curve, px.
+    ghost : SpaceCurve or None
+        What the next best reading gives, where it is close.
+    choices : int
+        How many readings the ink allows that give a curve.
+    views : tuple of View
+    warnings : tuple of str
+    """
+
+    reading: Literal["pair", "self", "plane", "half"]
+    curve: SpaceCurve | None = None
+    points: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    sigma: Array = field(default_factory=lambda: np.zeros(0))
+    margin: float = MOST_MARGIN
+    cost: float = 0.0
+    rms: float = 0.0
+    ghost: SpaceCurve | None = None
+    choices: int = 0
+    views: tuple[View, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+AGREED: Final = 0.1
+"""Greatest median distance, in sizes of the curve, between the places that two views give it;
+beyond that the worse view's reading is a mistake, and only its ink counts."""
+
+ALONGSIDE: Final = 20.0
+"""Mean distance, px, within which a stroke shows one half of a curve across the plane; what
+runs over both halves is farther from each."""
+
+EVIDENCE: Final = ("pair", "self", "plane")
+"""Readings, the one first that is least likely to be a mistake of a view with little ink."""
+
+Fit = tuple[Bundled, Array, Array]
+"""A spline with what was found of it, places along it, and their uncertainty."""
+
+_traces: Memory[Trace] = Memory(limit=256)
+_views: Memory[tuple[View, ...]] = Memory(limit=256)
+_fits: Memory[Fit] = Memory(limit=256)
+
+AMBIGUOUS: Final = 1.5
+"""Margin below which the other reading is shown as well (wrong senses are 1.2 % above it)."""
+
+
+def traced(curve: Curve, state: SymmetryState) -> Trace:
+    """The curve in space of a recipe.
+
+    Raises
+    ------
+    UserError
+        If the strokes cannot be what they are said to be.
+    """
+    question = (
+        replace(curve, id="", name="", visible=True, within="", color=None),
+        state.plane, state.centre, state.size,
+        # Only what was drawn over is moulded.
+        (state.restitution, state.location, state.pressure) if curve.edits else (),
+    )  # fmt: skip
+    return _traces.recall(question, lambda: _traced(curve, state))
+
+
+def views_of(
+    strokes: Iterable[Stroke], state: SymmetryState, asked: AskedReading = "auto"
+) -> tuple[View, ...]:
+    """Strokes by the view that they were drawn in, in the order of the first of each.
+
+    Parameters
+    ----------
+    strokes : iterable of Stroke
+        Of one curve.
+    state : SymmetryState
+        For its plane.
+    asked : str
+        What the curve is said to be; a pair has two sides, and all others one.
+    """
+    drawn = tuple(strokes)
+
+    def made() -> tuple[View, ...]:
+        return tuple(
+            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, asked))
+            for seen in by_view(drawn)
+        )
+
+    return _views.recall((drawn, state.plane, asked), made)
+
+
+def _traced(curve: Curve, state: SymmetryState) -> Trace:
+    if not len(curve.strokes):
+        raise UserError(f"“{curve.name}” has no ink. Draw it, or delete it.")
+    if not curve.edits:
+        return _read(curve, state)
+    base = traced(replace(curve, edits=()), state)
+    if base.curve is None:
+        return base
+    changed = applied(base.curve, curve.edits, state, solved)
+    points, sigma = _carried(base, changed.curve)
+    return replace(
+        base, curve=changed.curve, points=points, sigma=sigma,
+        warnings=(*base.warnings, *changed.warnings),
+    )  # fmt: skip
+
+
+def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
+    """The curve in space of a recipe; None while it waits for its other side."""
+    return traced(curve, state).curve
+
+
+def _read(curve: Curve, state: SymmetryState) -> Trace:
+    views = views_of(curve.strokes, state, curve.reading)
+    box = state.bounds
+    readings = [_readings(view, curve.reading, box, len(views)) for view in views]
+    main = _main(readings)
+    first = _chosen(readings[main], curve.other)
+    if first.reading == "half":
+        told = first.warnings or (WAITING,)
+        return Trace("half", cost=first.cost, views=views, warnings=told)
+    alike = {main: first}
+    for number, found in enumerate(readings):
+        alike_here = (r for r in found if (r.reading, r.closed) == (first.reading, first.closed))
+        same = [r for r in (_facing(r, first) for r in alike_here) if _agree(r, first)]
+        if number != main and same:
+            alike[number] = same[0]
+    fit, points, sigma = _remembered_fit(views, alike, main, curve)
+    rest = [r for r in readings[main] if r is not first and r.reading != "half"]
+    # What is taken to be in the plane may as well wait for its other side.
+    against = [r for r in readings[main] if r is not first] if first.reading == "plane" else rest
+    margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
+    return Trace(
+        first.reading, fit.curve, points, sigma,
+        margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
+        ghost=_ghost(views[main], rest, margin, curve),
+        choices=1 + len(rest), views=views, warnings=_warnings(alike, main, fit, views),
+    )  # fmt: skip
+
+
+def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...]:
+    """The readings of one view; beside other views it need not be what is asked."""
+    if count > 1 and asked != "half":
+        try:
+            return read(view.stereo, view.sides, asked, box=box)
+        except UserError:
+            return read(view.stereo, view.sides, "half", box=box)
+    return read(view.stereo, view.sides, asked, box=box)
+
+
+def _main(readings: Sequence[Sequence[Read]]) -> int:
+    """The view that says best what the curve is: two sides say more than one stroke does."""
+    solved = [k for k, found in enumerate(readings) if found[0].reading != "half"]
+    if not solved:
+        return 0
+    return min(
+        solved, key=lambda k: (EVIDENCE.index(readings[k][0].reading), _trouble(readings[k][0]))
+    )
+
+
+def _trouble(reading: Read) -> float:
+    """Median variance of what one view says, mm² per px²."""
+    return float(np.median(np.trace(reading.covariances, axis1=1, axis2=2)))
+
+
+def _chosen(found: Sequence[Read], other: bool) -> Read:
+    real = [r for r in found if r.reading != "half"]
+    return real[1] if other and len(real) > 1 else found[0]
+
+
+def _facing(found: Read, first: Read) -> Read:
+    """A reading with the same half in front as the first one: left may be drawn first here."""
+    if first.reading == "plane":
+        return found
+    image = found.points * MIRROR
+    if first.reading == "pair":
+        tree = _tree(first.points)
+        turned = bool(np.median(tree.query(image)[0]) < np.median(tree.query(found.points)[0]))
+    else:
+        turned = _side(found) != _side(first)
+    if not turned:
+        return found
+    reflected = found.covariances * (MIRROR[:, None] * MIRROR)
+    return replace(found, points=image, covariances=reflected, near=found.far, far=found.near)
+
+
+def _agree(found: Read, first: Read) -> bool:
+    """Whether two views put a curve in about the same place."""
+    extent = float(np.linalg.norm(np.ptp(first.points, axis=0)))
+    apart = [_tree(a).query(b)[0] for a, b in ((found.points, first.points),
+                                               (first.points, found.points))]  # fmt: skip
+    return bool(max(np.median(each) for each in apart) < AGREED * extent)
+
+
+def _side(across: Read) -> bool:
+    """Whether the half that was drawn first is on the positive side."""
+    return bool(across.points[: len(across.points) // 2, 1].sum() > 0.0)
+
+
+def _tree(points: Array) -> cKDTree:
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points)
+
+
+def _remembered_fit(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Fit:
+    """The spline through the ink of all views, and how sure it is.
+
+    Remembered by what the views were read as: a box of another size is asked for at every
+    tick of a slider, and seldom makes another reading of the same ink.
+    """
+
+    def made() -> Fit:
+        fit, sights = _fitted(views, alike, main, curve)
+        points = sampled(fit.curve.spline)
+        return fit, points, _uncertainty(fit.curve, points, sights)
+
+    told = tuple((number, *_content(read)) for number, read in alike.items())
+    return _fits.recall((tuple(views), main, curve.detail, told), made)
+
+
+def _content(read: Read) -> tuple[object, ...]:
+    """All of a reading that a fit depends on, to be compared by value."""
+    arrays = (read.points, read.covariances, *read.near, *read.far)
+    return (
+        read.reading, read.closed, read.ring, len(read.near), read.crossings.tobytes(),
+        *(array.tobytes() for array in arrays),
+    )  # fmt: skip
+
+
+def _fitted(
+    views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve
+) -> tuple[Bundled, list[Sight]]:
+    """The spline through the ink of all views, and that ink."""
+    first = alike[main]
+    assert first.reading != "half"
+    noise = [max((side.noise for side in view.sides), default=0.0) for view in views]
+    estimates = [
+        Estimate(r.points, r.covariances * max(noise[k], 0.3) ** 2) for k, r in alike.items()
+    ]
+    whole = estimates[0] if len(estimates) == 1 else fused(estimates, closed=first.closed)
+    sights = [Sight(views[k].stereo, r.near, r.far, noise[k]) for k, r in alike.items()]
+    sights += [
+        _one_sided(view, noise[k], whole.points, first)
+        for k, view in enumerate(views)
+        if k not in alike
+    ]
+    made = bundled(
+        first.reading, whole.points, whole.covariances, sights,
+        closed=first.closed, ring=first.ring,
+        controls="adaptive" if curve.detail == "adaptive" else "seven",
+    )  # fmt: skip
+    return made, sights
+
+
+def _uncertainty(curve: SpaceCurve, points: Array, sights: Sequence[Sight]) -> Array:
+    at = np.linspace(*curve.spline.range, len(points))
+    near = [sight.stereo for sight in sights if sight.near]
+    far = [sight.stereo for sight in sights if sight.far]
+    tangents = curve.spline.derivative(at)
+    return LEFT * curve_sigmas(near, far, points, tangents, flat=curve.reading == "plane")
+
+
+def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
+    """A view that shows a curve's sides singly: each is of the half that it is nearer to."""
+    halves: tuple[Array, Array] = points, points * MIRROR
+    if first.reading == "self":
+        middle = len(points) // 2
+        halves = points[: middle + 1], points[middle:]
+    images = [view.stereo.project(half) for half in halves]
+    ink: tuple[list[Array], list[Array]] = [], []
+    for side in view.sides:
+        off = [float(np.mean(distances_to_polyline(side.pixels, image))) for image in images]
+        nearer = 0 if first.reading == "plane" else int(np.argmin(off))
+        if first.reading != "self" or off[nearer] < ALONGSIDE:
+            ink[nearer].append(side.pixels)
+    return Sight(view.stereo, tuple(ink[0]), tuple(ink[1]), noise)
+
+
+def _ghost(view: View, rest: Sequence[Read], margin: float, curve: Curve) -> SpaceCurve | None:
+    """What the next best reading gives, where it is about as good."""
+    if not rest or margin > AMBIGUOUS:
+        return None
+    other = min(rest, key=lambda r: r.cost)
+    return _fitted([view], {0: other}, 0, curve)[0].curve
+
+
+def _warnings(
+    alike: dict[int, Read], main: int, fit: Bundled, views: Sequence[View]
+) -> tuple[str, ...]:
+    told = list(alike[main].warnings)
+    if any(not side.sure for view in views for side in view.sides):
+        told.append("It is not sure how the strokes belong together. Draw the curve again.")
+    return tuple(told)
+
+
+def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
+    """Places of a changed curve, and the uncertainty of those of the old one that are nearest."""
+    points = sampled(curve.spline)
+    _, nearest = _tree(base.points).query(points)
+    return points, base.sigma[nearest]
+
+
+def sampled(spline: Spline) -> Array:
+    """Places along a spline, both ends included."""
+    return spline.sampled(SAMPLES)
+
+
+def directions(state: SymmetryState) -> Array | None:
+    """Tangents of the newest curves shown, (n, 3) in the frame of the model; None of none."""
+    found = []
+    for curve in shown_curves(state)[-NEWEST:]:
+        try:
+            made = traced(curve, state).curve
+        except UserError:
+            continue
+        if made is not None:
+            steps = np.diff(made.spline.sampled(LOOKS), axis=0)
+            found.append(state.plane.placement.directions(steps))
+    return np.vstack(found) if found else None

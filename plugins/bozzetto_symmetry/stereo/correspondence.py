@@ -1,0 +1,194 @@
+"""Two curves on one sheet matched by the epipolar lines that they cross.
+
+Both images of a mirrored pair carry the same signal: the epipolar line, named by its angle,
+that the curve is on. Where a single epipolar line meets a curve several times nobody can
+tell which meeting is meant; matching the whole signals, in order, can. Warping finds the
+matching to a sample; a stiff map of stations takes it to a fraction of one, also where the
+curve runs along the epipolar lines and the signal says little.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_symmetry.stereo.correspondence_map import map_of_stations
+from bozzetto_symmetry.stereo.degenerate_runs import bridged, weak_runs
+from bozzetto_symmetry.stereo.dynamic_time_warping import Warping
+from bozzetto_symmetry.stereo.epipolar_signal import (
+    Signal,
+    at_stations,
+    differences,
+    spread,
+    squared_scales,
+)
+from bozzetto_symmetry.stereo.mirror_camera import Stereo
+
+__all__ = ["ASTRAY", "Pairing", "paired", "share_astray"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+WITHOUT: Final = 0.05
+"""What sides without any partner would add to the score, per px that the signals range over."""
+
+BENT: Final = 0.5
+"""What the bending of the map of stations (root mean square of second differences, px) adds
+to the score: of two ways in which the lines agree, the smoother one is meant."""
+
+ASTRAY: Final = 5.0
+"""How much dearer a matching becomes if the side it makes lies on both sides of the plane."""
+
+FLOOR: Final = 0.3
+"""Mean distance, px, below which no hand draws: what is nearer is equally good."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pairing:
+    """The places of two sides that belong together.
+
+    Attributes
+    ----------
+    near : (k, 2) float
+        On the first side, in its order, px.
+    far : (k, 2) float
+        Their partners, on the same epipolar lines to rounding, px. Where hand and epipolar
+        lines do not allow for it they are beside the other side's ink by as much.
+    stations : (k,) float
+        Share of the first side's length, 0 … 1, at each of `near`; not decreasing.
+    far_stations : (k,) float
+        Share of the other side's length, from its own beginning; monotone, on loops after
+        whole rounds have been added.
+    cost : float
+        Root of the mean square distance across the epipolar lines, px, between the places
+        that were matched, before they were brought onto common lines.
+    score : float
+        By what pairings are ordered, px, the lower the better: the mean distance across the
+        epipolar lines that is left, and what uneven steps, ends without partners and places
+        on the wrong side of the plane add to it. Never nought; if the second best is above
+        1.5 times the best, the best is hardly ever wrong.
+    coverage : (float, float)
+        Share of each side's length that found a partner.
+    reversed : bool
+        The sides were drawn in opposite senses.
+    weak : (k,) bool
+        Bridged: there the epipolar lines run along the curve and say nothing.
+    closed : bool
+        Both sides are loops.
+    """
+
+    near: Array
+    far: Array
+    stations: Array
+    far_stations: Array
+    cost: float
+    score: float
+    coverage: tuple[float, float]
+    reversed: bool
+    weak: Flags
+    closed: bool
+
+
+def paired(
+    stereo: Stereo,
+    first: Signal,
+    second: Signal,
+    warping: Warping,
+    *,
+    pinned: tuple[bool, bool] = (False, False),
+    closed: bool = False,
+) -> Pairing:
+    """What a warping says, brought onto common epipolar lines.
+
+    Parameters
+    ----------
+    first, second : Signal
+        Of loops both repeat their first sample at the end.
+    warping : Warping
+        Of the second signal along the first.
+    pinned : (bool, bool)
+        Whether the first and last samples are known to belong together.
+
+    Returns
+    -------
+    Pairing
+        As if both were drawn from their first sample on.
+    """
+    path = warping.path
+    apart = differences(first, second)[path[:, 0], path[:, 1]]
+    places, partners = map_of_stations(first, second, path, pinned, closed)
+    if not closed and not all(pinned):
+        inside = _with_partner(partners, len(second.angles) - 1.0, pinned)
+        if not inside.all():
+            path = path[np.isin(path[:, 0], places[inside])]
+            places, partners = map_of_stations(first, second, path, pinned, closed)
+    near = first.pixels[places]
+    # On a loop the map may run a little beyond the cut, and goes on from the other end.
+    at = np.mod(partners, len(second.angles) - 1.0) if closed else partners
+    roughly = at_stations(second.pixels, at)
+    way = stereo.toward_vanishing(near)
+    far = near + ((roughly - near) * way).sum(axis=1, keepdims=True) * way
+    weak = weak_runs(first, places, second, np.rint(at).astype(np.intp))
+    far = bridged(stereo, near, far, weak)
+    coverage = (
+        float(np.ptp(places)) / (len(first.angles) - 1.0),
+        min(1.0, float(np.ptp(partners)) / (len(second.angles) - 1.0)),
+    )
+    price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
+    left = _left(first, second, places, at) + BENT * _bending(second, partners)
+    astray = share_astray(stereo.intersected(near, far)[:, 1])
+    return Pairing(
+        near,
+        far,
+        places / (len(first.angles) - 1.0),
+        partners / (len(second.angles) - 1.0),
+        float(np.sqrt((apart**2).mean())),
+        (FLOOR + left + price) * (1.0 + ASTRAY * astray),
+        coverage,
+        False,
+        weak,
+        closed,
+    )
+
+
+def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Array) -> float:
+    """Mean distance across the epipolar lines of samples and partners, px."""
+    index = np.arange(len(second.angles))
+    weights = squared_scales(first.scales[places], np.interp(partners, index, second.scales))
+    rest = first.angles[places] - np.interp(partners, index, second.angles)
+    return float((np.sqrt(weights) * np.abs(rest)).mean())
+
+
+def _bending(second: Signal, partners: Array) -> float:
+    """Root mean square of the second differences of a map of stations, px."""
+    if len(partners) < 3:
+        return 0.0
+    return second.step * float(np.sqrt((np.diff(partners, 2) ** 2).mean()))
+
+
+def _with_partner(partners: Array, last: float, pinned: tuple[bool, bool]) -> Flags:
+    """False for samples beyond an end of the other side: they all were given its last place."""
+    inside = np.ones(len(partners), bool)
+    if not pinned[0]:
+        inside[: max(0, int((partners <= 0.0).sum()) - 1)] = False
+    if not pinned[1]:
+        inside[len(partners) - max(0, int((partners >= last).sum()) - 1) :] = False
+    return inside if inside.any() else np.ones(len(partners), bool)
+
+
+def share_astray(heights: Array) -> float:
+    """Which share of the distance from the plane is on the side with less of it, 0 … 0.5.
+
+    Parameters
+    ----------
+    heights : (n,) float
+        Above the plane, mm; NaN where there is no place. If most are NaN the share is 0.5.
+    """
+    seen = heights[np.isfinite(heights)]
+    total = float(np.abs(seen).sum())
+    if len(seen) < len(heights) / 2 or total == 0.0:
+        return 0.5
+    return 0.5 - 0.5 * abs(float(seen.sum())) / total

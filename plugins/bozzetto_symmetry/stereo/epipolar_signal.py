@@ -1,0 +1,89 @@
+"""A curve on the sheet as matching sees it: which epipolar lines it crosses, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto_symmetry.stereo.mirror_camera import Stereo
+
+__all__ = ["Signal", "at_stations", "differences", "spread", "squared_scales"]
+
+Array = NDArray[np.float64]
+
+FLAT: Final = 150.0
+"""Spread of a signal, px, below which prices shrink no more: a hand that shakes by a pixel
+would leave everything without a partner."""
+
+STEEPEST: Final = 1e12
+"""Most pixels per unit of angle, so that their squares stay finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """A curve as matching sees it.
+
+    Attributes
+    ----------
+    pixels : (n, 2) float
+        At even steps, px.
+    angles : (n,) float
+        Of the epipolar lines, as `Stereo.angles`.
+    scales : (n,) float
+        Pixels per unit of angle.
+    """
+
+    pixels: Array
+    angles: Array
+    scales: Array
+
+    @classmethod
+    def of(cls, stereo: Stereo, pixels: Array) -> Signal:
+        """The signal of a curve that was resampled at even steps."""
+        scales = np.minimum(stereo.pixels_per_angle(pixels), STEEPEST)
+        return cls(pixels, stereo.angles(pixels), scales)
+
+    def shifted(self, stereo: Stereo, other: Signal) -> Signal:
+        """With whole turns added, so that it lies beside another one."""
+        if stereo.parallel:
+            return self
+        turns = np.round((np.median(other.angles) - np.median(self.angles)) / (2.0 * np.pi))
+        return replace(self, angles=self.angles + 2.0 * np.pi * turns)
+
+    def turned(self) -> Signal:
+        """From its end to its beginning."""
+        return Signal(self.pixels[::-1], self.angles[::-1], self.scales[::-1])
+
+    @property
+    def step(self) -> float:
+        """Mean distance of neighbours, px."""
+        return float(np.linalg.norm(np.diff(self.pixels, axis=0), axis=1).mean())
+
+
+def differences(first: Signal, second: Signal) -> Array:
+    """Distances across the epipolar lines, (n, m) px.
+
+    Scales differ between the near and the far side; both hands shake alike, so their squares
+    are added.
+    """
+    weights = np.sqrt(squared_scales(first.scales[:, None], second.scales))
+    return np.asarray(weights * np.abs(first.angles[:, None] - second.angles))
+
+
+def spread(*signals: Signal) -> float:
+    """What the widest of some signals ranges over, px: the unit of prices."""
+    return max(FLAT, *(float(np.ptp(s.angles) * np.median(s.scales)) for s in signals))
+
+
+def squared_scales(one: Array, other: Array) -> Array:
+    """Squares of the pixels that a difference of angles is worth, for two scales."""
+    return np.asarray(2.0 / (1.0 / one**2 + 1.0 / other**2))
+
+
+def at_stations(values: Array, stations: Array) -> Array:
+    """Rows of an array at fractions of its indices."""
+    index = np.arange(len(values))
+    return np.column_stack([np.interp(stations, index, column) for column in values.T])

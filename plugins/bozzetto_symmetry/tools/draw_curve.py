@@ -1,0 +1,145 @@
+"""Draw curves: one side and then the other, or one stroke across the centre plane."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Ink, Memory
+from bozzetto.scene import Layer, Lines, Scene
+from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.visibility import shown_curves
+from bozzetto_symmetry.operations.assign_stroke import landed, waits
+from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
+from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.view.box import segments
+from bozzetto_symmetry.view.hints import FIRST, next_step
+from bozzetto_symmetry.view.live_preview import Growing
+
+__all__ = ["DrawCurve", "rungs"]
+
+LIVE_WIDTH: Final = 2.5
+"""Of a curve that grows, px."""
+
+RUNGS: Final = 16
+"""Rungs over a curve that is as long as the box's diagonal."""
+
+MOST_RUNGS: Final = 2000
+"""Rungs of a curve that leaves the box by far, as the pen may at an extreme zoom."""
+
+RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
+"""px, and a share: they are seen over the grid of the centre plane."""
+
+Array = NDArray[np.float64]
+
+_growing: Memory[Growing] = Memory(limit=4)
+
+
+class DrawCurve:
+    """Left and right in any order, over and over, or across in one stroke."""
+
+    id = "draw"
+    title = "Draw curve"
+    icon = "icons/draw.svg"
+    hint = FIRST
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def next_hint(self, state: SymmetryState) -> str:
+        """What the chosen curve was taken for, what is wrong with it, and what comes next."""
+        return next_step(state)
+
+    def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
+        """The curve in space that grows while its second side is drawn, and what belongs together.
+
+        On the sheet the curve lies on the ink; that it is in space is seen by the rungs from
+        each of its places to the mirrored one. They stand in for what was said of the first
+        side alone.
+        """
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        points = _grown(state, gesture)
+        if points is None or len(points) < 2:
+            return Scene()
+        place = state.plane.placement
+        sides = ((points, "accent"), (points * MIRROR, "second"))
+        lines = (
+            Lines(
+                place.points(side).astype(np.float32), color=color, width=LIVE_WIDTH, hidden="show"
+            )
+            for side, color in sides
+        )
+        ends = rungs(points, state.diagonal / RUNGS)
+        pairs = place.points(ends.reshape(-1, 3)).reshape(-1, 2, 3)
+        ladder = segments(pairs, "accent", RUNG_WIDTH, RUNG_OPACITY)
+        return Scene((Layer("ghost", (ladder,)), Layer("heat", tuple(lines))))
+
+    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+        """Add the ink to the curve that it belongs to, or begin a new one.
+
+        Raises
+        ------
+        UserError
+            If the ink is a dot, or there is nothing under the eraser.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw a curve with the pen.")
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
+        drawn = landed(state, gesture.strokes)
+        # Solved here, the curve is remembered when several ask for it at once.
+        with suppress(UserError):
+            traced(next(curve for curve in drawn.curves if curve.id == drawn.selected), drawn)
+        return drawn
+
+
+def rungs(points: Array, step: float) -> Array:
+    """Straight pieces from places of a curve to their images, the first and the last among them.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        In the frame of the plane, mm.
+    step : float
+        About the way between two of them along the curve, mm.
+
+    Returns
+    -------
+    (k, 2, 3) float
+    """
+    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    marks = np.linspace(0.0, along[-1], max(2, int(min(along[-1] / step, MOST_RUNGS)) + 1))
+    ends = points[np.unique(np.searchsorted(along, marks).clip(max=len(points) - 1))]
+    return np.stack((ends, ends * MIRROR), axis=1)
+
+
+def _grown(state: SymmetryState, gesture: Ink) -> Array | None:
+    """What has grown from the side that waits in this view; the chosen or the newest one."""
+    curves = sorted(reversed(shown_curves(state)), key=lambda c: c.id != state.selected)
+    for curve in curves:
+        points = _grown_from(curve, state, gesture)
+        if points is not None:
+            return points
+    return None
+
+
+def _grown_from(curve: Curve, state: SymmetryState, gesture: Ink) -> Array | None:
+    if not any(is_one_view(gesture.camera, stroke.camera) for stroke in curve.strokes):
+        return None
+    try:
+        trace = traced(curve, state)
+    except UserError:
+        return None
+    if not waits(curve, trace):
+        return None
+    (view,) = (v for v in trace.views if is_one_view(gesture.camera, v.strokes[0].camera))
+    drawn = on_canvas(gesture.strokes[-1], view.strokes[0].camera).points
+    pixels = view.sides[0].pixels
+    question = (view.stereo, pixels.tobytes(), drawn[:1].tobytes())
+    growing = _growing.recall(question, lambda: Growing(view.stereo, pixels))
+    return growing.points(drawn)

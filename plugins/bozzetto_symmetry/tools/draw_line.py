@@ -1,0 +1,74 @@
+"""Construction lines: straight strokes along the box, or from one known place to another."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.scene import Layer, Lines, Paint, Scene
+from bozzetto_symmetry.model.axes import AXIS_PAINTS
+from bozzetto_symmetry.model.state import Line, SymmetryState
+from bozzetto_symmetry.operations.construction_lines import CHOSEN_WIDTH, Straight, line_of
+from bozzetto_symmetry.operations.snap_targets import Targets, targets
+from bozzetto_symmetry.solve.picking import solved_curves
+from bozzetto_symmetry.tools.erase import erased
+
+__all__ = ["DrawLine"]
+
+
+class DrawLine:
+    """Every stroke is a straight line in space."""
+
+    id = "line"
+    title = "Line"
+    icon = "icons/line.svg"
+    hint = "Draw a line towards a vanishing point, or from one corner or curve to another."
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
+        """The line in space, in the colour of the axis that it runs along."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        try:
+            line = line_of(gesture.strokes[-1], state, _known(state, context), context)
+        except UserError:
+            return Scene()
+        return Scene((Layer("line in the hand", (_lines(line),)),))
+
+    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+        """Add a line for every stroke; what one ends on may be the one before.
+
+        Raises
+        ------
+        UserError
+            If a stroke is too short or not straight, or the eraser meets nothing.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError("Draw the line with the pen.")
+        for stroke in gesture.strokes:
+            if stroke.tool == "eraser":
+                state = erased(state, stroke)
+                continue
+            line = line_of(stroke, state, _known(state, context), context)
+            state = state.with_node(
+                Line(
+                    id=state.unused_id(),
+                    name=state.unused_name("Line"),
+                    begin=line.begin,
+                    end=line.end,
+                )
+            )
+        return state
+
+
+def _known(state: SymmetryState, context: Context) -> Targets:
+    return targets(state, (curve for _, curve in solved_curves(state)), context)
+
+
+def _lines(line: Straight) -> Lines:
+    paint: Paint = "ink" if line.axis is None else AXIS_PAINTS[line.axis]
+    ends = np.array([line.begin, line.end], np.float32)
+    return Lines(ends, color=paint, width=CHOSEN_WIDTH, hidden="show")

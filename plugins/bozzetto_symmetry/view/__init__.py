@@ -1,0 +1,1 @@
+"""What is shown, and advice on the view. Imports operations and below."""

@@ -1,0 +1,59 @@
+"""What to do next, in one line: what is wrong with the chosen curve, what it was taken for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from bozzetto.errors import UserError
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.visibility import shown_curves
+from bozzetto_symmetry.operations.assign_stroke import waits
+from bozzetto_symmetry.solve.curve_solver import Trace, traced
+
+__all__ = ["FIRST", "next_step"]
+
+FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
+"""What is said of an empty box, and where no curve is chosen."""
+
+TAKEN: Final = {
+    "pair": "Left and right belong together.",
+    "self": "A curve across the plane.",
+    "plane": "A curve in the centre plane.",
+}
+"""What a curve was taken for."""
+
+APART: Final = "X takes them for something else; rub out the one that is wrong."
+OR_MIRROR: Final = "If it is only one side, draw its mirror image; X takes it for something else."
+OTHERWISE: Final = "X takes it for something else. Draw over it to correct it, or the next curve."
+UNDECIDED: Final = "Another curve, faint when the view is turned, fits nearly as well: C takes it."
+"""Where it was drawn, the ghost lies under the curve itself."""
+
+
+def next_step(state: SymmetryState) -> str:
+    """One line about the chosen curve: warnings first, then what is expected.
+
+    Parameters
+    ----------
+    state : SymmetryState
+    """
+    chosen = next((c for c in shown_curves(state) if c.id == state.selected), None)
+    if chosen is None:
+        return FIRST
+    try:
+        trace = traced(chosen, state)
+    except UserError as problem:
+        return problem.message
+    return " ".join((*trace.warnings, *_expected(chosen, trace)))
+
+
+def _expected(curve: Curve, trace: Trace) -> Iterator[str]:
+    if trace.reading == "half":  # its warnings say what it waits for
+        if any(len(view.sides) > 1 for view in trace.views):
+            yield APART
+        return
+    yield TAKEN[trace.reading]
+    if waits(curve, trace):
+        yield OR_MIRROR
+    else:
+        yield OTHERWISE if trace.ghost is None else UNDECIDED

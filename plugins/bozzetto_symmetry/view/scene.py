@@ -1,0 +1,183 @@
+"""What is shown of a symmetry model: the box, the curves, how sure they are, what waits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.geometry.curve_flattening import FLATNESS, flattened
+from bozzetto.geometry.spline import Spline
+from bozzetto.ink.curves.resample import resample
+from bozzetto.scene import Layer, Lines, Paint, Scene
+from bozzetto.view import Camera
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.visibility import shown_curves, shown_lines
+from bozzetto_symmetry.operations.construction_lines import line_layer
+from bozzetto_symmetry.solve.curve_solver import Trace, View
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.view.box import box_layers
+from bozzetto_symmetry.view.uncertainty_bands import heat_bands
+from bozzetto_symmetry.view.unmatched_ink import loose_ends
+
+__all__ = ["curve_lines", "joined", "scene_of"]
+
+Array = NDArray[np.float64]
+
+WIDTH: Final = 2.0
+"""Of a curve, px."""
+
+CHOSEN_WIDTH: Final = 3.0
+"""Of the chosen one."""
+
+FINER: Final = 0.2
+"""Share of the flatness that nobody sees where a curve was drawn: one comes nearer, too."""
+
+LOOSE_WIDTH: Final = 1.2
+"""Of ink that found no partner: thin, it is no curve."""
+
+FAN: Final = 24
+"""Rays that are shown of a side that waits for the other."""
+
+
+def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
+    """Box, curves, the chosen one's uncertainty and loose ends, and rays of sides that wait."""
+    layers = [*box_layers(state)]
+    shown = [(curve, traces[curve.id]) for curve in shown_curves(state) if curve.id in traces]
+    layers.append(Layer("curves", tuple(_items(state, shown))))
+    layers.append(line_layer(state, shown_lines(state)))
+    for curve, trace in shown:
+        if curve.id == state.selected and trace.curve is not None:
+            layers.append(Layer("heat", tuple(_heat(state, trace))))
+            if trace.ghost is not None:
+                items = curve_lines(trace.ghost, state, camera_of(trace), "ghost", 1.0, 0.7)
+                layers.append(Layer("ghost", items))
+            if not curve.edits and (loose := loose_ends(trace)):
+                pieces = [state.plane.placement.points(end) for end in loose]
+                layers.append(Layer("loose ends", (joined(pieces, "warning", LOOSE_WIDTH),)))
+    waiting = [(c, t) for c, t in shown if t.reading == "half"]
+    fans = [
+        item
+        for curve, trace in waiting
+        for view in trace.views
+        for item in fan(view, state, chosen=curve.id == state.selected)
+    ]
+    layers.append(Layer("waiting", tuple(fans)))
+    return Scene(tuple(layer for layer in layers if layer.items))
+
+
+def _items(state: SymmetryState, shown: Sequence[tuple[Curve, Trace]]) -> Iterable[Lines]:
+    for curve, trace in shown:
+        if trace.curve is None:
+            continue
+        chosen = curve.id == state.selected
+        color: Paint = "accent" if chosen else curve.color or "ink"
+        width = CHOSEN_WIDTH if chosen else WIDTH
+        yield from curve_lines(trace.curve, state, camera_of(trace), color, width)
+
+
+def camera_of(trace: Trace) -> Camera:
+    """The camera of the plane's frame through which a curve was drawn first."""
+    return trace.views[0].stereo.camera
+
+
+def curve_lines(
+    curve: SpaceCurve,
+    state: SymmetryState,
+    camera: Camera,
+    color: Paint,
+    width: float,
+    opacity: float = 1.0,
+) -> tuple[Lines, ...]:
+    """A curve as lines in the frame of the model; the mirror image in the second colour.
+
+    Parameters
+    ----------
+    curve : SpaceCurve
+    state : SymmetryState
+    camera : Camera
+        Of the plane's frame; from how near one looks.
+    color : str or (r, g, b)
+    width : float
+        px.
+    opacity : float
+    """
+    made = []
+    for number, spline in enumerate(curve.curves()):
+        points = state.plane.placement.points(_flat(spline, camera))
+        paint = "second" if number else color
+        made.append(Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity))
+    return tuple(made)
+
+
+def _flat(spline: Spline, camera: Camera) -> Array:
+    return flattened(spline.beziers(), FINER * FLATNESS / camera.pixels_per_mm)[0]
+
+
+def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
+    place = state.plane.placement
+    sides = [trace.points] + ([trace.points * MIRROR] if trace.reading == "pair" else [])
+    return heat_bands([(place.points(side), trace.sigma) for side in sides], state.diagonal)
+
+
+def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
+    """A side that waits: the rays on which its curve must lie, and its ink amid the box."""
+    for side in view.sides:
+        begin, end = _in_box(view.stereo, side.pixels, state.bounds)
+        if len(begin) < 2:
+            continue
+        place = state.plane.placement
+        ink = place.points(_upright(view.stereo, begin, end, state.bounds)).astype(np.float32)
+        color = "accent" if chosen else "ink"
+        yield Lines(ink, color=color, width=CHOSEN_WIDTH if chosen else WIDTH, hidden="show")
+        rays = np.linspace(0, len(begin) - 1, min(FAN, len(begin))).astype(int)
+        points = place.points(np.stack((begin[rays], end[rays]), axis=1).reshape(-1, 3))
+        yield joined(points.reshape(-1, 2, 3), "second", 1.0, 0.35)
+
+
+def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:
+    """Ink on the sheet through the middle of the box, where that cuts its rays."""
+    forward = stereo.camera.axes[2]
+    whole = (end - begin) @ forward
+    way = (bounds.mean(axis=0) - begin) @ forward
+    share = np.divide(way, whole, out=np.full(len(way), 0.5), where=whole > 0.0)
+    return np.asarray(begin + share[:, None] * (end - begin))
+
+
+def joined(
+    pieces: Sequence[Array] | Array, color: Paint, width: float, opacity: float = 1.0
+) -> Lines:
+    """Polylines as one item, seen through everything."""
+    starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
+    points = np.concatenate(list(pieces)).astype(np.float32)
+    return Lines(points, starts, color=color, width=width, opacity=opacity, hidden="show")
+
+
+def _in_box(stereo: Stereo, pixels: Array, bounds: Array) -> tuple[Array, Array]:
+    """Where the rays of ink enter and leave the box, a fifth larger; at least through its depth.
+
+    A ray that misses the box keeps the depths of those that do not.
+    """
+    middle, half = bounds.mean(axis=0), 0.6 * np.ptp(bounds, axis=0)
+    rays = stereo.rays(resample(pixels, count=max(2, min(len(pixels), 200))))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one = (middle - half - rays.origins) / rays.directions
+        other = (middle + half - rays.origins) / rays.directions
+    near = np.nanmax(np.minimum(one, other), axis=1)
+    far = np.nanmin(np.maximum(one, other), axis=1)
+    hits = (far > near) & (far > 0)
+    if not hits.any():
+        depth = np.einsum("nk,nk->n", middle - rays.origins, rays.directions)
+        size = float(np.linalg.norm(half))
+        near, far, hits = depth - size, depth + size, np.ones(len(depth), dtype=bool)
+    near = np.where(hits, near, np.median(near[hits]))
+    far = np.where(hits, far, np.median(far[hits]))
+    if not stereo.parallel:
+        near = np.maximum(near, 1e-3 * np.abs(far))
+    return (
+        rays.origins + near[:, None] * rays.directions,
+        rays.origins + far[:, None] * rays.directions,
+    )

@@ -1,0 +1,67 @@
+"""Ink that found no partner: it is no part of the curve, and must not vanish unsaid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto_symmetry.solve.curve_solver import Trace, View
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
+
+__all__ = ["loose_ends"]
+
+Array = NDArray[np.float64]
+
+LOOSE: Final = 8.0
+"""Distance, px, from the pictures of a curve beyond which ink is none of it: several times
+what a hand errs."""
+
+SHORTEST: Final = 12.0
+"""Length, px, from which such ink is shown."""
+
+
+def loose_ends(trace: Trace) -> list[Array]:
+    """Stretches of ink that lie on neither picture of the curve.
+
+    Parameters
+    ----------
+    trace : Trace
+        As the ink alone makes it: what was cut off is not loose.
+
+    Returns
+    -------
+    list of (n, 3) float
+        In the frame of the plane, mm: seen where they were drawn, at the depth of the place
+        of the curve that is nearest on the sheet.
+    """
+    if trace.curve is None:
+        return []
+    return [end for view in trace.views for end in _in_view(view, trace.points)]
+
+
+def _in_view(view: View, points: Array) -> Iterator[Array]:
+    images = (points, points * MIRROR)
+    seen = [view.stereo.project(image) for image in images]
+    if not all(np.isfinite(pixels).all() for pixels in seen):
+        return
+    for side in view.sides:
+        away = np.min([distances_to_polyline(side.pixels, line) for line in seen], axis=0)
+        for run in _runs(away > LOOSE):
+            ink = side.pixels[run]
+            if np.linalg.norm(np.diff(ink, axis=0), axis=1).sum() < SHORTEST:
+                continue
+            gaps = np.vstack([np.linalg.norm(line - ink[0], axis=1) for line in seen])
+            image, place = np.unravel_index(int(gaps.argmin()), gaps.shape)
+            camera = view.stereo.camera
+            yield camera.on_plane(ink, images[image][place], camera.axes[2])
+
+
+def _runs(loose: NDArray[np.bool_]) -> Iterator[slice]:
+    """Stretches of places that are loose, a place longer at either side."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], loose.astype(np.int8), [0]))))
+    for begin, end in edges.reshape(-1, 2):
+        yield slice(max(0, begin - 1), end + 1)

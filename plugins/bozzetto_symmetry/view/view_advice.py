@@ -1,0 +1,238 @@
+"""Whether a view serves to draw both sides in, and which way to turn it if not."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.view import Camera
+from bozzetto.view.navigation import turn
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
+from bozzetto_symmetry.stereo.degeneracies import CAUSES, REMEDIES, Case, special_case
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.stereo.uncertainty import image_slopes, point_covariances, sigmas
+
+__all__ = ["Advice", "Level", "advice"]
+
+Array = NDArray[np.float64]
+Level = Literal["good", "warn", "refuse"]
+
+REFUSED: Final = 5.0
+"""Angle to the centre plane below which a view shows next to no depth, degrees."""
+
+WARNED: Final = 12.0
+"""Angle to the centre plane below which depth is poor, degrees."""
+
+FARTHEST: Final = 35.0
+"""Largest turn that is advised, degrees: with more, one loses sight of what one drew."""
+
+STRIDE: Final = 5.0
+"""Degrees between the turns that are tried at first; around the best one, single degrees."""
+
+ENOUGH: Final = 1.1
+"""Uncertainty, in that of the best turn, at which the smaller turn is taken."""
+
+WORTH: Final = 1.25
+"""Gain from which it is worth turning a view that is good already."""
+
+MANY: Final = 20.0
+"""Gain above which its figure says no more than that it is large."""
+
+LEVEL: Final = 1e-6
+"""Rise of the sheet's horizontal, as a sine, below which the view is upright."""
+
+STEEP: Final = np.cos(np.radians(20.0))
+"""Share of the z axis in the sight above which a view is one from above or below: turning it
+about the z axis would only spin the sheet, so it is turned about the sheet's own axes."""
+
+CUBE: Final = np.array([(0.0, 0.0, 0.0), *itertools.product((-1.0, 1.0), repeat=3)])
+"""Places that are looked at: the middle and the corners of a cube, in units of `SPREAD`."""
+
+SPREAD: Final = 0.25 / np.sqrt(3.0)
+"""Half the edge of the cube in diagonals of the box: its own diagonal is half the box's."""
+
+LEAST: Final = 1.02
+"""Gain from which a view that is not good is turned at all."""
+
+MOST: Final = 12
+"""Directions looked at; more of them change a median little."""
+
+DIAGONAL: Final = np.sqrt(0.5)
+
+USUAL: Final = np.array(
+    [(1, 0, 0), (0, 0, 1), (DIAGONAL, 0, DIAGONAL), (DIAGONAL, 0, -DIAGONAL)], float
+)
+"""Directions of lines in a drawing of which nothing is known, in the plane's frame: edges and
+diagonals of a box's side. Its edges along the normal are known by their ends alone."""
+
+WAYS: Final = {(1, 0): "to the right", (-1, 0): "to the left", (0, 1): "up", (0, -1): "down"}
+"""Where the eye goes, as azimuth and elevation, and how one says it."""
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to think of a view.
+
+    Parameters
+    ----------
+    level : {"good", "warn", "refuse"}
+    message : str
+        A sentence or two, with figures.
+    better : Camera, optional
+        The view turned to where it serves best near by, in the model's frame; None if it is
+        best where it is.
+    gain : float
+        How many times more exact points are there; 1 without a better view.
+    """
+
+    level: Level
+    message: str
+    better: Camera | None = None
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A turn of the view in one of four directions, by so many degrees."""
+
+    azimuth: int
+    elevation: int
+    degrees: float
+
+    @property
+    def words(self) -> str:
+        """How one would say it to somebody."""
+        return f"Turn {self.degrees:.0f}° {WAYS[self.azimuth, self.elevation]}"
+
+    def of(self, camera: Camera) -> Camera:
+        """The camera turned about its target, upright as before."""
+        right, up, forward = camera.axes
+        table = bool(abs(right[2]) < LEVEL and up[2] > 0.0 and abs(forward[2]) < STEEP)
+        way = self.azimuth * self.degrees, self.elevation * self.degrees
+        return turn(camera, *way, turntable=table)
+
+
+def advice(
+    camera: Camera,
+    plane: CentrePlane,
+    centre: Point,
+    diagonal: float,
+    directions: ArrayLike | None = None,
+) -> Advice:
+    """Judge a view by what it would make of a drawing.
+
+    Two things spoil a view: a short baseline, which is the sine of the angle between the
+    sight and the centre plane, and lines that run towards their mirror images. The first is
+    judged by itself; both are in the uncertainty that is predicted for points around the
+    centre, by which the turn is chosen: the smallest one that comes within a tenth of the
+    best in reach.
+
+    Parameters
+    ----------
+    camera : Camera
+        In the model's frame, like all that follows.
+    plane : CentrePlane
+    centre : (x, y, z)
+        Of the box, mm.
+    diagonal : float
+        Of the box, mm.
+    directions : (k, 3) array_like, optional
+        Tangents of the curves that are drawn, of any length; lines of all directions along
+        the plane's side if there are none.
+
+    Returns
+    -------
+    Advice
+    """
+    middle, target = plane.inverse.points((centre, camera.target))
+    points = _places(middle, target, diagonal, camera.visible_height)
+    lines = _lines(directions, plane)
+
+    def uncertainty(view: Camera) -> float:
+        return _predicted(Stereo.of(view, plane), points, lines)
+
+    now = uncertainty(camera)
+    way, then = _best_turn(camera, uncertainty)
+    level, cause, remedy = _judged(Stereo.of(camera, plane), now)
+    gain = now / then
+    if gain < (WORTH if level == "good" else LEAST):
+        return Advice(level, f"{cause} {remedy}".strip())
+    times = f"{gain:.1f}" if gain < MANY else f"more than {MANY:.0f}"
+    return Advice(level, f"{cause} {way.words}: {times} times more exact.", way.of(camera), gain)
+
+
+def _judged(stereo: Stereo, uncertainty: float) -> tuple[Level, str, str]:
+    """How good a view is, why, and what to do if no other is found near by."""
+    middle = np.multiply(stereo.camera.viewport, 0.5)[None]
+    case = Case(int(special_case(stereo, middle, middle)[0]))
+    if case == Case.EYE_ON_PLANE or (stereo.parallel and case == Case.BOTH_ALONG_NORMAL):
+        return "refuse", CAUSES[case], REMEDIES[case]
+    slant = float(np.degrees(stereo.slant))
+    if slant < REFUSED:
+        return "refuse", "Looks along the centre plane.", "Turn the box by about 15°."
+    if slant < WARNED:
+        return "warn", "Looks nearly along the centre plane.", "Turn the box a little."
+    spread = uncertainty * stereo.camera.pixels_per_mm
+    if spread > 1.0 / np.sin(np.radians(WARNED)):
+        if slant > 90.0 - WARNED:
+            return "warn", "Left and right nearly coincide.", "Turn the box."
+        return "warn", "Lines run towards their mirror images.", "Turn the box."
+    return "good", f"Good: 1 px is {_length(uncertainty)} in space.", ""
+
+
+def _best_turn(camera: Camera, uncertainty: Callable[[Camera], float]) -> tuple[Turn, float]:
+    """The smallest turn that does nearly as well as any, and the uncertainty there."""
+    strides = np.arange(STRIDE, FARTHEST + 0.5, STRIDE)
+    turns = [Turn(*way, float(step)) for step in strides for way in WAYS]
+    spreads = [uncertainty(each.of(camera)) for each in turns]
+    enough = ENOUGH * min(spreads)
+    found = next(k for k, spread in enumerate(spreads) if spread <= enough)
+    best, then = turns[found], spreads[found]
+    for fewer in np.arange(1.0, STRIDE):
+        tried = replace(turns[found], degrees=turns[found].degrees - float(fewer))
+        spread = uncertainty(tried.of(camera))
+        if spread > enough:
+            break
+        best, then = tried, spread
+    return best, then
+
+
+def _predicted(stereo: Stereo, points: Array, lines: Array) -> float:
+    """Median uncertainty of points on lines of all directions, mm for 1 px; plane's frame."""
+    slopes = image_slopes(stereo, points * MIRROR)
+    tangents = np.einsum("pij,lj->pli", slopes, lines * MIRROR).reshape(-1, 2)
+    length = np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents = np.divide(tangents, length, out=np.zeros_like(tangents), where=length > 0.0)
+    places = np.repeat(points, len(lines), axis=0)
+    return float(np.median(sigmas(point_covariances(stereo, places, tangents))))
+
+
+def _places(centre: Array, target: Array, diagonal: float, visible: float) -> Array:
+    """Around the place of the box that the view is about, no farther apart than what is seen."""
+    way = target - centre
+    length = float(np.linalg.norm(way))
+    near = centre + way * min(1.0, 0.5 * diagonal / length if length > 0.0 else 1.0)
+    return np.asarray(near + SPREAD * min(diagonal, visible) * CUBE)
+
+
+def _lines(directions: ArrayLike | None, plane: CentrePlane) -> Array:
+    """Unit directions in the plane's frame, a dozen at most."""
+    if directions is None:
+        return USUAL
+    ways = np.reshape(np.asarray(directions, float), (-1, 3))
+    length = np.linalg.norm(ways, axis=1)
+    ways = ways[np.isfinite(length) & (length > 0.0)]
+    if not len(ways):
+        return USUAL
+    chosen = np.unique(np.linspace(0, len(ways) - 1, MOST).round().astype(int))
+    ways = plane.inverse.directions(ways[chosen])
+    return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+
+
+def _length(mm: float) -> str:
+    return f"{mm:.1f} mm" if mm >= 1.0 else f"{mm:.2g} mm"

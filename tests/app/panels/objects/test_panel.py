@@ -1,0 +1,181 @@
+"""The object list: every deed is one call to the session."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from bozzetto.document.model import Document
+from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
+from bozzetto_app.panels.objects.panel import ObjectsPanel
+from bozzetto_app.widgets.swatch import chart
+
+
+@pytest.fixture
+def panel(qtbot, fake_session):
+    made = ObjectsPanel(fake_session)
+    qtbot.addWidget(made)
+    made.resize(264, 400)
+    made.show()
+    return made
+
+
+def rows(panel, kind):
+    found = (panel.list.itemWidget(panel.list.item(i)) for i in range(panel.list.count()))
+    return [widget for widget in found if isinstance(widget, kind)]
+
+
+def test_models_and_underlays_are_listed_in_order(panel):
+    assert [r.name.text() for r in rows(panel, ModelRow)] == ["Horse", "Saddle", "Rider", "Plinth"]
+    assert [r.name.text() for r in rows(panel, UnderlayRow)] == ["Side view.jpg", "Front.png"]
+    heading = panel.list.itemWidget(panel.list.item(4))
+    assert heading.text() == "Underlays"
+    assert not panel.list.item(4).flags() & Qt.ItemFlag.ItemIsSelectable
+
+
+def test_the_session_decides_what_is_selected(panel, fake_session):
+    assert panel.list.currentRow() == 0
+    fake_session.selected = "m3"
+    fake_session.selection_changed.emit()
+    assert panel.list.currentRow() == 2
+    fake_session.selected = None
+    fake_session.selection_changed.emit()
+    assert panel.list.currentItem() is None
+    assert fake_session.calls.named("select") == [], "showing is not asking"
+
+
+def test_a_click_selects(panel, fake_session):
+    place = panel.list.visualItemRect(panel.list.item(1)).center()
+    QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert fake_session.calls.named("select") == [(("m2",), {})]
+
+
+def test_renaming_in_place(panel, fake_session):
+    first = rows(panel, ModelRow)[0]
+    QTest.mouseDClick(first.name, Qt.MouseButton.LeftButton)
+    assert first.editor.isVisible()
+    QTest.keyClicks(first.editor, "Pony")
+    QTest.keyClick(first.editor, Qt.Key.Key_Return)
+    first.editor.clearFocus()
+    assert fake_session.calls.named("rename") == [(("m1", "Pony"), {})]
+    assert first.name.isVisible()
+
+
+@pytest.mark.parametrize("typed", ["", "   ", "Horse"])
+def test_no_new_name_is_no_renaming(panel, fake_session, typed):
+    first = rows(panel, ModelRow)[0]
+    first.edit_name()
+    first.editor.setText(typed)
+    QTest.keyClick(first.editor, Qt.Key.Key_Return)
+    assert fake_session.calls.named("rename") == []
+
+
+def test_escape_gives_renaming_up(panel, fake_session):
+    panel.rename_current()
+    editor = rows(panel, ModelRow)[0].editor
+    QTest.keyClicks(editor, "Pony")
+    QTest.keyClick(editor, Qt.Key.Key_Escape)
+    assert not editor.isVisible()
+    assert fake_session.calls.named("rename") == []
+
+
+def test_hiding_and_locking(panel, fake_session):
+    horse, _, rider, plinth = rows(panel, ModelRow)
+    horse.eye.click()
+    rider.eye.click()
+    horse.lock.click()
+    plinth.lock.click()
+    assert fake_session.calls.named("set_visible") == [(("m1", False), {}), (("m3", True), {})]
+    assert fake_session.calls.named("set_locked") == [(("m1", True), {}), (("m4", False), {})]
+
+
+def test_a_lock_is_seen_without_hovering(panel):
+    assert rows(panel, ModelRow)[3].lock.isVisible()
+
+
+def test_names_tell_what_a_click_would_do(panel):
+    horse, _, rider, plinth = rows(panel, ModelRow)
+    assert horse.eye.accessibleName() == "Hide Horse"
+    assert rider.eye.accessibleName() == "Show Rider"
+    assert plinth.lock.accessibleName() == "Unlock Plinth"
+
+
+def test_colours(panel, fake_session):
+    saddle = rows(panel, ModelRow)[1]
+    popup = saddle.swatch.open_chart()
+    discs = {b.accessibleName(): b for b in popup.findChildren(type(saddle.swatch).__mro__[1])}
+    discs["Slate"].click()
+    saddle.swatch.open_chart()._take(None)
+    wanted = dict(chart())["Slate"]
+    assert fake_session.calls.named("set_color") == [(("m2", wanted), {}), (("m2", None), {})]
+
+
+def test_deleting_and_duplicating(panel, fake_session):
+    panel._duplicate.click()
+    panel._delete.click()
+    panel.list.setCurrentRow(5)
+    assert not panel._duplicate.isEnabled()
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert fake_session.calls.named("duplicate") == [(("m1",), {})]
+    assert fake_session.calls.named("delete") == [(("m1",), {})]
+    assert fake_session.calls.named("delete_underlay") == [(("u1",), {})]
+
+
+def test_the_menu_offers_the_same(panel, fake_session):
+    menu = panel.menu_for_current()
+    titles = [action.text() for action in menu.actions() if not action.isSeparator()]
+    assert titles == ["Rename", "Duplicate", "Hide", "Lock", "Use as input for", "Delete"]
+    menu.actions()[3].trigger()
+    assert fake_session.calls.named("set_visible") == [(("m1", False), {})]
+
+
+@given(st.integers(0, 3), st.integers(0, 7))
+def test_a_dropped_row_lands_in_its_gap(qapp, fakes, source, gap):
+    """Against the plain list: take it out, put it into the gap between the others."""
+    from bozzetto_app.style.icons import FOLDER
+
+    session = fakes.FakeSession(FOLDER)
+    panel = ObjectsPanel(session)
+    order = [model.id for model in session.document]
+    marked = [*order[:source], None, *order[source + 1 :]]
+    marked.insert(min(gap, len(order)), order[source])
+    wanted = [name for name in marked if name is not None]
+    panel.drop(source, gap, on=False)
+    for (name, index), _ in session.calls.named("move_to"):
+        order.remove(name)
+        order.insert(index, name)
+    assert order == wanted
+    panel.deleteLater()
+
+
+def test_an_underlays_opacity_is_dragged_as_one_step(panel, fake_session):
+    slider = rows(panel, UnderlayRow)[0].opacity
+    QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(20, 10))
+    QTest.mouseMove(slider, QPoint(30, 10))
+    QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(30, 10))
+    made = fake_session.calls.named("set_underlay_opacity")
+    assert len(made) == 2
+    assert all(args[0] == "u1" and kwargs == {"dragging": True} for args, kwargs in made)
+    assert len(fake_session.calls.named("end_drag")) == 1
+
+
+def test_rows_stay_while_only_their_content_changes(panel, fake_session):
+    before = rows(panel, ModelRow)[0]
+    models = fake_session.document.models
+    renamed = (replace(models[0], name="Pony"), *models[1:])
+    fake_session.document = replace(fake_session.document, models=renamed)
+    fake_session.document_changed.emit()
+    assert rows(panel, ModelRow)[0] is before
+    assert before.name.text() == "Pony"
+
+
+def test_an_empty_sheet_says_so(panel, fake_session):
+    fake_session.document, fake_session.selected = Document(), None
+    fake_session.document_changed.emit()
+    assert panel._empty.isVisible()
+    assert not panel._delete.isEnabled()

@@ -1,0 +1,294 @@
+"""The form: made from annotations, and calling the session rightly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
+
+from bozzetto_app.panels.properties.form import ParametersPanel
+from bozzetto_app.panels.properties.parameter_row import ParameterRow
+from bozzetto_app.widgets.choice import ChoiceBox, Segments
+from bozzetto_app.widgets.number_field import NumberField
+from bozzetto_app.widgets.section import Section
+from bozzetto_app.widgets.slider import Slider
+from bozzetto_app.widgets.swatch import chart
+from bozzetto_app.widgets.toggle import Toggle
+
+
+@pytest.fixture
+def panel(qtbot, fake_session):
+    made = ParametersPanel(fake_session)
+    qtbot.addWidget(made)
+    made.resize(264, 800)
+    made.show()
+    return made
+
+
+def row(panel, name, owner="") -> ParameterRow:
+    return panel._rows[owner, name]
+
+
+def settings_made(session):
+    return [(*args, kwargs["dragging"]) for args, kwargs in session.calls.named("set_parameter")]
+
+
+def test_every_kind_has_its_control(panel, fake_session):
+    kinds = {
+        "inflation": (NumberField, Slider),
+        "parts": (NumberField, Slider),
+        "mirrored": (Toggle,),
+        "ends": (Segments,),
+        "material": (ChoiceBox,),
+        "note": (QLineEdit,),
+        "tolerance": (NumberField,),
+    }
+    for name, controls in kinds.items():
+        for control in controls:
+            assert row(panel, name).findChild(control) is not None, (name, control)
+    assert row(panel, "tolerance").findChild(Slider) is None, "it has no upper end"
+    assert len(panel.findChildren(ParameterRow)) == len(fake_session.parameters)
+
+
+def test_values_are_shown(panel):
+    assert row(panel, "length").findChild(NumberField).text() == "120 mm"
+    assert row(panel, "mirrored").findChild(Toggle).isChecked()
+    assert row(panel, "ends").findChild(Segments).value == "round"
+    assert row(panel, "material").findChild(ChoiceBox).value == "clay"
+
+
+def test_a_slider_drag_is_one_step(panel, fake_session):
+    slider = row(panel, "length").findChild(Slider)
+    y = slider.height() // 2
+    QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(20, y))
+    for x in range(20, 120, 10):
+        QTest.mouseMove(slider, QPoint(x, y))
+    QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(120, y))
+    made = settings_made(fake_session)
+    assert len(made) > 3
+    assert all(going for *_, going in made)
+    assert len(fake_session.calls.named("end_drag")) == 1
+    assert fake_session.calls.made[-1][0] == "end_drag"
+    assert fake_session.state.length == made[-1][1]
+    assert fake_session.state.length % 1 == 0, "it keeps to the steps"
+
+
+def test_keys_on_a_slider_are_steps_of_their_own(panel, fake_session):
+    slider = row(panel, "parts").findChild(Slider)
+    slider.setFocus()
+    QTest.keyClick(slider, Qt.Key.Key_Right)
+    QTest.keyClick(slider, Qt.Key.Key_End)
+    assert settings_made(fake_session) == [("parts", 4, False), ("parts", 12, False)]
+    assert isinstance(fake_session.state.parts, int)
+
+
+def test_the_slider_catches_the_default(panel, fake_session):
+    fake_session.set_parameter("inflation", 0.3)
+    slider = row(panel, "inflation").findChild(Slider)
+    middle = slider.width() // 2
+    QTest.mouseClick(slider, Qt.MouseButton.LeftButton, pos=QPoint(middle + 1, 8))
+    assert fake_session.state.inflation == 1.0
+
+
+def test_a_switch_and_choices_call_once(panel, fake_session):
+    row(panel, "mirrored").findChild(Toggle).click()
+    segments = row(panel, "ends").findChild(Segments)
+    segments._buttons["flat"].click()
+    box = row(panel, "material").findChild(ChoiceBox)
+    box.setCurrentIndex(2)
+    box.activated.emit(2)
+    assert settings_made(fake_session) == [
+        ("mirrored", False, False),
+        ("ends", "flat", False),
+        ("material", "wax", False),
+    ]
+
+
+def test_text_is_taken_when_it_is_finished(panel, fake_session):
+    text = row(panel, "note").findChild(QLineEdit)
+    text.setFocus()
+    QTest.keyClicks(text, "left ear")
+    assert settings_made(fake_session) == []
+    QTest.keyClick(text, Qt.Key.Key_Return)
+    text.clearFocus()
+    assert settings_made(fake_session) == [("note", "left ear", False)]
+
+
+def test_a_double_click_on_the_words_restores_the_default(panel, fake_session):
+    fake_session.set_parameter("length", 200.0)
+    fake_session.calls.made.clear()
+    words = row(panel, "length").words
+    QTest.mouseDClick(words, Qt.MouseButton.LeftButton)
+    assert settings_made(fake_session) == [("length", 120.0, False)]
+
+
+def test_a_changed_value_is_marked_and_can_be_put_back(panel, fake_session):
+    assert row(panel, "length").reset.isHidden()
+    fake_session.set_parameter("length", 200.0)
+    reset = row(panel, "length").reset
+    assert not reset.isHidden()
+    reset.click()
+    assert fake_session.state.length == 120.0
+    assert reset.isHidden()
+
+
+def test_help_shows_on_hover(panel):
+    assert "swells" in row(panel, "inflation").words.toolTip()
+
+
+def test_advanced_is_folded_and_remembered(qtbot, panel, fake_session):
+    section = panel.findChildren(Section)[0]
+    inside = [r.field.name for r in section.findChildren(ParameterRow)]
+    if not inside:
+        section = panel.findChildren(Section)[1]
+        inside = [r.field.name for r in section.findChildren(ParameterRow)]
+    assert inside == ["resolution", "tolerance"]
+    assert not section.is_open
+    section._heading.click()
+    again = ParametersPanel(fake_session)
+    qtbot.addWidget(again)
+    assert any(s.is_open and s.findChildren(ParameterRow) for s in again.findChildren(Section))
+
+
+def test_changing_values_keeps_the_controls(panel, fake_session):
+    before = row(panel, "length")
+    fake_session.set_parameter("length", 33.0)
+    assert row(panel, "length") is before
+
+
+def test_another_selection_makes_another_form(panel, fake_session):
+    fake_session.selected = None
+    fake_session.selection_changed.emit()
+    assert panel._rows == {}
+    assert panel._empty.isVisible()
+
+
+def test_a_locked_object_cannot_be_changed(panel, fake_session):
+    fake_session.selected = "m4"
+    fake_session.selection_changed.emit()
+    assert not row(panel, "length").isEnabled()
+    assert panel._locked.isVisible()
+    models = tuple(replace(m, locked=False) for m in fake_session.document.models)
+    fake_session.document = replace(fake_session.document, models=models)
+    fake_session.document_changed.emit()
+    assert row(panel, "length").isEnabled()
+
+
+def test_a_parameter_can_be_brought_under_the_keyboard(qtbot, panel):
+    panel.activateWindow()
+    panel.focus_parameter("tolerance")
+    assert row(panel, "tolerance").isVisible(), "its section was unfolded"
+    assert panel.focusWidget() is row(panel, "tolerance").findChild(NumberField)
+    panel.focus_parameter("no such parameter")
+    for name, kind in (("mirrored", Toggle), ("material", ChoiceBox), ("note", QLineEdit)):
+        panel.focus_parameter(name)
+        assert panel.focusWidget() is row(panel, name).findChild(kind)
+    panel.focus_parameter("ends")
+    assert panel.focusWidget().accessibleName() == "Round"
+
+
+# -- the chosen part ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def with_parts(panel, fakes, fake_session):
+    fake_session.trees["m1"] = fakes.horse_parts()
+    fake_session.document_changed.emit()
+    return panel
+
+
+def heading(panel):
+    return panel._part_section.findChildren(QAbstractButton)[0].accessibleName()
+
+
+def test_the_chosen_parts_form_stands_under_its_name(with_parts, fake_session):
+    assert heading(with_parts) == "Head"
+    assert row(with_parts, "inflation").isVisible(), "the model's own come first"
+    softness = row(with_parts, "softness", "part")
+    assert softness.isVisible()
+    kernel = row(with_parts, "kernel", "part")
+    assert not kernel.isVisible(), "advanced ones are folded"
+    top = softness.mapTo(with_parts, softness.rect().topLeft()).y()
+    own = row(with_parts, "note")
+    assert top > own.mapTo(with_parts, own.rect().topLeft()).y()
+    fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "Skull")
+    fake_session.document_changed.emit()
+    assert heading(with_parts) == "Skull"
+    assert row(with_parts, "softness", "part") is softness, "a new name keeps the controls"
+
+
+def test_another_part_has_another_form_and_none_has_none(with_parts, fake_session):
+    fake_session.trees["m1"] = fake_session.trees["m1"].chosen("n5")
+    fake_session.parameters_changed.emit()
+    assert heading(with_parts) == "Saddle pit"
+    fake_session.trees["m1"] = fake_session.trees["m1"].chosen("")
+    fake_session.parameters_changed.emit()
+    assert with_parts._part_section is None
+    assert row(with_parts, "inflation").isVisible()
+
+
+def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
+    qtbot, with_parts, fake_session
+):
+    """Every stroke may choose another part: making its form anew would stop the window."""
+
+    def choose(part):
+        fake_session.trees["m1"] = fake_session.trees["m1"].chosen(part)
+        fake_session.parameters_changed.emit()
+
+    first = fake_session.chosen_part
+    fields = [field for field, _ in fake_session.part_parameters]
+    other = next(
+        part
+        for part in fake_session.trees["m1"].parts
+        if part.id != first.id and type(part) is type(first)
+    )
+    form = with_parts._form
+    with_parts.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    with_parts.setFocus()
+    choose(other.id)
+    assert [field for field, _ in fake_session.part_parameters] == fields
+    assert with_parts._form is form
+    assert heading(with_parts) == other.name
+    with_parts.activateWindow()
+    next(iter(with_parts._rows.values())).words.buddy().setFocus()
+    choose(first.id)
+    assert (with_parts._form is form) == (QApplication.focusWidget() is None)
+
+
+def test_a_colour_is_chosen_from_the_chart_or_taken_back(with_parts, fake_session):
+    color = row(with_parts, "color", "part")
+    swatch = color.words.buddy()
+    assert "Clay" in swatch.accessibleName()
+    popup = swatch.open_chart()
+    wanted = dict(chart())["Slate"]
+    popup._take(wanted)
+    assert fake_session.calls.named("set_part_parameter") == [
+        (("color", wanted), {"dragging": False})
+    ]
+    assert "Slate" in swatch.accessibleName()
+    color.reset.click()
+    assert fake_session.chosen_part.color is None
+
+
+def test_a_parts_parameter_can_be_brought_under_the_keyboard(with_parts):
+    with_parts.focus_parameter("kernel")
+    kernel = row(with_parts, "kernel", "part")
+    assert kernel.isVisible()
+
+
+def test_a_long_name_does_not_widen_the_panel(with_parts, fake_session):
+    before = with_parts.widget().minimumSizeHint().width()
+    fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "n" * 200)
+    fake_session.document_changed.emit()
+    assert with_parts.widget().minimumSizeHint().width() <= max(before, with_parts.width())
+
+
+def test_a_part_with_a_long_name_in_the_report_does_not_widen_the_panel(panel, fake_session):
+    long = " ".join(["a nose with a long name"] * 6)
+    fake_session.report = {"parts": [{"name": long, "genus": 0}, {"name": "<b>x</b>", "genus": 1}]}
+    fake_session.report_changed.emit()
+    assert panel.widget().minimumSizeHint().width() <= panel.viewport().width()

@@ -1,0 +1,450 @@
+"""Nothing that was drawn is lost: the journal, a killed process, and the next start."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
+
+from bozzetto.document.recovery.recovery import RecoveryStore
+from bozzetto.document.waiting_ink import WaitingStroke
+from bozzetto.errors import UserError
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.dialogs.recovery import RecoveryDialog
+from bozzetto_app.session.autosave import Keeper
+from bozzetto_app.session.drawing_record import State
+from tests.app.tablet import circle, stroke_of
+from tests.app.troublemaker import MODELER
+
+ROOT = Path(__file__).parents[3]
+DEFAULT_KILLS, MANY_KILLS = 2, 30
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "recovery"
+
+
+@pytest.fixture
+def keep(make_session, boxes, folder, settle):
+    """A session that draws boxes and is kept; and its keeper."""
+    keepers = []
+
+    def make():
+        session = make_session(MODELER, extra=[boxes.package])
+        keeper = Keeper(session, folder)
+        keepers.append(keeper)
+        return session, keeper
+
+    yield make
+    for keeper in keepers:
+        keeper.close()
+        keeper.wait()
+
+
+def crash(keeper):
+    """As if its process had died: what it kept stays, and nobody is alive in there."""
+    keeper._sheet.record._own._lock.release()
+    keeper._sheet.record._own = None
+
+
+def draw(session, settle, *keepers, **more):
+    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    settle(session, *keepers)
+
+
+def kept_strokes(folder, registry=None):
+    """How many strokes each crashed session has, applied and waiting."""
+    store = RecoveryStore(folder)
+    found = []
+    for crashed in store.crashed_sessions():
+        back = store.recover(crashed, registry or Registry())
+        applied = sum(strokes_of(model.state) for model in back.document)
+        found.append(applied + len(back.document.waiting))
+        store.keep(crashed)
+    return found
+
+
+def strokes_of(state):
+    if hasattr(state, "parts"):
+        return sum(len(part.strokes) for part in state.parts)
+    return len(state.strokes)
+
+
+# -- the journal -----------------------------------------------------------------------------------
+
+
+def test_every_stroke_is_kept_applied_or_waiting(keep, folder, settle):
+    session, keeper = keep()
+    assert not list(folder.glob("*"))  # nothing was drawn: nothing is kept
+    draw(session, settle, keeper)
+    draw(session, settle, keeper, share=0.5)
+    crash(keeper)
+    assert kept_strokes(folder, session.registry) == [2]
+
+
+def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    draw(session, settle, keeper, share=0.5)
+    session.drop_last_pending()
+    settle(session, keeper)
+    crash(keeper)
+    assert kept_strokes(folder, session.registry) == [1]
+
+
+def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
+    session, keeper = keep()
+    totals = []
+
+    def look(sheet):
+        now = sheet.last
+        if now is not None and now is not sheet.written:
+            sheet.written = now
+            taken = sum(strokes_of(m.state) for m in now.document)
+            totals.append(taken + len(now.document.waiting))
+
+    monkeypatch.setattr(keeper, "_write", look)
+    session.pending_changed.connect(lambda: look(keeper._sheet))
+    session.document_changed.connect(lambda: look(keeper._sheet))
+    for radius in range(40, 100, 10):
+        draw(session, settle, keeper, radius=radius)
+    assert totals == sorted(totals)
+    assert totals[-1] == 6
+
+
+def test_a_live_session_is_not_offered_to_others(keep, folder, settle):
+    one, first = keep()
+    two, second = keep()
+    draw(one, settle, first)
+    draw(two, settle, second)
+    assert len(list(folder.glob("*/"))) == 2
+    assert RecoveryStore(folder).crashed_sessions() == []
+
+
+def test_what_the_person_gives_up_leaves_nothing_behind(keep, folder, settle):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    session.files.given_up.emit()
+    session.files.new()
+    settle(session, keeper)
+    assert list(folder.glob("*")) == []
+    draw(session, settle, keeper)
+    session.files.given_up.emit()
+    keeper.close()
+    keeper.wait()
+    assert list(folder.glob("*")) == []
+
+
+def test_what_leaves_the_sheet_without_an_answer_is_offered_again(keep, folder, settle):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    session.files.given_up.emit()
+    draw(session, settle, keeper, radius=50)  # the answer was not about this stroke
+    session.files.new()
+    draw(session, settle, keeper)
+    keeper.close()
+    keeper.wait()
+    assert sorted(kept_strokes(folder, session.registry)) == [1, 2]
+    assert any("is kept" in notice.text for notice in session.heard)
+
+
+def test_what_could_not_be_written_when_it_left_is_written_later(keep, folder, settle, monkeypatch):
+    session, keeper = keep()
+
+    def full(*_):
+        raise UserError("The disk is full. Make room.")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(keeper._store, "begin", full)
+        draw(session, settle, keeper)
+        session.files.new()
+        settle(session, keeper)
+        assert not list(folder.glob("*/*"))
+    draw(session, settle, keeper)
+    crash(keeper)
+    assert kept_strokes(folder, session.registry) == [1, 1]
+
+
+def test_what_is_drawn_while_a_save_is_under_way_is_kept_too(keep, folder, settle, tmp_path):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    session.files.save(tmp_path / "a.bozz")
+    draw(session, settle, keeper, radius=50)
+    draw(session, settle, keeper, share=0.5)
+    crash(keeper)
+    (crashed,) = RecoveryStore(folder).crashed_sessions()
+    assert crashed.name == "a"
+    assert crashed.path == tmp_path / "a.bozz"
+    assert kept_strokes(folder, session.registry) == [3]
+
+
+def test_recovering_shows_the_drawing_unsaved_and_forgets_the_old_data_only_then(
+    keep, folder, settle
+):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    draw(session, settle, keeper, share=0.5)
+    crash(keeper)
+    later, other = keep()
+    found = []
+    other.find_crashed(found.extend)
+    settle(later, other)
+    other.recover(found[0])
+    settle(later, other)
+    assert [strokes_of(model.state) for model in later.document] == [1]
+    assert len(later.pending) == 1
+    assert later.is_modified
+    assert RecoveryStore(folder).crashed_sessions() == []
+    crash(other)
+    assert kept_strokes(folder, later.registry) == [2]
+
+
+@pytest.fixture
+def offered(make_window, keep, boxes, folder, settle, qtbot):
+    """A window that offers so many crashed drawings of one stroke each; and its dialog."""
+
+    def make(count):
+        for _ in range(count):
+            session, keeper = keep()
+            draw(session, settle, keeper)
+            crash(keeper)
+        window = make_window(MODELER, extra=[boxes.package], recovery=folder)
+        window.offer_recovery()
+        qtbot.waitUntil(lambda: window.findChild(RecoveryDialog) is not None, timeout=10_000)
+        return window, window.findChild(RecoveryDialog)
+
+    return make
+
+
+def buttons(dialog, words):
+    return [b for b in dialog.findChildren(QPushButton) if b.text() == words]
+
+
+def question(window, qtbot, name="unsaved"):
+    qtbot.waitUntil(lambda: window.findChild(QMessageBox, name) is not None, timeout=10_000)
+    return window.findChild(QMessageBox, name)
+
+
+def press(box, words):
+    next(b for b in box.buttons() if b.text() == words).click()
+
+
+def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle, qtbot):
+    window, dialog = offered(2)
+    first, second = buttons(dialog, "Open")
+    first.click()
+    second.click()
+    box = question(window, qtbot)
+    assert len(window.session.document) == 1
+    box.reject()
+    settle(window.session, window.keeper)
+    assert (first.text(), second.text()) == ("Opened", "Open")
+    assert second.isEnabled()
+    crash(window.keeper)
+    assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
+def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, settle, qtbot):
+    window, dialog = offered(1)
+    buttons(dialog, "Open")[0].click()
+    stroke = stroke_of(circle(share=0.5), window.session.camera)
+    window.session.take_ink("Stroke", (WaitingStroke(stroke),))
+    question(window, qtbot).reject()
+    settle(window.session, window.keeper)
+    assert window.session.pending == (stroke,)
+    crash(window.keeper)
+    assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
+def test_what_is_given_up_for_another_drawing_goes_and_that_comes(offered, folder, settle, qtbot):
+    window, dialog = offered(2)
+    for button in buttons(dialog, "Open"):
+        button.click()
+    press(question(window, qtbot), "Don’t save")
+    settle(window.session, window.keeper)
+    assert window.findChild(RecoveryDialog) is None
+    crash(window.keeper)
+    assert kept_strokes(folder, window.session.registry) == [1]
+
+
+def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
+    offered, folder, settle, qtbot, tmp_path
+):
+    window, dialog = offered(1)
+    session = window.session
+    draw(session, settle, window.keeper)
+    session.files.save(tmp_path / "mine.bozz")
+    draw(session, settle, window.keeper, radius=50)
+    buttons(dialog, "Open")[0].click()
+    box = question(window, qtbot)
+    before = session.files.save
+
+    def save_and_draw(*arguments, **more):
+        before(*arguments, **more)
+        stroke = stroke_of(circle(share=0.5), session.camera)
+        session.take_ink("Stroke", (WaitingStroke(stroke),))
+
+    session.files.save = save_and_draw
+    press(box, "Save")
+    session.files.save = before
+    qtbot.waitUntil(lambda: not session.files.saving, timeout=10_000)
+    qtbot.waitUntil(lambda: window.findChild(QMessageBox, "unsaved") not in (None, box))
+    window.findChild(QMessageBox, "unsaved").reject()
+    settle(session, window.keeper)
+    assert session.title == "mine"
+    assert len(session.pending) == 1
+    assert len(RecoveryStore(folder).crashed_sessions()) == 1
+
+
+def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, monkeypatch, qtbot):
+    window, dialog = offered(2)
+    answers = iter([False, True])
+    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: next(answers))
+    away = buttons(dialog, "Discard…")[0]
+    away.click()
+    assert len(RecoveryStore(folder).crashed_sessions()) == 2
+    away.click()
+    qtbot.waitUntil(lambda: len(RecoveryStore(folder).crashed_sessions()) == 1)
+    qtbot.waitUntil(lambda: len(buttons(dialog, "Discarded")) == 1)
+    assert len(buttons(dialog, "Open")) == 1
+    assert not window.session.is_modified
+
+
+def test_a_damaged_drawing_can_be_tried_again_and_is_not_deleted(offered, folder, settle):
+    window, dialog = offered(1)
+    for base in folder.glob("*/base-*"):
+        base.write_bytes(b"dust")
+    (button,) = buttons(dialog, "Open")
+    for _ in range(2):
+        button.click()
+        settle(window.session, window.keeper)
+        assert button.isEnabled()
+    assert len(RecoveryStore(folder).crashed_sessions()) == 1
+
+
+def test_what_was_not_brought_back_whole_stays_until_it_is_discarded(offered, folder, settle):
+    window, dialog = offered(1)
+    (journal,) = folder.glob("*/journal-*")
+    content = bytearray(journal.read_bytes())
+    content[-20] ^= 255
+    journal.write_bytes(content)
+    buttons(dialog, "Open")[0].click()
+    settle(window.session, window.keeper)
+    assert journal.exists()
+    assert len(RecoveryStore(folder).crashed_sessions()) == 1
+    assert any("Not all" in notice.text for notice in window.session.heard)
+
+
+def test_keeping_a_crash_for_later_deletes_nothing(make_window, keep, boxes, folder, settle, qtbot):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    crash(keeper)
+    window = make_window(MODELER, extra=[boxes.package], recovery=folder)
+    window.offer_recovery()
+    qtbot.waitUntil(lambda: window.findChild(RecoveryDialog) is not None, timeout=10_000)
+    window.findChild(RecoveryDialog).keep.click()
+    draw(window.session, settle, window.keeper)
+    window.session.files.given_up.emit()
+    window.keeper.close()
+    window.keeper.wait()
+    assert kept_strokes(folder, session.registry) == [1]
+
+
+def test_a_full_disk_is_told_and_drawing_goes_on(keep, settle, monkeypatch):
+    session, keeper = keep()
+
+    def full(*_):
+        raise UserError("The disk is full. Make room.")
+
+    monkeypatch.setattr(keeper._store, "begin", full)
+    draw(session, settle, keeper)
+    draw(session, settle, keeper)
+    assert "The disk is full. Make room." in [notice.text for notice in session.heard]
+    assert strokes_of(session.document.models[0].state) == 2
+    monkeypatch.undo()
+    draw(session, settle, keeper)
+    assert keeper._sheet.record.state is State.IN_OWN_DATA
+
+
+# -- a process that is killed ---------------------------------------------------------------------
+
+
+class Child:
+    """A window in a process of its own that draws until it is killed."""
+
+    def __init__(self, folder):
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "tests.app.drawing_child", str(folder)],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            env={**os.environ, "QT_QPA_PLATFORM": "offscreen"},
+        )
+        assert self.process.stdout.readline() == "began\n"
+
+    def kill_after(self, seconds):
+        """Kill it; how many strokes it had said to be on the sheet by then."""
+        time.sleep(seconds)
+        self.process.send_signal(signal.SIGKILL)
+        said = self.process.communicate()[0].split()
+        return int(said[-1]) if said else 0
+
+
+def killed_once(folder, seconds):
+    drawn = Child(folder).kill_after(seconds)
+    found = kept_strokes(folder)
+    kept = found[0] if found else 0
+    assert len(found) <= 1
+    assert drawn - 1 <= kept <= drawn + 1, f"{drawn} strokes drawn, {kept} kept"
+    return drawn
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_a_killed_window_loses_at_most_the_stroke_under_the_pen(tmp_path):
+    seeds = random.Random(1)
+    drawn = [killed_once(tmp_path / str(k), seeds.uniform(0.7, 1.2)) for k in range(DEFAULT_KILLS)]
+    assert max(drawn) >= 2
+
+
+@pytest.mark.kill
+def test_many_killed_windows_lose_at_most_one_stroke_each(tmp_path):
+    seeds = random.Random(2)
+    drawn = [killed_once(tmp_path / str(k), seeds.uniform(0.0, 2.5)) for k in range(MANY_KILLS)]
+    assert sum(drawn) > 5 * MANY_KILLS / 2
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_after_a_kill_the_next_window_offers_the_drawing_and_a_living_one_is_left_alone(
+    make_window, folder, settle, qtbot
+):
+    living = Child(folder)
+    drawn = Child(folder).kill_after(0.8)
+    try:
+        window = make_window(recovery=folder)
+        window.offer_recovery()
+        qtbot.waitUntil(lambda: window.findChild(RecoveryDialog) is not None, timeout=10_000)
+        opens = [
+            button
+            for button in window.findChild(RecoveryDialog).findChildren(QPushButton)
+            if button.text() == "Open"
+        ]
+        assert len(opens) == 1
+        opens[0].click()
+        settle(window.session, window.keeper)
+        QApplication.processEvents()
+        strokes = sum(strokes_of(model.state) for model in window.session.document)
+        assert strokes + len(window.session.pending) >= drawn - 1
+        assert window.session.is_modified
+        assert window.isWindowModified()
+    finally:
+        living.kill_after(0)

@@ -1,0 +1,618 @@
+"""Files of a session: saved and reopened as they were, handed over, brought in, and locked."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import subprocess
+import sys
+import threading
+import zipfile
+
+import numpy as np
+import pytest
+
+from bozzetto.atomic_files import FileChanged
+from bozzetto.document.model import Model, new_id
+from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
+from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.exchange.import_file import read_mesh
+from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.scene.display_list import Shaded
+from bozzetto_app.session import thumbnail as small_picture
+from bozzetto_app.session.files import LAST_FOLDER, recent_files
+from bozzetto_app.settings import settings
+from tests.app.tablet import circle, stroke_of
+from tests.app.troublemaker import MODELER
+
+SVG = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">
+<path d="M10 10 L90 10 L90 90 L10 90 Z" fill="none" stroke="black"/></svg>"""
+
+
+@pytest.fixture
+def session(make_session, boxes):
+    return make_session(MODELER, extra=[boxes.package])
+
+
+def draw(session, settle, **more):
+    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    settle(session)
+
+
+def words(session, kind):
+    return [notice.text for notice in session.heard if notice.kind == kind]
+
+
+def meshes(session):
+    return [item.mesh for _, item in session.scene.items() if isinstance(item, Shaded)]
+
+
+def save(session, settle, path):
+    session.files.save(path)
+    settle(session)
+
+
+def reopen(session, settle, path):
+    session.open(path)
+    settle(session)
+
+
+# -- saving and opening --------------------------------------------------------------------------
+
+
+def test_a_drawing_comes_back_to_the_last_bit(make_session, settle, tmp_path):
+    first = make_session()
+    draw(first, settle, radius=150)
+    draw(first, settle, radius=60)
+    first.set_parameter("inflation", 1.3)
+    first.set_color(first.selected, (200, 120, 30))
+    settle(first)
+    assert first.is_modified
+    save(first, settle, tmp_path / "horse")
+    assert first.path == tmp_path / "horse.bozz"
+    assert (first.title, first.is_modified) == ("horse", False)
+    first.files.close()
+
+    second = make_session()
+    reopen(second, settle, tmp_path / "horse.bozz")
+    assert not second.is_modified
+    assert second.camera == first.camera
+    (mine,), (other,) = first.document.models, second.document.models
+    assert (mine.name, mine.color, mine.id) == (other.name, other.color, other.id)
+    inflation = [[part.inflation for part in model.state.parts] for model in (mine, other)]
+    assert inflation[0] == inflation[1]
+    assert 1.3 in inflation[1]
+    for one, two in zip(meshes(first), meshes(second), strict=True):
+        assert one.vertices.tobytes() == two.vertices.tobytes()
+        assert one.faces.tobytes() == two.faces.tobytes()
+
+
+def test_what_is_drawn_while_saving_counts_as_unsaved(session, settle, tmp_path):
+    draw(session, settle)
+    session.files.save(tmp_path / "a.bozz")
+    session.rename(session.selected, "Later")
+    settle(session)
+    assert session.is_modified
+    reopened_names = json_names(tmp_path / "a.bozz")
+    assert reopened_names == ["Boxes"]
+    session.undo()
+    assert not session.is_modified
+
+
+def json_names(path, *names):
+    with zipfile.ZipFile(path) as file:
+        models = json.loads(file.read("core/models.json"))
+    found = json.dumps(models)
+    return [name for name in names or ("Boxes", "Later") if f'"{name}"' in found]
+
+
+def test_a_save_that_ends_after_a_new_sheet_was_begun_does_not_name_it(session, settle, tmp_path):
+    draw(session, settle)
+    session.files.save(tmp_path / "old.bozz")
+    session.files.new()
+    settle(session)
+    assert (tmp_path / "old.bozz").exists()
+    assert session.path is None
+    assert not document_lock_path(tmp_path / "old.bozz").exists()
+
+
+def test_a_failed_save_is_told_and_the_work_stays_unsaved(session, settle, tmp_path):
+    draw(session, settle)
+    save(session, settle, tmp_path / "no" / "such" / "folder.bozz")
+    assert len(words(session, "error")) == 1
+    assert session.is_modified
+    assert session.path is None
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not really", b"\0" * 5000])
+def test_a_damaged_document_is_refused_and_the_sheet_stays(session, settle, tmp_path, content):
+    draw(session, settle)
+    before = session.document
+    (tmp_path / "bad.bozz").write_bytes(content)
+    reopen(session, settle, tmp_path / "bad.bozz")
+    reopen(session, settle, tmp_path / "missing.bozz")
+    assert session.document is before
+    assert len(words(session, "error")) == 2
+    assert not document_lock_path(tmp_path / "bad.bozz").exists()
+
+
+def test_drawing_while_a_document_is_being_read_is_not_thrown_away(session, settle, tmp_path):
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    session.files.new()
+    session.files.open(tmp_path / "a.bozz")
+    session.pen_lifted(stroke_of(circle(share=0.5), session.camera))
+    settle(session)
+    assert session.path is None
+    assert len(session.pending) == 1
+    assert "you were drawing" in words(session, "info")[-1]
+
+
+def test_recent_files_are_those_opened_and_saved_newest_first(session, settle, tmp_path):
+    draw(session, settle)
+    for name in ("a", "b", "c"):
+        save(session, settle, tmp_path / f"{name}.bozz")
+    reopen(session, settle, tmp_path / "b.bozz")
+    assert [path.name for path in recent_files()] == ["b.bozz", "c.bozz", "a.bozz"]
+    (tmp_path / "c.bozz").unlink()
+    session.files.tidy()
+    settle(session)
+    assert [path.name for path in recent_files()] == ["b.bozz", "a.bozz"]
+
+
+def test_what_killed_processes_left_is_gone_after_the_start(session, settle, tmp_path):
+    code = (
+        "import os, sys; from bozzetto.atomic_files import atomic_write; "
+        "atomic_write(sys.argv[1], lambda file: os._exit(0))"
+    )
+    draw(session, settle)
+    folders = [tmp_path / "documents", tmp_path / "exports"]
+    for folder in folders:
+        folder.mkdir()
+    save(session, settle, folders[0] / "a.bozz")
+    settings().setValue(LAST_FOLDER, str(folders[1]))
+    for folder in folders:
+        subprocess.run([sys.executable, "-c", code, str(folder / "x.stl")], check=True)
+        assert list(folder.glob(".bozzetto-*"))
+    session.files.tidy()
+    settle(session)
+    assert [*folders[0].glob(".bozzetto-*"), *folders[1].glob(".bozzetto-*")] == []
+    assert (folders[0] / "a.bozz").exists()
+
+
+@pytest.mark.parametrize("ending", ["stl", "3mf", "glb", "obj", "ply"])
+def test_what_is_exported_is_closed_and_as_large_as_what_is_shown(
+    make_session, settle, tmp_path, ending
+):
+    session = make_session()
+    draw(session, settle)
+    session.files.export(tmp_path / f"out.{ending}")
+    settle(session)
+    assert (tmp_path / f"out.{ending}").stat().st_size > 1000
+    assert words(session, "error") == []
+    if ending == "3mf":
+        return
+    (mesh,) = read_mesh(tmp_path / f"out.{ending}").meshes()
+    shown = meshes(session)[0]
+    assert np.allclose(
+        np.ptp(mesh.mesh.vertices, axis=0), np.ptp(shown.vertices, axis=0), rtol=1e-4
+    )
+    assert bounds_volume(mesh.mesh)
+
+
+def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle, tmp_path):
+    draw(session, settle)
+    session.set_visible(session.selected, False)
+    session.files.export(tmp_path / "out.stl")
+    settle(session)
+    assert not (tmp_path / "out.stl").exists()
+    assert len(words(session, "error")) == 1
+
+
+def test_what_an_export_leaves_out_is_named(session, settle, tmp_path):
+    draw(session, settle)
+    stranger = Model(new_id(), "Stranger", "nobody.knows", OpaqueState(1, b"{}", (), ()))
+    session.commit("open", session.document.with_model(stranger))
+    settle(session)
+    session.files.export(tmp_path / "out.stl")
+    settle(session)
+    (said,) = words(session, "error")
+    assert said.startswith("Exported “out.stl”. Left out of the STL file: “Stranger” (")
+    assert "is not installed" in said
+    assert (tmp_path / "out.stl").exists()
+
+
+def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_path):
+    draw(session, settle)
+    gate, well = threading.Event(), boxes.misdeeds
+
+    def slow(state, result):
+        del well["shapes"]
+        gate.wait(10)
+        return session.registry.modeler(MODELER).shapes(state, result)
+
+    well["shapes"] = slow
+    session.files.export(tmp_path / "out.stl")
+    qtbot.waitUntil(lambda: boxes.calls["shapes"] == 1)
+    session.cancel_work()
+    gate.set()
+    settle(session)
+    assert list(tmp_path.glob("out*")) == []
+    assert words(session, "error") == []
+
+
+# -- bringing in ---------------------------------------------------------------------------------
+
+
+def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, settle, tmp_path):
+    from bozzetto.images.png import write_png
+
+    session = make_session()
+    (tmp_path / "square.svg").write_text(SVG)
+    session.import_file(tmp_path / "square.svg")
+    settle(session)
+    session.files.export(tmp_path / "square.stl")
+    settle(session)
+    session.import_file(tmp_path / "square.stl")
+    settle(session)
+    write_png(tmp_path / "photo.png", np.full((30, 40, 4), 200, np.uint8))
+    session.import_file(tmp_path / "photo.png")
+    settle(session)
+    (left_out,) = words(session, "error")  # the black of the drawing's line
+    assert "the colours of 1 solid" in left_out
+    assert [model.modeler for model in session.document] == ["bozzetto.silhouette", "bozzetto.mesh"]
+    assert [under.name for under in session.document.underlays] == ["photo"]
+    assert len(session.history.entries) == 4
+    drawn, read = meshes(session)
+    assert np.allclose(np.ptp(drawn.vertices, axis=0), np.ptp(read.vertices, axis=0), rtol=1e-4)
+    # In an SVG drawing a unit is a millimetre, and (x, y) lies at (x, 0, -y).
+    assert np.allclose(drawn.vertices.min(0)[[0, 2]], (10, -90), atol=1.5)
+    across, down = session.document.underlays[0].across, session.document.underlays[0].down
+    assert abs(across[0] / down[2]) == pytest.approx(40 / 30)
+    for _ in range(3):
+        session.undo()
+    assert len(session.document) + len(session.document.underlays) == 0
+
+
+def test_an_import_that_ends_on_another_sheet_is_dropped(session, settle, tmp_path):
+    (tmp_path / "square.svg").write_text(SVG)
+    session.import_file(tmp_path / "square.svg")
+    session.files.new()
+    settle(session)
+    assert len(session.document) == 0
+
+
+def test_opening_a_drawing_makes_a_new_document_of_it(session, settle, tmp_path):
+    draw(session, settle)
+    (tmp_path / "square.svg").write_text(SVG)
+    session.open(tmp_path / "square.svg")
+    settle(session)
+    assert len(session.document) == 1
+    assert session.path is None
+    assert session.is_modified
+
+
+def test_nonsense_is_refused_with_a_sentence(session, settle, tmp_path):
+    for name, content in (("a.svg", "<svg"), ("b.stl", "solid"), ("c.png", "x"), ("d.xyz", "x")):
+        (tmp_path / name).write_text(content)
+        session.import_file(tmp_path / name)
+        settle(session)
+    assert len(words(session, "error")) == 4
+    assert words(session, "fault") == []
+    assert len(session.document) == 0
+
+
+# -- who has it open -----------------------------------------------------------------------------
+
+
+def test_the_lock_is_there_while_a_document_is_open_and_goes_with_it(session, settle, tmp_path):
+    one, two = tmp_path / "one.bozz", tmp_path / "two.bozz"
+    draw(session, settle)
+    save(session, settle, one)
+    assert holder(document_lock_path(one)).pid == os.getpid()
+    save(session, settle, two)
+    assert not document_lock_path(one).exists()
+    reopen(session, settle, one)
+    assert not document_lock_path(two).exists()
+    assert document_lock_path(one).exists()
+    reopen(session, settle, one)
+    assert document_lock_path(one).exists()
+    session.files.new()
+    settle(session)
+    assert not document_lock_path(one).exists()
+    reopen(session, settle, one)
+    session.files.close()
+    settle(session)
+    assert not document_lock_path(one).exists()
+
+
+def test_somebody_elses_document_opens_to_be_looked_at(make_session, settle, tmp_path):
+    mine, theirs = tmp_path / "mine.bozz", make_session()
+    draw(theirs, settle)
+    save(theirs, settle, mine)
+    me = make_session()
+    reopen(me, settle, mine)
+    assert len(me.document) == 1
+    assert me.read_only
+    (said,) = words(me, "error")
+    lock = holder(document_lock_path(mine))
+    assert lock.user in said
+    assert lock.host in said
+    before = mine.read_bytes()
+    me.rename(me.selected, "Other")
+    save(me, settle, mine)
+    assert mine.read_bytes() == before
+    assert me.is_modified
+    save(me, settle, tmp_path / "copy.bozz")
+    assert not me.read_only
+    assert not me.is_modified
+    assert holder(document_lock_path(mine)) == lock
+
+
+def test_a_lock_of_a_dead_process_is_taken_over(session, settle, tmp_path):
+    path = tmp_path / "a.bozz"
+    draw(session, settle)
+    save(session, settle, path)
+    session.files.new()
+    code = (
+        "import os, sys; from bozzetto.document.recovery.file_lock import *; "
+        "FileLock.acquire(document_lock_path(sys.argv[1]), 'a'); os._exit(0)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(path)], check=True)
+    assert holder(document_lock_path(path)).is_gone
+    reopen(session, settle, path)
+    assert not session.read_only
+    assert holder(document_lock_path(path)).pid == os.getpid()
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_document_in_a_folder_without_permission_can_be_looked_at(session, settle, tmp_path):
+    folder = tmp_path / "shelf"
+    folder.mkdir()
+    draw(session, settle)
+    save(session, settle, folder / "a.bozz")
+    session.files.new()
+    folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    try:
+        reopen(session, settle, folder / "a.bozz")
+        assert session.read_only
+        assert len(session.document) == 1
+    finally:
+        folder.chmod(0o755)
+
+
+def test_where_no_lock_can_be_made_a_document_is_read_only(session, settle, tmp_path, monkeypatch):
+    from bozzetto.errors import UserError
+
+    path = tmp_path / "a.bozz"
+    draw(session, settle)
+    save(session, settle, path)
+    session.files.new()
+
+    def refuse(*_, **__):
+        raise UserError("the folder cannot be written to")
+
+    monkeypatch.setattr(FileLock, "acquire", refuse)
+    reopen(session, settle, path)
+    assert session.read_only
+    assert len(session.document) == 1
+    assert "nothing can be written" in words(session, "error")[0]
+
+
+def test_a_document_can_be_taken_over_and_who_lost_it_is_asked(make_session, settle, tmp_path):
+    path, theirs = tmp_path / "a.bozz", make_session()
+    draw(theirs, settle)
+    save(theirs, settle, path)
+    me = make_session()
+    locked = []
+    me.files.locked.connect(locked.append)
+    reopen(me, settle, path)
+    assert locked == [path]
+    me.files.take_over(path)
+    settle(me)
+    assert not me.read_only
+    me.rename(me.selected, "Mine")
+    me.files.save()
+    settle(me)
+    assert not me.is_modified
+
+    met = []
+    theirs.files.when_hindered = met.append
+    theirs.rename(theirs.selected, "Theirs")
+    theirs.files.save()
+    settle(theirs)
+    assert isinstance(met[0].problem, Locked)
+    assert theirs.is_modified
+    met[0].go_on()
+    settle(theirs)
+    assert isinstance(met[1].problem, FileChanged)  # it was saved meanwhile
+    met[1].go_on()
+    settle(theirs)
+    assert not theirs.is_modified
+    assert json_names(path, "Theirs", "Mine") == ["Theirs"]
+
+
+# -- what other programs do to the file ----------------------------------------------------------
+
+
+@pytest.fixture
+def saved(session, settle, tmp_path):
+    """The session's document, saved and then changed."""
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    session.rename(session.selected, "Later")
+    return tmp_path / "a.bozz"
+
+
+def test_a_file_that_another_program_changed_is_not_written_over(session, saved, settle):
+    saved.write_bytes(b"theirs")
+    session.files.save()
+    settle(session)
+    assert saved.read_bytes() == b"theirs"
+    assert session.is_modified
+    assert "changed by another program" in words(session, "error")[-1]
+
+
+@pytest.mark.parametrize("answer", ["go_on", "keep_both", "leave"])
+def test_the_answer_to_a_changed_file_is_done(session, saved, settle, answer):
+    saved.write_bytes(b"theirs")
+    met, ended = [], []
+    session.files.when_hindered = met.append
+    session.files.save(None, lambda: ended.append("then"), lambda: ended.append("failed"))
+    settle(session)
+    assert ended == []
+    getattr(met[0], answer)()
+    settle(session)
+    assert ended == (["failed"] if answer == "leave" else ["then"])
+    assert session.is_modified is (answer == "leave")
+    beside = saved.with_name("a 2.bozz")
+    assert session.path == (beside if answer == "keep_both" else saved)
+    assert beside.exists() is (answer == "keep_both")
+    if answer == "go_on":
+        assert json_names(saved) == ["Later"]
+        assert saved.with_name("a.bozz~1").read_bytes() == b"theirs"
+    else:
+        assert saved.read_bytes() == b"theirs"
+    session.rename(session.selected, "Last")
+    if answer != "leave":
+        session.files.save()
+        settle(session)
+        assert not session.is_modified
+        assert len(met) == 1
+
+
+def test_a_file_that_changes_again_while_the_person_thinks_is_asked_about_again(
+    session, saved, settle
+):
+    met = []
+    session.files.when_hindered = met.append
+    saved.write_bytes(b"theirs")
+    session.files.save()
+    settle(session)
+    saved.write_bytes(b"theirs, once more")
+    met[0].go_on()
+    settle(session)
+    assert len(met) == 2
+    assert saved.read_bytes() == b"theirs, once more"
+
+
+def test_what_was_opened_and_changed_elsewhere_is_asked_about(make_session, saved, session, settle):
+    session.files.save()
+    settle(session)
+    session.files.close()
+    other = make_session()
+    reopen(other, settle, saved)
+    saved.write_bytes(saved.read_bytes() + b" ")
+    other.rename(other.selected, "Mine")
+    other.files.save()
+    settle(other)
+    assert other.is_modified
+
+
+def test_saving_beside_never_hits_a_file_that_is_there(session, settle, tmp_path):
+    draw(session, settle)
+    (tmp_path / "a.bozz").write_bytes(b"theirs")
+    save(session, settle, tmp_path / "a")
+    assert (tmp_path / "a.bozz").read_bytes() == b"theirs"
+    assert "already" in words(session, "error")[-1]
+
+
+def test_a_file_that_is_gone_is_saved_anew_and_said(session, saved, settle, tmp_path):
+    saved.rename(tmp_path / "moved.bozz")
+    session.files.save()
+    settle(session)
+    assert saved.exists()
+    assert "moved or deleted" in words(session, "info")[-1]
+
+
+def test_a_file_that_became_a_folder_or_read_only_stays_as_it_is(session, saved, settle, tmp_path):
+    saved.chmod(0o444)
+    session.files.save()
+    settle(session)
+    assert "may not be written" in words(session, "error")[-1]
+    saved.unlink()
+    saved.mkdir()
+    session.files.save()
+    settle(session)
+    assert "is a folder" in words(session, "error")[-1]
+    assert session.is_modified
+    save(session, settle, tmp_path / "b.bozz")
+    assert not session.is_modified
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links")
+def test_other_names_of_a_file_are_told(session, saved, settle, tmp_path):
+    os.link(saved, tmp_path / "other.bozz")
+    session.files.save()
+    settle(session)
+    assert "hard links" in words(session, "info")[-1]
+    assert json_names(tmp_path / "other.bozz") == ["Boxes"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="any bytes are a name")
+def test_a_document_whose_name_is_not_text_is_opened_and_saved(session, saved, settle, tmp_path):
+    session.files.save()
+    settle(session)
+    odd = tmp_path / "caf\udce9.bozz"
+    try:
+        os.rename(saved, odd)
+    except OSError:
+        pytest.skip("the disk wants text")
+    reopen(session, settle, odd)
+    assert session.path == odd
+    session.rename(session.selected, "Boxes")
+    session.files.save()
+    settle(session)
+    assert not session.is_modified
+    assert json_names(odd) == ["Boxes"]
+    assert words(session, "error") + words(session, "fault") == []
+    assert recent_files()[0] == odd
+
+
+# -- the small picture ---------------------------------------------------------------------------
+
+
+def has_picture(path):
+    with zipfile.ZipFile(path) as file:
+        return "thumbnail.png" in file.namelist()
+
+
+def test_a_document_has_a_small_picture(session, settle, tmp_path, monkeypatch):
+    monkeypatch.setattr(small_picture, "PATIENCE", 30.0)
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    assert has_picture(tmp_path / "a.bozz")
+
+
+def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
+    session, settle, tmp_path, monkeypatch
+):
+    def fail(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(small_picture, "_painted", fail)
+    draw(session, settle)
+    save(session, settle, tmp_path / "a.bozz")
+    assert not session.is_modified
+    assert not has_picture(tmp_path / "a.bozz")
+    reopen(session, settle, tmp_path / "a.bozz")
+    assert len(session.document) == 1
+
+
+def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_path, monkeypatch):
+    gate, begun = threading.Event(), []
+
+    def wait(*_):
+        begun.append(None)
+        gate.wait(30)
+        return b"late"
+
+    monkeypatch.setattr(small_picture, "_painted", wait)
+    draw(session, settle)
+    for name in ("a.bozz", "b.bozz"):
+        save(session, settle, tmp_path / name)
+        assert not session.is_modified
+        assert not has_picture(tmp_path / name)
+    assert len(begun) == 1  # the second save did not start another beside it
+    gate.set()

@@ -1,0 +1,536 @@
+"""The window as a person meets it: pen and mouse on the sheet, keys, questions, its end."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QPushButton
+
+from bozzetto.document.storage.bozz_file import read_document
+from bozzetto.document.waiting_ink import strokes_of
+from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.scene.display_list import Shaded
+from tests.app.tablet import Mouse, Stylus, circle
+from tests.app.troublemaker import MODELER
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def window(make_window, boxes):
+    """A window in which boxes are drawn."""
+    return make_window(MODELER, extra=[boxes.package])
+
+
+@pytest.fixture
+def draw(settle):
+    def with_pen(window, **more):
+        Stylus(window.canvas).draw(circle(**more))
+        settle(window.session, window.keeper)
+
+    return with_pen
+
+
+def solids(window):
+    return [item.mesh for _, item in window.session.scene.items() if isinstance(item, Shaded)]
+
+
+def press(window, keys, modifier=Qt.KeyboardModifier.NoModifier):
+    window.activateWindow()
+    window.canvas.setFocus()
+    QTest.keyClick(window.canvas, keys, modifier)
+
+
+def question(window):
+    return window.findChild(QMessageBox, "unsaved")
+
+
+def answer(window, words):
+    box = question(window)
+    next(b for b in box.findChildren(QPushButton) if words in b.text()).click()
+    QApplication.processEvents()
+
+
+CTRL = Qt.KeyboardModifier.ControlModifier
+
+
+# -- drawing -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tool", [Stylus, Mouse])
+def test_a_closed_outline_stands_as_a_watertight_solid(make_window, settle, qtbot, tool):
+    window = make_window()
+    blank = window.canvas.grab_picture()
+    tool(window.canvas).draw(circle(radius=150, wave=0.2))
+    settle(window.session, window.keeper)
+    (solid,) = solids(window)
+    assert bounds_volume(solid)
+    assert window.session.report["parts"][0]["watertight"]
+    after = window.canvas.grab_picture()
+    middle = after.width() * 640 // window.canvas.width(), after.height() * 360 // 727
+    assert after.pixelColor(*middle) != blank.pixelColor(*middle)
+    stroke = window.session.document.models[0].state.parts[0].strokes[0]
+    assert stroke.has_pressure == (tool is Stylus)
+    assert stroke.tool == ("pen" if tool is Stylus else "mouse")
+    assert len(stroke) >= 85
+
+
+def test_the_shape_swells_while_the_pen_is_down(make_window, qtbot):
+    window = make_window()
+    stylus = Stylus(window.canvas)
+    stylus.draw(circle(share=0.9, radius=150), lift=False)
+    qtbot.waitUntil(lambda: bool(window.session.live_scene.layers), timeout=10_000)
+    assert len(window.session.document) == 0
+
+
+def test_enter_commits_backspace_drops_and_enter_again_begins_a_new_object(window, draw, settle):
+    session = window.session
+    draw(window, share=0.6)
+    draw(window, share=0.6, radius=60)
+    assert len(session.pending) == 2
+    press(window, Qt.Key.Key_Backspace)
+    assert len(session.pending) == 1
+    press(window, Qt.Key.Key_Return)
+    settle(session)
+    assert (len(session.pending), len(session.document)) == (0, 1)
+    press(window, Qt.Key.Key_Return)
+    assert session.selected is None
+    draw(window)
+    assert len(session.document) == 2
+
+
+def test_keys_undo_and_redo_also_while_work_is_under_way(window, boxes, draw, settle, qtbot):
+    draw(window)
+    gate = threading.Event()
+
+    def slow(state, job):
+        while not gate.wait(0.002):
+            job.checkpoint(0.1, "step")
+        del boxes.misdeeds["solve"]
+        return boxes.solve(state, job)
+
+    boxes.misdeeds["solve"] = slow
+    count = boxes.calls["solve"]
+    Stylus(window.canvas).draw(circle(radius=70))
+    qtbot.waitUntil(lambda: boxes.calls["solve"] > count)
+    press(window, Qt.Key.Key_Z, CTRL)
+    assert len(window.session.document.models[0].state.strokes) == 1
+    press(window, Qt.Key.Key_Y, CTRL)
+    gate.set()
+    settle(window.session)
+    assert len(window.session.document.models[0].state.strokes) == 2
+    assert len(solids(window)) == 2
+
+
+def test_the_eraser_takes_a_part_away_and_undo_brings_it_back(make_window, draw, settle):
+    window = make_window()
+    draw(window, radius=150)
+    Stylus(window.canvas, eraser=True).draw([(600 + 2 * k, 360) for k in range(40)])
+    settle(window.session)
+    assert window.session.document.models[0].state.parts == ()
+    assert solids(window) == []
+    window.session.undo()
+    settle(window.session)
+    assert len(solids(window)) == 1
+
+
+def test_a_camera_key_turns_the_view_but_not_the_drawing(window, draw):
+    draw(window)
+    document, eye = window.session.document, window.session.camera.eye
+    window.canvas.look("right")
+    QApplication.processEvents()
+    assert window.session.camera.eye != eye
+    assert window.session.document is document
+
+
+def test_hints_and_title_follow_what_is_done(window, draw, settle, tmp_path):
+    assert window.windowTitle().startswith("Untitled")
+    assert not window.isWindowModified()
+    draw(window, share=0.6)
+    assert window.status._words.text() == "Close the box, or press Enter."
+    assert window.isWindowModified()
+    window.session.commit_pending()
+    settle(window.session)
+    window.session.files.save(tmp_path / "cat.bozz")
+    settle(window.session)
+    assert window.windowTitle().startswith("cat")
+    assert not window.isWindowModified()
+    draw(window)
+    assert window.isWindowModified()
+
+
+def test_a_drawing_goes_on_while_the_welcome_strip_closes(window, draw):
+    width = window.canvas.width()
+    assert window.welcome.isVisible()
+    draw(window)
+    assert not window.welcome.isVisible()
+    assert window.canvas.width() == width
+
+
+def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
+    gate, size = threading.Event(), window.canvas.size()
+    sizes = set()
+
+    def slow(state, job):
+        while not gate.wait(0.01):
+            job.checkpoint(0.3, "inflating")
+        return []
+
+    boxes.misdeeds["solve"] = slow
+    Stylus(window.canvas).draw(circle())
+    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
+    sizes.add((window.canvas.width(), window.canvas.height()))
+    qtbot.waitUntil(lambda: window.status._step.text() == "inflating", timeout=10_000)
+    window.status._cancel.click()
+    settle(window.session)
+    assert not window.status._cancel.isVisible()
+    gate.set()
+    assert sizes == {(size.width(), size.height())}
+
+
+def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settle, qtbot):
+    gate = threading.Event()
+    boxes.misdeeds["apply"] = lambda *args: gate.wait(20.0)
+    Stylus(window.canvas).draw(circle())
+    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
+    assert window.status._step.text() == "Draw"
+    window.status._cancel.click()
+    gate.set()
+    settle(window.session)
+    assert not window.status._cancel.isVisible()
+    assert not len(window.session.document)
+    assert len(window.session.pending) == 1, "the ink waits"
+
+
+# -- questions -------------------------------------------------------------------------------------
+
+
+def test_closing_with_unsaved_changes_asks_and_cancel_stays(window, draw, qtbot):
+    draw(window)
+    window.close()
+    qtbot.waitUntil(lambda: question(window) is not None)
+    window.close()
+    QApplication.processEvents()
+    assert len(window.findChildren(QMessageBox)) == 1
+    answer(window, "Cancel")
+    assert window.isVisible()
+    window.close()
+    qtbot.waitUntil(lambda: question(window) is not None)
+    answer(window, "Don’t save")
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_saving_at_the_question_saves_and_then_closes(window, draw, qtbot, tmp_path, monkeypatch):
+    target = tmp_path / "last"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
+    draw(window)
+    window.close()
+    qtbot.waitUntil(lambda: question(window) is not None)
+    answer(window, "Save")
+    qtbot.waitUntil(lambda: not window.isVisible(), timeout=10_000)
+    assert target.with_name("last.bozz").exists()
+
+
+@pytest.mark.parametrize(("ending", "asks"), [(".stl", True), (".3mf", True), (".obj", False)])
+def test_what_does_not_print_is_asked_about_before_it_is_exported_for_a_printer(
+    window, draw, settle, tmp_path, monkeypatch, ending, asks
+):
+    draw(window)
+    target = tmp_path / f"thing{ending}"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
+    window.session.report = {"print": {"ready": False, "problems": ["It is thin."]}}
+    window.files.ask_export()
+    box = window.findChild(QMessageBox, "printable")
+    assert (box is not None) == asks
+    if box is not None:
+        assert "It is thin." in box.informativeText()
+        settle(window.session)
+        assert not target.exists()
+        next(b for b in box.buttons() if "anyway" in b.text()).click()
+    settle(window.session)
+    assert target.exists()
+
+
+def test_a_save_that_fails_at_the_question_keeps_the_window(
+    window, draw, qtbot, settle, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(
+        QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "no" / "x.bozz"), "")
+    )
+    draw(window)
+    window.close()
+    qtbot.waitUntil(lambda: question(window) is not None)
+    answer(window, "Save")
+    settle(window.session)
+    assert window.isVisible()
+    assert window.session.is_modified
+
+
+def test_waiting_ink_is_unsaved_work_that_is_saved_at_the_question(
+    window, draw, qtbot, settle, tmp_path, monkeypatch
+):
+    target = tmp_path / "last.bozz"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
+    draw(window, share=0.6)
+    drawn = window.session.pending
+    assert window.isWindowModified()
+    window.close()
+    qtbot.waitUntil(lambda: question(window) is not None)
+    answer(window, "Save")
+    qtbot.waitUntil(lambda: not window.isVisible(), timeout=10_000)
+    document, _ = read_document(target, window.session.registry)
+    assert strokes_of(document.waiting) == drawn
+
+
+@pytest.mark.parametrize("road", ["drop", "open", "new", "sample"])
+def test_no_road_to_another_document_goes_past_the_question(
+    window, draw, settle, qtbot, tmp_path, road
+):
+    draw(window)
+    window.session.files.save(tmp_path / "a.bozz")
+    settle(window.session)
+    draw(window)
+    before = window.session.document
+    if road == "drop":
+        data = QMimeData()
+        data.setUrls([QUrl.fromLocalFile(str(tmp_path / "a.bozz"))])
+        window.canvas.dropEvent(
+            QDropEvent(
+                QPointF(500, 300), Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton,
+                Qt.KeyboardModifier.NoModifier,
+            )
+        )  # fmt: skip
+    elif road == "open":
+        window.open(tmp_path / "a.bozz")
+    elif road == "new":
+        window.files.ask_new()
+    else:
+        info = next(info for info in window.session.modelers if info.samples)
+        window.watch(info.id, info.samples[0])
+    settle(window.session)
+    assert question(window) is not None
+    assert window.session.document is before
+    answer(window, "Cancel")
+    assert window.session.document is before
+
+
+# -- the end ---------------------------------------------------------------------------------------
+
+
+def test_twenty_documents_leave_no_widget_and_no_thread(window, draw, settle, qtbot, tmp_path):
+    draw(window)
+    session = window.session
+    session.files.save(tmp_path / "a.bozz")
+    settle(session, window.keeper)
+    session.files.new()
+    settle(session, window.keeper)
+    widgets = len(QApplication.topLevelWidgets())
+    threads = threading.active_count()
+    inside = len(window.findChildren(object))
+    for _ in range(20):
+        session.open(tmp_path / "a.bozz")
+        settle(session)
+        draw(window, radius=70)
+        session.history.mark_saved()
+        session.files.new()
+    settle(session, window.keeper)
+    qtbot.wait(50)
+    QApplication.sendPostedEvents(None, 52)
+    assert len(QApplication.topLevelWidgets()) <= widgets
+    assert len(window.findChildren(object)) <= inside + 10
+    qtbot.waitUntil(lambda: threading.active_count() <= threads, timeout=5000)
+
+
+def test_a_window_closed_during_work_ends_quietly(make_window, boxes, qtbot, settle):
+    begun = threading.Event()
+
+    def endless(state, job):
+        begun.set()
+        while True:
+            job.checkpoint(0.5, "on and on")
+
+    boxes.misdeeds["solve"] = endless
+    window = make_window(MODELER, extra=[boxes.package])
+    Stylus(window.canvas).draw(circle())
+    qtbot.waitUntil(begun.is_set, timeout=10_000)
+    window._closing = True
+    window.close()
+    assert not window.isVisible()
+    settle(window.session)
+    assert not any(thread.name == "bozzetto-journal" for thread in threading.enumerate())
+
+
+def run(*arguments, home, **more):
+    env = {
+        **os.environ, "QT_QPA_PLATFORM": "offscreen", "HOME": str(home),
+        "XDG_CONFIG_HOME": f"{home}/config", "XDG_DATA_HOME": f"{home}/data", **more,
+    }  # fmt: skip
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=ROOT, env=env, capture_output=True, text=True, timeout=120
+    )
+
+
+PROBE = """
+import sys, threading
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+import bozzetto_app.main_window as w
+
+class Probed(w.Window):
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.look = QTimer(self, interval=20)
+        self.look.timeout.connect(self.seen)
+        self.look.start()
+
+    def seen(self):
+        {seen}
+
+    def finish(self):
+        self.look.stop()
+        self._closing = True
+        self.close()
+
+import bozzetto_app.startup as start
+start.Window = Probed
+from bozzetto_app.__main__ import main
+code = main(sys.argv[1:])
+print("code", code)
+sys.exit(code)
+"""
+
+
+def test_the_program_opens_the_document_it_is_given(window, draw, settle, tmp_path):
+    draw(window)
+    window.session.activate_modeler("bozzetto.silhouette")
+    settle(window.session)
+    draw(window)
+    window.session.rename(window.session.selected, "Cat")
+    window.session.files.save(tmp_path / "cat.bozz")
+    settle(window.session)
+    window.session.files.close()
+    seen = (
+        "names = [m.name for m in self.session.document]\n"
+        "        if names and not self.session.busy:\n"
+        "            print(self.windowTitle(), names); self.finish()"
+    )
+    done = run("-c", PROBE.format(seen=seen), str(tmp_path / "cat.bozz"), home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "cat[*] — Bozzetto ['Boxes', 'Cat']" in done.stdout
+    assert "Traceback" not in done.stderr
+
+
+def test_the_program_closed_in_the_middle_of_a_solve_ends_at_once(tmp_path):
+    sample = next((ROOT / "plugins/bozzetto_silhouette/samples").glob("horse.json"))
+    seen = "self.session.showing.busy and self.finish()"
+    for _ in range(3):
+        done = run("-c", PROBE.format(seen=seen), str(sample), home=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "code 0" in done.stdout
+        assert "Fatal" not in done.stderr
+        assert "Traceback" not in done.stderr
+
+
+def test_without_plugins_the_window_opens_all_the_same(tmp_path):
+    seen = "print('modelers', len(self.session.modelers)); self.finish()"
+    done = run("-c", PROBE.format(seen=seen), "--no-plugins", home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "modelers 0" in done.stdout
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="there is always a screen")
+def test_without_a_screen_it_says_so_and_what_to_do():
+    env = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+    }
+    done = subprocess.run(
+        [sys.executable, "-m", "bozzetto_app"], cwd=ROOT, env=env, capture_output=True, text=True
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: there is no screen here")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+def test_ctrl_c_in_the_terminal_closes_an_idle_window(tmp_path):
+    import signal
+
+    env = {
+        **os.environ, "QT_QPA_PLATFORM": "offscreen", "HOME": str(tmp_path),
+        "XDG_CONFIG_HOME": f"{tmp_path}/c", "XDG_DATA_HOME": f"{tmp_path}/d",
+    }  # fmt: skip
+    seen = "print('open', flush=True); self.look.stop()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", PROBE.format(seen=seen)],
+        cwd=ROOT,
+        env=env,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "open\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert "code 0" in out
+
+
+# -- OpenGL ---------------------------------------------------------------------------------------
+
+GL_PROBE = """
+if not self.session.scene.layers and not self.session.busy:
+            from tests.app.tablet import Stylus, circle
+            Stylus(self.canvas).draw(circle(640, 360, 150))
+        elif self.session.scene.layers and not self.session.busy:
+            self.waited = getattr(self, "waited", 0) + 1
+            if self.waited == 100:
+                self.canvas.motion.finish()
+                picture = self.canvas.grab_picture()
+                ratio = picture.width() / self.canvas.width()
+                inside = picture.pixelColor(int(640 * ratio), int(330 * ratio))
+                outside = picture.pixelColor(int(900 * ratio), int(100 * ratio))
+                print(self.canvas.describe_viewport())
+                print("colours", inside.name(), outside.name())
+                self.finish()
+"""
+
+
+@pytest.mark.gl
+def test_the_opengl_window_shows_the_solid(tmp_path):
+    import shutil
+
+    if shutil.which("xvfb-run") is None:
+        pytest.skip("no virtual X server here")
+    env = {
+        **os.environ, "HOME": str(tmp_path), "XDG_CONFIG_HOME": f"{tmp_path}/c",
+        "XDG_DATA_HOME": f"{tmp_path}/d", "BOZZETTO_VIEWPORT": "gl", "QT_QPA_PLATFORM": "xcb",
+    }  # fmt: skip
+    done = subprocess.run(
+        ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", sys.executable, "-c",
+         PROBE.format(seen=GL_PROBE.strip())],
+        cwd=ROOT, env=env, capture_output=True, text=True, timeout=180,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "OpenGL" in done.stdout
+    inside, outside = next(
+        line.split()[1:] for line in done.stdout.splitlines() if line.startswith("colours")
+    )
+    far = np.abs(rgb(inside) - rgb(outside)).max()
+    assert far > 20, done.stdout
+    red, _, blue = rgb(inside)
+    assert red > blue  # clay is warm
+
+
+def rgb(name):
+    return np.array([int(name[k : k + 2], 16) for k in (1, 3, 5)])

@@ -1,0 +1,476 @@
+"""SVG: shapes with known outlines, nested transforms, viewports, and the way back."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.export import export, write_drawing
+from bozzetto.exchange.import_file import read_drawing
+from bozzetto.exchange.svg.path_data import parse_path
+from bozzetto.exchange.svg.reader import read_drawing as read_svg
+from bozzetto.geometry import Curve, Shapes
+from bozzetto.ink import Drawing, Stroke, Strokes
+from bozzetto.view import Camera
+
+OUTLINES = sorted((Path(__file__).parents[5] / "shared/data/silhouettes").glob("*.svg"))
+
+
+def read(body, attributes='viewBox="0 0 100 100"'):
+    text = f'<svg xmlns="http://www.w3.org/2000/svg" {attributes}>{body}</svg>'
+    return read_svg(text.encode(), "test")
+
+
+def world(stroke):
+    """Places on the front plane as the file's x and y."""
+    places = stroke.camera.on_plane(stroke.points, (0, 0, 0), (0, 1, 0))
+    np.testing.assert_allclose(places[:, 1], 0, atol=1e-9)
+    return places[:, [0, 2]] * (1, -1)
+
+
+def lines(body, **more):
+    return [world(stroke) for stroke in read(body, **more).strokes]
+
+
+def end_points(data):
+    """Begin and end of every piece of the first subpath."""
+    cubics = parse_path(data)[0].cubics
+    return np.vstack((cubics[:1, 0], cubics[:, 3])).tolist()
+
+
+# -- path data -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("data", "points"),
+    [
+        ("M1 2L3 4", [[1, 2], [3, 4]]),
+        ("M1,2 3,4 5,6", [[1, 2], [3, 4], [5, 6]]),
+        ("m1 2 3 4 l1-1", [[1, 2], [4, 6], [5, 5]]),
+        ("M0 0H5V6h-2v-3", [[0, 0], [5, 0], [5, 6], [3, 6], [3, 3]]),
+        ("M0 0.5.5-1e1", [[0, 0.5], [0.5, -10]]),
+        ("M0,0C1,1 2,1 3,0s2-1 3,0", [[0, 0], [3, 0], [6, 0]]),
+        ("M0 0Q1 1 2 0t2 0", [[0, 0], [2, 0], [4, 0]]),
+        ("M1 1h2v2z", [[1, 1], [3, 1], [3, 3], [1, 1]]),
+        ("  M 1 1 L 2 2 \n", [[1, 1], [2, 2]]),
+    ],
+)
+def test_end_points(data, points):
+    np.testing.assert_allclose(end_points(data), points)
+
+
+def test_a_new_subpath_after_closing_starts_where_the_old_one_did():
+    paths = parse_path("M10 10h5v5z l1 0 m5 5 h1")
+    assert [p.closed for p in paths] == [True, False, False]
+    np.testing.assert_allclose(paths[1].cubics[0, [0, 3]], [[10, 10], [11, 10]])
+    np.testing.assert_allclose(paths[2].cubics[0, [0, 3]], [[16, 15], [17, 15]])
+
+
+def test_smooth_curves_go_on_in_the_same_direction():
+    for data in ("M0 0C0 2 3 3 4 1S9 9 9 0", "M0 0Q3 3 4 1T9 0"):
+        one, two = parse_path(data)[0].cubics
+        incoming, outgoing = one[3] - one[2], two[1] - two[0]
+        np.testing.assert_allclose(incoming, outgoing, atol=1e-12)
+    # Only a curve of the same family is reflected (SVG 1.1, 8.3.6 and 8.3.7).
+    for data in ("M0 0L4 1S9 9 9 0", "M0 0Q3 3 4 1S9 9 9 0", "M0 0C0 2 3 3 4 1T9 0"):
+        one, two = parse_path(data)[0].cubics
+        np.testing.assert_allclose(two[1], two[0])
+
+
+def test_a_quadratic_is_raised_exactly():
+    p = parse_path("M0 0Q5 10 10 0")[0].cubics[0]
+    np.testing.assert_allclose(p[1:3], [[10 / 3, 20 / 3], [20 / 3, 20 / 3]])
+
+
+@pytest.mark.parametrize("large", [0, 1])
+@pytest.mark.parametrize("sweep", [0, 1])
+@pytest.mark.parametrize("turn", [0, 30, -110])
+def test_arcs_lie_on_their_ellipse_and_take_the_right_way(large, sweep, turn):
+    (points,) = lines(f'<path d="M20 30 A 30 15 {turn} {large} {sweep} 50 40"/>')
+    # Of the ellipse we know the half axes and that it goes through both ends: fit its centre.
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    unit = points @ np.array([[c, -s], [s, c]]) / (30, 15)
+    system = np.column_stack((2 * (unit[1:] - unit[0]),))
+    center = np.linalg.lstsq(system, (unit[1:] ** 2).sum(1) - (unit[0] ** 2).sum(), rcond=None)[0]
+    np.testing.assert_allclose(np.linalg.norm(unit - center, axis=1), 1, atol=1e-5)
+    around = unit - center
+    angle = np.unwrap(np.arctan2(around[:, 1], around[:, 0]))
+    span = angle[-1] - angle[0]
+    assert (abs(span) > np.pi) == bool(large)
+    assert (span > 0) == bool(sweep)
+    np.testing.assert_allclose(points[[0, -1]], [[20, 30], [50, 40]], atol=1e-5)
+
+
+def test_arcs_that_cannot_reach_grow_and_flat_ones_are_lines():
+    (points,) = lines('<path d="M0 50 A 1 1 0 0 1 100 50"/>')
+    np.testing.assert_allclose(np.hypot(*(points - 50).T), 50, rtol=1e-5)
+    (points,) = lines('<path d="M0 0 A 0 5 0 0 1 10 10"/>')
+    np.testing.assert_allclose(points, [[0, 0], [10, 10]], atol=1e-6)
+    (points,) = lines('<path d="M0 0a5 5 0 1110 0A5,5,0,0,1,0,0"/>')  # flags without blanks
+    assert shapely.Polygon(points).area == pytest.approx(25 * np.pi, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "data", ["L1 2", "M1", "M1 2 X", "M0 0 L1 1 2", "M0 0 A1 1 0 2 0 1 1", "M0 0 L1e99 0", "M--1 2",
+             "M0 0z5 5", "M0 0L nan 0", "\x00"]
+)  # fmt: skip
+def test_broken_path_data_is_quoted(data):
+    with pytest.raises(FormatError, match="path"):
+        parse_path(data)
+
+
+# -- shapes, flattening and transforms ----------------------------------------------------------
+
+
+def test_basic_shapes_enclose_what_they_should():
+    body = (
+        '<rect x="10" y="10" width="20" height="10"/>'
+        '<rect x="40" y="10" width="20" height="10" rx="3"/>'
+        '<circle cx="50" cy="60" r="10"/><ellipse cx="80" cy="60" rx="5" ry="10"/>'
+        '<polygon points="0,80 10,80 10,95"/>'
+        '<polyline points="20 80 30 80 30 95"/><line x1="1" y1="2" x2="3" y2="4"/>'
+        '<circle r="0"/><rect width="5"/><path d="M1 1"/>'
+    )
+    found = lines(body)
+    closed = [p for p in found if (p[0] == p[-1]).all()]
+    areas = [shapely.Polygon(p).area for p in closed]
+    np.testing.assert_allclose(
+        areas, [200, 200 - (4 - np.pi) * 9, np.pi * 100, np.pi * 50, 75], rtol=5e-3
+    )
+    assert [len(p) for p in found[-2:]] == [3, 2]
+
+
+def test_flattening_stays_within_its_tolerance_and_is_not_wasteful():
+    (points,) = lines('<circle cx="50" cy="50" r="50"/>')
+    size = 100 * 2**0.5
+    middles = (points[1:] + points[:-1]) / 2
+    assert 50 - np.linalg.norm(middles - 50, axis=1).min() < 2e-4 * size + 1e-5
+    assert len(points) < 100
+
+
+def test_transforms_nest_and_read_from_the_right():
+    body = (
+        '<g transform="translate(10,20)"><g transform="scale(2) rotate(90)">'
+        '<path d="M1 0L2 0" transform="matrix(1 0 0 1 0 5)"/></g></g>'
+    )
+    (points,) = lines(body)
+    np.testing.assert_allclose(points, [[0, 22], [0, 24]], atol=1e-5)
+    (points,) = lines('<path d="M1 0L2 0" transform="rotate(90 1 0), skewX(45)"/>')
+    np.testing.assert_allclose(points, [[1, 0], [1, 1]], atol=1e-5)
+    (points,) = lines('<path d="M1 1L2 0" transform="skewY(45)translate(1)"/>')
+    np.testing.assert_allclose(points, [[2, 3], [3, 3]], atol=1e-5)
+
+
+def test_a_curve_under_a_transform_is_the_transformed_curve():
+    (plain,) = lines('<path d="M0 0C10 40 50 -40 60 0"/>')
+    (turned,) = lines('<g transform="rotate(30) scale(1 3)"><path d="M0 0C10 40 50 -40 60 0"/></g>')
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    expected = shapely.LineString((plain * (1, 3)) @ np.array([[c, s], [-s, c]]))
+    assert shapely.hausdorff_distance(shapely.LineString(turned), expected) < 0.05
+
+
+def test_colours_are_inherited_and_styles_win():
+    body = (
+        '<g stroke="#f00"><path d="M0 0L1 1"/><path d="M0 0L1 1" stroke="navy"/>'
+        '<path d="M0 0L1 1" stroke="navy" style="fill:none; stroke: rgb(1, 2, 3)"/>'
+        '<path d="M0 0L1 1" stroke="none"/><path d="M0 0L1 1" stroke="url(#a)"/></g>'
+        '<path d="M0 0L1 1"/>'
+    )
+    colors = [s.color for s in read(body).strokes]
+    assert colors == [(255, 0, 0), (0, 0, 128), (1, 2, 3), None, None, None]
+
+
+def test_what_is_not_drawn_is_passed_over():
+    body = (
+        '<defs><path d="M0 0L9 9"/></defs><clipPath><rect width="5" height="5"/></clipPath>'
+        '<symbol><path d="M0 0L9 9"/></symbol><text>hello</text><image href="x.png"/>'
+        '<g display="none"><path d="M0 0L9 9"/></g><style>path{}</style>'
+        '<x:path xmlns:x="urn:other" d="M0 0L9 9"/><path d="M0 0L5 5"/>'
+    )
+    assert len(read(body).strokes) == 1
+
+
+def test_nested_svg_has_its_own_units():
+    body = (
+        '<svg x="10" y="20" width="40" height="20" viewBox="0 0 10 10"><path d="M0 0L10 10"/></svg>'
+    )
+    (points,) = lines(body)  # scale 2, centred in the wider box
+    np.testing.assert_allclose(points, [[20, 20], [40, 40]], atol=1e-5)
+
+
+# -- where it stands ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("attributes", "viewport"),
+    [
+        ('viewBox="-5 -5 110 90"', (110, 90)),
+        ('width="300" height="200px"', (300, 200)),
+        ('width="96in" height="25.4mm" viewBox="-5,-5,110,90"', (110, 90)),
+        ('width="1in" height="25.4mm"', (96, 96)),
+    ],
+)
+def test_the_canvas_is_the_view_box_and_the_file_is_not_moved(attributes, viewport):
+    drawing = read('<path d="M1 2L30 40"/>', attributes)
+    np.testing.assert_allclose(drawing.camera.viewport, viewport)
+    np.testing.assert_allclose(world(drawing.strokes[0]), [[1, 2], [30, 40]], atol=1e-4)
+    stroke = drawing.strokes[0]
+    assert (stroke.tool, stroke.has_pressure, stroke.has_time) == ("imported", False, False)
+
+
+def test_without_any_size_the_bounds_are_the_canvas():
+    drawing = read('<path d="M-100 50L-60 70"/>', "")
+    np.testing.assert_allclose(drawing.camera.viewport, (40, 20), rtol=1e-3)
+    np.testing.assert_allclose(world(drawing.strokes[0]), [[-100, 50], [-60, 70]], atol=1e-4)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e6, 1e8])
+@pytest.mark.parametrize("box", ["", 'viewBox="0 0 100 100"'])
+def test_far_from_the_origin_places_stay_right(far, box):
+    drawing = read(f'<path d="M{far} {far}l3 4 3 1"/>', box)
+    expected = np.array([[0, 0], [3, 4], [6, 5]]) + far
+    assert np.abs(world(drawing.strokes[0]) - expected).max() < 1e-5 * 6 + far * 1e-15
+
+
+@pytest.mark.skipif(not OUTLINES, reason="the outlines are not here")
+def test_every_icon_is_closed_and_has_the_area_that_was_measured():
+    import csv
+
+    folder = OUTLINES[0].parent
+    measured = {row["name"]: row for row in csv.DictReader((folder / "manifest.csv").open())}
+    for path in OUTLINES:
+        rings = [world(s) for s in read_drawing(path).strokes]
+        assert all((r[0] == r[-1]).all() for r in rings), path.stem
+        if path.stem in measured and float(measured[path.stem]["area"]) > 0:
+            polygons = sorted((shapely.Polygon(r) for r in rings), key=lambda p: -p.area)
+            area = polygons[0].area - sum(p.area for p in polygons[1:])
+            if int(measured[path.stem]["holes"]) == len(rings) - 1:
+                assert area == pytest.approx(float(measured[path.stem]["area"]), rel=5e-3)
+
+
+# -- painted areas --------------------------------------------------------------------------
+
+
+def painted(body, **more):
+    """The area inside the lines of a drawing: nested ones are holes."""
+    region = shapely.Polygon()
+    for line in lines(body, **more):
+        ring = shapely.Polygon(line)
+        assert ring.is_valid
+        region = region.symmetric_difference(ring)
+    return region
+
+
+SQUARES = "M0 0h20v20h-20z M10 10h20v20h-20z"
+
+
+@pytest.mark.parametrize(
+    ("body", "area", "rings"),
+    [
+        (f'<path d="{SQUARES}"/>', 700, 1),
+        (f'<path fill-rule="evenodd" d="{SQUARES}"/>', 600, 2),
+        (f'<g style="fill-rule:evenodd"><path d="{SQUARES}"/></g>', 600, 2),
+        ('<path d="M0 0h20v20h-20z M10 10v20h20v-20z"/>', 600, 2),  # they run opposite ways
+        ('<rect width="20" height="20"/><rect x="10" y="10" width="20" height="20"/>', 700, 1),
+        ('<rect width="20" height="20"/><rect x="20" width="20" height="20"/>', 800, 1),
+        ('<rect width="20" height="20"/><rect width="20" height="20"/>', 400, 1),
+        ('<rect width="20" height="20"/><rect x="5" y="5" width="9" height="9"/>', 319, 2),
+        ('<rect width="20" height="20"/><rect x="5" y="5" width="9" height="15"/>', 400, 1),
+        (f'<path d="{SQUARES} M2 2v4h4v-4z"/>', 684, 2),
+        (f'<path d="{SQUARES}"/><rect x="50" width="9" height="9"/>', 781, 2),
+    ],
+)
+def test_painted_areas_that_overlap_become_one(body, area, rings):
+    assert len(lines(body)) == rings
+    assert painted(body).area == pytest.approx(area, rel=1e-3)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1, 1e4])
+def test_joining_is_exact_at_any_scale_and_place(scale):
+    body = (
+        f'<g transform="translate({1e4 * scale} 7) scale({scale} {-scale})">'
+        '<circle r="10"/><circle cx="12" r="10"/></g>'
+    )
+    disc = shapely.Point(0, 0).buffer(10, 256)
+    expected = disc.union(shapely.Point(12, 0).buffer(10, 256)).area * scale**2
+    assert painted(body).area == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_slit_to_a_hole_is_none():
+    keyhole = "M0 0H40V20H30V10H10V30H30V20H40V40H0z"
+    assert painted(f'<path d="{keyhole}"/>').area == pytest.approx(1200, rel=1e-3)
+    assert len(lines(f'<path d="{keyhole}"/>')) == 2
+    two = "M0 0L20 0L20 10L10 5L0 10L10 5z"
+    assert painted(f'<path d="{two}"/>').area == pytest.approx(100, rel=1e-2)
+
+
+def test_a_flattened_drawing_has_no_area_and_says_so_later():
+    assert len(lines('<circle r="9" transform="scale(1 0)"/><circle r="5"/>')) >= 1
+
+
+def test_areas_piled_up_are_joined_or_refused():
+    square = '<path d="M0 0h20v20h-20z"/>'
+    assert len(lines(square * 3000)) == 1
+    spread = "".join(f'<path d="M{k / 1000} {k % 7}h20v20h-20z"/>' for k in range(2000))
+    with pytest.raises(FormatError, match="overlap"):
+        read(spread)
+
+
+def test_mere_lines_that_cross_stay_as_they_were_drawn():
+    assert len(lines(f'<path fill="none" stroke="red" d="{SQUARES}"/>')) == 2
+    (eight,) = lines('<path d="M0 0L9 9V0L0 9z"/>')
+    assert len(eight) == 5
+
+
+# -- what is to be seen ---------------------------------------------------------------------
+
+
+def test_what_is_not_painted_is_passed_over_unless_there_is_nothing_else():
+    frame = '<path stroke="none" fill="none" d="M0 0h24v24H0z"/>'
+    assert len(lines(f'{frame}<path d="M1 1h5v5z"/>')) == 1
+    assert len(lines(frame)) == 1
+    hidden = '<g visibility="hidden"><path d="M0 0h9v9z"/><path visibility="visible" d="M0 0h5"/>'
+    assert len(lines(f"{hidden}</g>")) == 1
+
+
+def test_style_sheets_say_what_is_painted():
+    sheet = (
+        "<style>/* .b{display:inline} */ .a, .b { fill: none } path{stroke:#00f!important}"
+        "#c{stroke:red;} .hidden{display:none} g > path {stroke:green}</style>"
+    )
+    body = (
+        f'{sheet}<path class="a" d="M0 0h9"/><path id="c" fill="none" d="M0 0h9"/>'
+        '<path class="x hidden" d="M0 0h9"/><path style="stroke:none" class="b" d="M0 0h9"/>'
+    )
+    assert [s.color for s in read(body).strokes] == [(0, 0, 255), (255, 0, 0)]
+
+
+def test_repeated_elements_stand_where_they_are_named():
+    body = (
+        '<defs><path id="p" d="M0 0L1 2"/><symbol id="s" viewBox="0 0 10 10"><use href="#p"/>'
+        '</symbol></defs><use xlink:href="#p" x="5" y="6" transform="scale(2)" '
+        'xmlns:xlink="http://www.w3.org/1999/xlink"/>'
+        '<use href="#s" x="1" width="20" height="20"/><use href="#s"/><use href="#missing"/>'
+    )
+    first, second, third = lines(body)
+    np.testing.assert_allclose(first, [[10, 12], [12, 16]], atol=1e-5)
+    np.testing.assert_allclose(second, [[1, 0], [3, 4]], atol=1e-5)
+    np.testing.assert_allclose(third, [[0, 0], [10, 20]], atol=1e-5)  # as large as the canvas
+
+
+# -- how it is written down -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_other_programs_heads_are_read(encoding):
+    text = (
+        f'<?xml version="1.0" encoding="{encoding.removesuffix("-sig")}" standalone="no"?>'
+        '<!-- é --><!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" '
+        '"http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">'
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:i="&amp;ns_ai;" i:view="1">'
+        '<metadata><rdf:RDF xmlns:rdf="urn:r"><path d="M0 0h1"/></rdf:RDF></metadata>'
+        '<path d="M0 0L3 4"/></svg>'
+    )
+    drawing = read_svg(text.encode(encoding), "test")
+    assert len(drawing.strokes) == 1
+
+
+def test_a_compressed_file_is_told_from_a_damaged_one():
+    with pytest.raises(FormatError, match="compressed"):
+        read_svg(gzip.compress(b"<svg/>"), "test")
+
+
+# -- refused --------------------------------------------------------------------------------
+
+HUGE = "<g transform='scale(1e8)'>"
+
+LAUGHS = (
+    '<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">'
+    '<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;">]><svg>&c;</svg>'
+)
+
+DOUBLINGS = (
+    "<svg><g id='a0'/>"
+    + "".join(f"<g id='a{k + 1}'>" + f"<use href='#a{k}'/>" * 9 + "</g>" for k in range(20))
+    + "</svg>"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (LAUGHS, "document type"),
+        ('<!DOCTYPE svg SYSTEM "x.dtd" []><svg/>', "document type"),
+        ("<svg>&unknown;</svg>", "well-formed"),
+        ("<svg><g></svg>", "well-formed"),
+        ("<html/>", "not an SVG"),
+        ("<svg/>", "no lines"),
+        ('<svg><path d="M0 0L1 1" transform="spin(3)"/></svg>', "spin"),
+        ('<svg><path d="M0 0L1 1" transform="scale(1e99)"/></svg>', "too large"),
+        ('<svg><use href="other.svg#a"/></svg>', "another file"),
+        ('<svg><g id="a"><use href="#a"/></g></svg>', "nesting"),
+        (DOUBLINGS, "repeated elements"),
+        ('<svg><rect width="1e30" height="1"/></svg>', "width"),
+        ('<svg><polyline points="0 0 1e300 0"/></svg>', "further"),
+        (f"<svg>{HUGE * 9}<path d='M0 0L1 1'/>{'</g>' * 9}</svg>", "further"),
+        ("<svg>" + "<g>" * 200 + "</g>" * 200 + "</svg>", "nesting"),
+        ('<?xml version="1.0" encoding="klingon"?><svg/>', "encoding|well-formed"),
+        ("not xml", "well-formed"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_says_why(text, said):
+    with pytest.raises(FormatError, match=said):
+        read_svg(text.encode(), "test")
+
+
+# -- writing --------------------------------------------------------------------------------
+
+
+def test_a_front_view_drawing_comes_back_to_its_place(tmp_path):
+    camera = Camera(
+        kind="orthographic", eye=(30, -500, 40), target=(30, 0, 40), height=120, viewport=(800, 600)
+    )
+    rng = np.random.default_rng(1)
+    strokes = [
+        Stroke(rng.random(50) * 800, rng.random(50) * 600, camera, color=c, group="<&\x01>")
+        for c in (None, (1, 2, 3))
+    ]
+    path = tmp_path / "a.svg"
+    write_drawing(Drawing(Strokes(strokes), camera), path)
+    back = read_drawing(path)
+    for one, other in zip(strokes, back.strokes, strict=True):
+        np.testing.assert_allclose(world(one), world(other), atol=1e-4)
+    assert back.strokes[1].color == (1, 2, 3)
+
+
+def test_any_other_view_is_written_in_its_pixels(tmp_path):
+    camera = Camera()
+    stroke = Stroke([1, 500, 700], [2, 600, 30], camera)
+    path = tmp_path / "a.svg"
+    write_drawing(Drawing(Strokes([stroke]), camera), path)
+    back = read_drawing(path)
+    assert back.camera.viewport == camera.viewport
+    np.testing.assert_allclose(back.strokes[0].points, stroke.points)
+
+
+def test_curves_are_written_as_seen(tmp_path):
+    # A rational quarter circle in the front plane: every station must lie on it.
+    quarter = Curve(
+        2,
+        [0, 0, 0, 1, 1, 1],
+        [[10, 5, 0], [10, 5, 10], [0, 5, 10]],
+        [1, 2**-0.5, 1],
+        color=(9, 8, 7),
+    )
+    path = tmp_path / "a.svg"
+    export(Shapes(curves=(quarter,)), path)
+    (stroke,) = read_drawing(path).strokes
+    points = world(stroke)
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 10, atol=1e-4)
+    np.testing.assert_allclose(points[[0, -1]], [[10, 0], [0, -10]], atol=1e-4)
+    assert stroke.color == (9, 8, 7)

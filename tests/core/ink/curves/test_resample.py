@@ -1,0 +1,103 @@
+"""Arc length and equal steps: laws on any polyline, closed forms on known ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from bozzetto.ink import Stroke
+from bozzetto.ink.curves.resample import arc_length, distinct, resample, resample_stroke
+from bozzetto.view import Camera
+
+polylines = arrays(
+    float,
+    st.tuples(st.integers(2, 40), st.just(2)),
+    elements=st.integers(-50, 50).map(float),
+)
+
+
+def circle(count: int, radius: float = 1.0) -> np.ndarray:
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return radius * np.column_stack((np.cos(angle), np.sin(angle)))
+
+
+def test_arc_length_of_a_staircase():
+    assert arc_length([[0, 0], [3, 4], [3, 4], [3, 5]]).tolist() == [0, 5, 5, 6]
+
+
+def test_equal_neighbours_are_found_and_a_repeated_start_counts_as_one():
+    points = [[0, 0], [0, 0], [1, 0], [1, 1], [1, 1], [0, 0], [0, 0]]
+    assert distinct(points).tolist() == [0, 2, 3, 5]
+    assert distinct(points, closed=True).tolist() == [0, 2, 3]
+
+
+@given(polylines, st.integers(2, 60))
+@settings(max_examples=80, deadline=None)
+def test_every_point_lies_on_the_polyline_and_the_ends_stay(points, count):
+    made = resample(points, count=count)
+    assert made.shape == (count, 2)
+    np.testing.assert_allclose(made[[0, -1]], points[[0, -1]], atol=1e-9)
+    import shapely
+
+    line = shapely.LineString(points)
+    assert shapely.distance(line, shapely.points(made)).max() < 1e-9
+    # Every station is count-1 equal parts of the length along the line.
+    assert arc_length(made)[-1] <= arc_length(points)[-1] + 1e-9
+
+
+def test_steps_on_a_straight_line_are_equal_whatever_the_samples():
+    rng = np.random.default_rng(3)
+    along = np.sort(rng.random(200))
+    line = np.column_stack((3 * along, 4 * along))
+    steps = np.diff(arc_length(resample(line, count=31)))
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
+
+
+def test_spacing_is_rounded_to_a_whole_number_of_steps():
+    made = resample([[0, 0], [10, 0]], spacing=3.0)
+    np.testing.assert_allclose(made[:, 0], [0, 10 / 3, 20 / 3, 10])
+
+
+@pytest.mark.parametrize("repeat", [False, True])
+def test_a_closed_curve_is_not_given_its_first_point_twice(repeat):
+    ring = circle(400)
+    if repeat:
+        ring = np.vstack((ring, ring[:1]))
+    made = resample(ring, count=8, closed=True)
+    np.testing.assert_allclose(made, circle(8), atol=1e-9)
+
+
+def test_a_dot_stays_a_dot():
+    assert resample([[2, 3], [2, 3]], count=4).tolist() == [[2, 3]] * 4
+    assert resample([[2, 3]], spacing=1.0).tolist() == [[2, 3]]
+
+
+@pytest.mark.parametrize("wrong", [{}, {"spacing": 1.0, "count": 3}, {"spacing": 0.0}])
+def test_asking_for_neither_or_both_is_a_mistake_of_the_caller(wrong):
+    with pytest.raises(ValueError, match="spacing"):
+        resample([[0, 0], [1, 1]], **wrong)
+
+
+def test_all_columns_of_a_stroke_go_along():
+    x = np.linspace(0, 100, 11)
+    stroke = Stroke(
+        x, 0 * x, Camera(), pressure=x / 100, t=x / 50, twist=(340 + x * 0.6) % 360,
+        tool="mouse", color=(1, 2, 3), group="roof",
+    )  # fmt: skip
+    made = resample_stroke(stroke, count=41)
+    np.testing.assert_allclose(made.x, np.linspace(0, 100, 41), rtol=1e-6)
+    np.testing.assert_allclose(made.pressure, made.x / 100, atol=1e-6)
+    np.testing.assert_allclose(made.t, made.x / 50, atol=1e-6)
+    # 340 … 400 degrees passes through north, not the long way round.
+    np.testing.assert_allclose(made.twist, (340 + 0.6 * made.x) % 360, atol=1e-3)
+    assert (made.tool, made.color, made.group) == ("mouse", (1, 2, 3), "roof")
+
+
+def test_a_rest_at_the_end_keeps_the_duration():
+    stroke = Stroke([0, 1, 2, 2, 2], [0] * 5, Camera(), t=[0, 0.1, 0.2, 0.3, 0.9])
+    made = resample_stroke(stroke, count=5)
+    assert made.t[-1] == np.float32(0.9)
+    assert not made.has_pressure

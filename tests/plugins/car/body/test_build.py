@@ -1,0 +1,317 @@
+"""The body: dimensions, edits in the world in which they were made, smooth surfaces, memory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from bozzetto.geometry.patches.patch import grid
+from bozzetto.plugin import Context, Ink
+from bozzetto_car.body import build as body_module
+from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
+from bozzetto_car.template.network import edge_called, joints
+from bozzetto_car.tools.trace_edges import TraceEdges
+from bozzetto_car.view.scene import scene_of
+from tests.plugins.car.marked_car import (
+    another,
+    apart,
+    locked_creases,
+    marked,
+    pen,
+    with_mark_moved,
+)
+from tests.plugins.car.traced_car import symmetric, view
+
+CAMERA = view(50.0, 10.0)
+
+WISHES = {
+    "length": 4710.0,
+    "width": 1822.0,
+    "height": 1431.0,
+    "front_overhang": 871.0,
+    "wheelbase": 2788.0,
+}
+
+
+def traced(state: CarState, name: str, seed: int = 1, share: float = 0.06) -> CarState:
+    stroke = pen(CAMERA, another(body_of(state), name, seed, share))
+    return TraceEdges().apply(state, Ink((stroke,)), Context())
+
+
+def points_of(body: Body, name: str) -> np.ndarray:
+    return body.network.control_points[edge_called(body.template, name)]
+
+
+def sampled(body: Body) -> dict[str, float]:
+    """Dimensions from many places on the surface: never more than the true ones."""
+    at = np.linspace(0.0, 1.0, 161)
+    places = grid(body.nets, at, at).reshape(-1, 3)
+    front, rear = body.network.positions[body.template.wheels[:, 0], 0]
+    low, high = places.min(axis=0), places.max(axis=0)
+    return {
+        "length": high[0] - low[0],
+        "width": high[1] - low[1],
+        "height": high[2],
+        "front_overhang": front - low[0],
+        "wheelbase": rear - front,
+    }
+
+
+def unsmooth(body: Body) -> float:
+    """The largest angle, rad, between the tangents in a joint of a chain."""
+    worst, tangents = 0.0, body.network.tangents
+    for joint in joints(body.template):
+        one, other = (
+            sense * tangents[place]
+            for sense, place in zip(joint.senses, (joint.before, joint.after), strict=True)
+        )
+        sine = np.linalg.norm(np.cross(one, other))
+        worst = max(worst, float(np.arctan2(sine, one @ other)))
+    return worst
+
+
+# -- dimensions ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("locked", [False, True])
+@pytest.mark.parametrize("name", ["sedan", "hatchback", "minivan"])
+def test_dimensions_are_those_of_the_surface(name: str, locked: bool) -> None:
+    state = marked(4, name)
+    state = traced(state, "S3.R-S2.R")
+    own = body_of(state).dimensions.given()
+    wanted = {word: value * (1.02 if word != "height" else 0.97) for word, value in own.items()}
+    body = body_of(replace(state, lock=locked, **wanted))
+    assert body.dimensions_problem == ""
+    for word, value in body.dimensions.given().items():
+        assert abs(value - wanted[word]) <= 1e-6
+    for word, value in sampled(body).items():
+        assert wanted[word] - 0.5 < value < wanted[word] + 1e-6 or word == "front_overhang"
+    assert symmetric(body.network)
+    assert unsmooth(body) < 1e-9
+    assert locked_creases(body).max() <= 0.1
+
+
+def test_the_order_of_typing_makes_no_difference_and_twice_is_once() -> None:
+    start = traced(marked(5), "C1-C2")
+    found = []
+    for row in [*permutations(WISHES)][::17]:
+        state = start
+        for word in row:
+            state = replace(state, **{word: WISHES[word]})
+            body_of(state)
+        found.append(body_of(state).network)
+    for network in found:
+        assert np.array_equal(network.control_points, found[0].control_points)
+    again = body_of(replace(start, **WISHES, lock=False))
+    same = body_of(replace(start, **again.dimensions.given()))
+    assert np.abs(same.network.control_points - found[0].control_points).max() < 1e-5
+
+
+def test_a_body_that_has_its_dimensions_is_left_alone() -> None:
+    state = traced(marked(5), "C1-C2")
+    own = body_of(state)
+    kept = body_of(replace(state, **own.dimensions.given()))
+    assert np.array_equal(kept.network.control_points, own.network.control_points)
+
+
+def test_wheels_keep_their_radius() -> None:
+    state = marked(6)
+    before = body_of(state)
+    after = body_of(replace(state, **{**WISHES, "height": 1700.0}))
+    wheels = before.template.wheels.ravel()
+    assert np.array_equal(after.network.positions[wheels, 2], before.network.positions[wheels, 2])
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_what_would_fold_the_body_is_told_and_it_stays(locked: bool) -> None:
+    state = marked(6)
+    plain = body_of(state)
+    wrong = replace(state, length=4600.0, front_overhang=300.0, wheelbase=4000.0, lock=locked)
+    body = body_of(wrong)
+    assert body.dimensions_problem
+    assert np.array_equal(body.network.control_points, plain.network.control_points)
+    if not locked:
+        assert "Choose" in body.dimensions_problem
+        # The range that is told can be had.
+        most = float(body.dimensions_problem.split("wheelbase from")[1].split(" to ")[1].split()[0])
+        assert body_of(replace(wrong, wheelbase=most)).dimensions_problem == ""
+
+
+def test_locked_the_solve_itself_has_them() -> None:
+    state = replace(marked(7), lock=True, length=4700.0, wheelbase=2800.0)
+    solved = body_of(state).solved
+    loose = body_of(replace(state, lock=False)).solved
+    front, rear = solved.positions[solved.template.wheels[:, 0], 0]
+    assert rear - front == pytest.approx(2800.0, abs=1e-6)
+    front, rear = loose.positions[loose.template.wheels[:, 0], 0]
+    assert abs(rear - front - 2800.0) > 1.0
+
+
+# -- edits in their world --------------------------------------------------------------------------
+
+
+def _lift(points: np.ndarray) -> np.ndarray:
+    """How high the handles of an edge stand over its chord."""
+    return np.asarray((points - np.linspace(points[0], points[3], 4))[1:3, 2])
+
+
+def test_traced_then_stretched_then_stretched_again() -> None:
+    """An edge keeps its place between its nodes, whatever the length."""
+    start = marked(8)
+    drawn_ = traced(start, "C1-C2", share=0.15)
+    for length in (0.0, 4400.0, 4900.0):
+        with_, without = (body_of(replace(one, length=length)) for one in (drawn_, start))
+        gap = with_.network.positions - without.network.positions
+        assert np.abs(gap).max() < 1e-6 or length  # nodes stay where they are as drawn
+        lifts = [_lift(points_of(body, "C1-C2")) for body in (with_, without)]
+        assert np.abs(lifts[0] - lifts[1]).max() > 10.0
+        if not length:
+            plain = lifts[0]
+        assert np.allclose(lifts[0], plain, atol=1e-6)  # a length changes no height
+
+
+@pytest.mark.parametrize("name", ["C1-C2", "S3.R-S2.R", "S3.R-B3.R", "R2.R-R1.R"])
+def test_traced_under_dimensions_an_edge_is_where_it_was_drawn(name: str) -> None:
+    start = replace(marked(8), **WISHES)
+    aim = another(body_of(start), name, 3)
+    state = TraceEdges().apply(start, Ink((pen(CAMERA, aim),)), Context())
+    assert state.edits[-1].dimensions == start.dimensions
+    body = body_of(state)
+    for word, value in body.dimensions.given().items():
+        assert abs(value - WISHES[word]) <= 1e-6
+    assert apart(CAMERA, points_of(body, name), aim) < 2.0
+    assert locked_creases(body).max() <= 0.1
+    assert unsmooth(body) < 1e-9
+    # Back as drawn: nothing is left of the dimensions but on what was traced.
+    plain = replace(state, **dict.fromkeys(WISHES, 0.0))
+    one, other = body_of(plain), body_of(replace(plain, edits=()))
+    assert np.array_equal(one.network.positions, other.network.positions)
+    near = [joint.node for joint in joints(one.template)]
+    assert near
+    same = (one.network.tangents == other.network.tangents).all(axis=(1, 2))
+    assert same.mean() > 0.4
+    assert unsmooth(one) < 1e-9
+    # And to the same dimensions again: the same body.
+    again = body_of(replace(plain, **WISHES))
+    assert np.array_equal(again.network.control_points, body.network.control_points)
+
+
+def test_edits_of_several_worlds_do_not_wear_the_body_out() -> None:
+    """Forty edits that say nothing, under dimensions that come and go, change nothing."""
+    state = marked(9)
+    start = body_of(state).network
+    edits = []
+    for number in range(40):
+        wanted = replace(state, **WISHES).dimensions if number % 2 else state.dimensions
+        edits.append(MovedNode(wanted, "S3.R", (0.0, 0.0, 0.0)))
+    made = body_of(replace(state, edits=tuple(edits))).network
+    assert np.array_equal(made.control_points, start.control_points)
+
+
+def test_moves_of_nodes_and_wheels_in_another_world_are_taken_back_exactly() -> None:
+    state = replace(marked(9), **WISHES)
+    before = body_of(state)
+    for node in ("R2.R", "C3", "WR.R"):
+        by = (12.0, 0.0 if node == "C3" else 7.0, 5.0)
+        moved = body_of(replace(state, edits=(MovedNode(state.dimensions, node, by),)))
+        number = before.template.node[node]
+        way = moved.network.positions[number] - before.network.positions[number]
+        if node == "WR.R":  # the wheelbase is given: the body gives way, and the wheel is lifted
+            assert way[2] == pytest.approx(5.0)
+        else:
+            assert np.abs(way - by).max() < 1e-6
+        assert symmetric(moved.network)
+
+
+def test_dimensions_of_an_edit_that_cannot_be_any_more_are_told() -> None:
+    impossible = replace(CarState(), length=4600.0, wheelbase=4400.0).dimensions
+    state = replace(marked(), edits=(Treatment(impossible, "anneal"),))
+    (trouble,) = body_of(state).troubles
+    assert "Choose" in trouble.message
+
+
+# -- smooth surfaces -------------------------------------------------------------------------------
+
+
+def test_surfaces_stay_smooth_through_every_kind_of_edit() -> None:
+    state = marked(10)
+    edits = (
+        Treatment(kind="reduce"),
+        BentEdge(edge="S3.R-S2.R", end=0, tangent=(-400.0, -60.0, 90.0)),
+        Treatment(kind="pull out"),
+        MovedNode(node="R2.R", by=(40.0, 10.0, -15.0)),
+        Treatment(kind="anneal"),
+        BentEdge(edge="B3.R-B2.R", end=1, tangent=(-700.0, 30.0, 20.0)),
+        Treatment(kind="reduce"),
+    )
+    for count in range(len(edits) + 1):
+        body = body_of(replace(state, edits=edits[:count]))
+        assert not body.troubles
+        assert locked_creases(body).max() <= 0.1
+        assert unsmooth(body) < 1e-9
+        assert symmetric(body.network)
+    loose = [
+        locked_creases(body_of(replace(state, edits=edits[:count], smooth=False))).max()
+        for count in range(1, len(edits) + 1)
+    ]
+    assert max(loose) > 0.5  # without the lock they would not be
+
+
+def test_a_bent_edge_keeps_its_tangent_and_its_neighbour_gives_way() -> None:
+    tangent = (-420.0, -70.0, 110.0)
+    body = body_of(replace(CarState(), edits=(BentEdge(edge="S3.R-S2.R", end=0, tangent=tangent),)))
+    found = body.network.tangents[edge_called(body.template, "S3.R-S2.R"), 0]
+    assert np.linalg.norm(found - tangent) < 1e-3 * np.linalg.norm(tangent)
+
+
+def test_edits_that_name_what_there_is_not_are_told() -> None:
+    edits = (MovedNode(node="Q7"), BentEdge(edge="A-B"), MovedNode(node="C3", by=(0.0, 0.0, 9.0)))
+    body = body_of(replace(CarState(), edits=edits))
+    assert [trouble.number for trouble in body.troubles] == [0, 1]
+    assert body.network.positions[body.template.node["C3"], 2] == pytest.approx(
+        body.template.positions[body.template.node["C3"], 2] + 9.0
+    )
+
+
+# -- memory ----------------------------------------------------------------------------------------
+
+
+def test_a_look_computes_nothing_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = traced(replace(marked(11), **WISHES), "C1-C2")
+    body = body_of(state)
+    first = {layer.name: layer for layer in scene_of(state, body).layers}
+
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("computed again")
+
+    for name in ("solved", "traced", "reshaping_of", "ratio_locked"):
+        if name != "solved":
+            monkeypatch.setattr(body_module, name, never)
+    for look in (
+        {"shading": "zebra"}, {"creases": True}, {"network": False}, {"revealed": "C3"},
+        {"asked": "C4"}, {"wheels": False}, {"body": False},
+    ):  # fmt: skip
+        assert body_of(replace(state, **look)) is body
+    again = {layer.name: layer for layer in scene_of(replace(state, creases=True), body).layers}
+    for name in ("body", "wheels"):
+        assert again[name].revision == first[name].revision
+
+
+def test_while_a_mark_is_dragged_edits_are_carried_along() -> None:
+    state = marked(12)
+    side = "L" if state.sketches[0].mark_of("S1.L") else "R"
+    for number, name in enumerate(("C1-C2", f"S3.{side}-S2.{side}", f"B3.{side}-B2.{side}")):
+        body = body_of(state)
+        stroke = pen(body.stands["1"].view((1200.0, 800.0)), another(body, name, number))
+        state = TraceEdges().apply(state, Ink((stroke,)), Context())
+    later = with_mark_moved(state, f"S1.{side}", (2.0, 1.0))
+    carried, exact = body_of(later, state), body_of(later)
+    gap = carried.network.control_points - exact.network.control_points
+    plain = body_of(replace(later, edits=()))
+    change = exact.network.control_points - plain.network.control_points
+    assert symmetric(carried.network)
+    assert 0.0 < np.sqrt((gap**2).mean()) < 0.5 * np.sqrt((change**2).mean())

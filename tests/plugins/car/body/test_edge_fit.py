@@ -1,0 +1,183 @@
+"""One cubic fitted to strokes: derivatives, the paper's formula, least surprise."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.view import Camera
+from bozzetto_car.body.edge_fit import (
+    Sighting,
+    fitted,
+    four_point_cubic,
+    paper_cubic,
+    seen_slopes,
+)
+from bozzetto_car.template.model import MIRROR
+from tests.plugins.car.traced_car import curve, drawn, view
+
+Array = NDArray[np.float64]
+Kind = Literal["perspective", "orthographic"]
+
+EDGE = np.array([[1200.0, 700, 900], [1600, 760, 960], [2100, 800, 950], [2500, 830, 930]])
+ALL = np.eye(3), np.eye(3)
+KINDS: tuple[Kind, ...] = ("perspective", "orthographic")
+
+
+def off(camera: Camera, points: Array, stroke: Array) -> float:
+    """Largest distance between the picture of a cubic and a stroke, either way, px."""
+    own = drawn(camera, points, 400)
+    return float(
+        max(distances_to_polyline(own, stroke).max(), distances_to_polyline(stroke, own).max())
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_slopes_are_derivatives_of_the_picture(kind: Kind) -> None:
+    camera = view(37.0, 21.0, kind)
+    points = np.random.default_rng(0).normal((2000, 0, 700), 800, (20, 3))
+    slopes = seen_slopes(camera, points)
+    for axis in range(3):
+        step = np.eye(3)[axis] * 1e-2
+        change = camera.project(points + step)[0] - camera.project(points - step)[0]
+        assert np.abs(slopes[:, :, axis] - change / 2e-2).max() < 1e-6
+
+
+def test_the_cubic_through_four_points() -> None:
+    points = np.random.default_rng(1).normal(0, 1e3, (4, 3))
+    assert np.abs(curve(four_point_cubic(points), 4) - points).max() < 1e-9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_paper_traces_two_points_of_the_stroke(kind: Kind) -> None:
+    camera = view(60.0, 15.0, kind)
+    aim = EDGE + np.array([[0, 0, 0], [0, 0, 120], [0, 0, 90], [0, 0, 0]])
+    stroke = drawn(camera, aim, 300)
+    traced = paper_cubic(EDGE, stroke, camera)
+    assert np.array_equal(traced[[0, 3]], EDGE[[0, 3]])
+    inner = camera.project(curve(traced, 4)[1:3])[0]
+    assert distances_to_polyline(inner, stroke).max() < 1e-3
+    # Each went the shortest way to its ray: at a right angle to it.
+    for old, new in zip(curve(EDGE, 4)[1:3], curve(traced, 4)[1:3], strict=True):
+        ray = camera.rays(camera.project(new[None])[0]).directions[0]
+        assert abs((new - old) @ ray) < 1e-6 * np.linalg.norm(new - old) + 1e-9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_its_own_picture_changes_nothing(kind: Kind) -> None:
+    for azimuth in (30.0, 75.0, 120.0):
+        camera = view(azimuth, 12.0, kind)
+        stroke = drawn(camera, EDGE, 70)
+        for way in (stroke, stroke[::-1], stroke[20:50], stroke[::9]):
+            made = fitted(EDGE, [Sighting(way, camera, np.ones(3))], ALL)
+            assert np.abs(made - EDGE).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_whole_edge_follows_and_does_so_better_than_the_paper(kind: Kind) -> None:
+    rng = np.random.default_rng(2)
+    ours, papers = [], []
+    for _ in range(25):
+        camera = view(rng.uniform(35, 145), rng.uniform(3, 30), kind)
+        aim = EDGE.copy()
+        aim[1:3] += rng.normal(0, 120, (2, 3))
+        stroke = drawn(camera, aim, 150)
+        start = paper_cubic(EDGE, stroke, camera)
+        made = fitted(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL, start)
+        ours.append(off(camera, made, stroke))
+        papers.append(off(camera, start, stroke))
+        assert np.array_equal(made[[0, 3]], EDGE[[0, 3]])
+    assert max(ours) <= 2.0
+    assert np.median(ours) < 0.5 * np.median(papers)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_the_view_does_not_see_stays(kind: Kind) -> None:
+    camera = view(70.0, 10.0, kind)
+    aim = EDGE + np.array([[0, 0, 0], [0, 0, 150], [0, 0, 100], [0, 0, 0]])
+    made = fitted(EDGE, [Sighting(drawn(camera, aim), camera, np.ones(3))], ALL)
+    for old, new, node in zip(EDGE[1:3], made[1:3], EDGE[[0, 3]], strict=True):
+        ray = camera.rays(camera.project(old[None])[0]).directions[0]
+        tangent = (old - node) / np.linalg.norm(old - node)
+        across = (new - old) - ((new - old) @ tangent) * tangent
+        assert np.linalg.norm(across) > 50.0
+        assert abs(across @ ray) < 1e-9 * np.linalg.norm(across) + 1e-9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_tremor_does_not_push_an_edge_off_its_line(kind: Kind) -> None:
+    """The edge runs into the depth here, at 40 degrees to the rays; a pixel is 4 to 6 mm."""
+    rng = np.random.default_rng(7)
+    camera = view(40.0, 10.0, kind)
+    at = np.linspace(0.0, np.pi, 80)[:, None]
+    for _ in range(15):
+        waves = np.cos(at * np.arange(4)) @ rng.normal(0, 1, (4, 2))
+        stroke = drawn(camera, EDGE, 80) + 2.0 * waves / np.sqrt((waves**2).mean())
+        made = fitted(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL)
+        assert distances_to_polyline(curve(made), curve(EDGE, 400)).max() < 50.0
+
+
+def test_a_plane_seen_edge_on_gives_no_depth() -> None:
+    """From the front, a stroke cannot tell how far back a profile of the middle bulges."""
+    edge = EDGE * [1.0, 0.0, 1.0]
+    in_plane = np.eye(3)[:, [0, 2]], np.eye(3)[:, [0, 2]]
+    camera = view(1.0, 8.0)
+    stroke = drawn(camera, edge) + np.array([3.0, 0.0])
+    made = fitted(edge, [Sighting(stroke, camera, np.ones(3))], in_plane)
+    assert np.abs(made - edge)[:, 1].max() == 0.0
+    for old, new in zip(edge[1:3], made[1:3], strict=True):
+        ray = camera.rays(camera.project(old[None])[0]).directions[0]
+        assert abs((new - old) @ ray) < 0.05 * np.linalg.norm(new - old)
+
+
+def test_handles_move_only_where_they_may() -> None:
+    camera = view(60.0, 20.0)
+    aim = EDGE + np.array([[0, 0, 0], [80, 50, 150], [0, 40, 100], [0, 0, 0]])
+    across = np.array([[0.0], [1.0], [0.0]])
+    sighting = Sighting(drawn(camera, aim), camera, np.ones(3))
+    made = fitted(EDGE, [sighting], (across, np.zeros((3, 0))))
+    assert np.array_equal(made[1, [0, 2]], EDGE[1, [0, 2]])
+    assert made[1, 1] != EDGE[1, 1]
+    assert np.array_equal(made[2], EDGE[2])
+    nothing = np.zeros((3, 0))
+    assert np.array_equal(fitted(EDGE, [sighting], (nothing, nothing)), EDGE)
+
+
+def test_two_sides_of_a_car_tell_the_depth() -> None:
+    """An edge and its mirror image in one view are two views of one edge."""
+    aim = EDGE.copy()
+    aim[1:3] += [[60.0, -70.0, 80.0], [-40.0, 60.0, 50.0]]
+    camera = view(20.0, 35.0)
+    right = Sighting(drawn(camera, aim), camera, np.ones(3))
+    left = Sighting(drawn(camera, aim * MIRROR), camera, MIRROR)
+    one, both = (fitted(EDGE, data, ALL) for data in ([right], [right, left]))
+    assert off(camera, both, right.points) < 1.0
+    assert off(camera, both * MIRROR, left.points) < 1.0
+
+    def missed(points: Array) -> float:
+        return float(np.linalg.norm(curve(points) - curve(aim), axis=1).max())
+
+    assert missed(both) < 0.5 * missed(one)
+
+
+@pytest.mark.parametrize(
+    "stroke",
+    [
+        np.array([[600.0, 400.0]]),
+        np.array([[600.0, 400.0], [600.0, 400.0]]),
+        np.array([[-1e6, 3e5], [1e6, -2e5]]),
+        np.random.default_rng(3).uniform(0, 1200, (3000, 2)),
+    ],
+    ids=("point", "rest", "far", "scribble"),
+)
+def test_any_ink_gives_a_finite_edge(stroke: Array) -> None:
+    for kind in KINDS:
+        made = fitted(EDGE, [Sighting(stroke, view(60.0, 10.0, kind), np.ones(3))], ALL)
+        assert np.isfinite(made).all()
+    still = np.repeat(EDGE[:1], 4, axis=0)
+    sighting = Sighting(stroke, view(60.0, 10.0), np.ones(3))
+    assert np.array_equal(fitted(still, [sighting], ALL), still)

@@ -1,0 +1,104 @@
+"""Trees of solids as functions of space: long ones are cheap, and blends can be held back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from bozzetto_silhouette.implicit.blend_limiter import Taming
+from bozzetto_silhouette.implicit.composite import Composite, localized
+from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
+
+Points = NDArray[np.float64]
+
+
+@dataclass
+class Ball:
+    """A ball of radius 1 that counts how often it is asked."""
+
+    middle: tuple[float, float, float]
+    asked: list[int] = field(default_factory=list)
+
+    @property
+    def bounds(self) -> Points:
+        return np.array(self.middle) + np.array([[-1.0] * 3, [1.0] * 3])
+
+    def value(self, points: Points) -> Points:
+        return self.sample(points).value
+
+    def sample(self, points: Points) -> Sample:
+        self.asked.append(len(points))
+        away = points - self.middle
+        length = np.linalg.norm(away, axis=1)
+        return Sample(1.0 - length, -away / np.maximum(length, 1e-300)[:, None], 1.0)
+
+
+def chain(count: int) -> tuple[Implicit, list[Ball]]:
+    """Balls in a row, each blended with all before it."""
+    balls = [Ball((1.5 * k, 0.0, 0.0)) for k in range(count)]
+    whole: Implicit = balls[0]
+    for ball in balls[1:]:
+        whole = Composite(whole, ball, "add", 0.5, 0.5)
+    return whole, balls
+
+
+def around(count: int) -> Points:
+    random = np.random.default_rng(5)
+    return random.uniform([-2.0, -2.0, -2.0], [1.5 * count + 1.0, 2.0, 2.0], (2000, 3))
+
+
+def test_a_long_chain_asks_every_link_at_most_twice() -> None:
+    whole, balls = chain(40)
+    whole.sample(around(40))
+    assert max(len(ball.asked) for ball in balls) <= 2
+
+
+def test_the_order_of_a_union_does_not_matter() -> None:
+    one, other = Ball((0.0, 0.0, 0.0)), Ball((1.5, 0.0, 0.0))
+    there, back = Composite(one, other, "add", 0.5, 0.5), Composite(other, one, "add", 0.5, 0.5)
+    near = np.abs(there.value(around(2))) < 0.5
+    assert there.value(around(2))[near] == pytest.approx(back.value(around(2))[near])
+
+
+def test_in_its_box_what_is_localized_is_the_same() -> None:
+    whole, balls = chain(40)
+    box = np.array([[28.0, -1.5, -1.5], [31.0, 1.5, 1.5]])
+    part = localized(whole, box, 1.0)
+    points = np.random.default_rng(6).uniform(*box, (2000, 3))
+    value = whole.value(points)
+    near = np.abs(value) < 0.9
+    assert part.value(points)[near] == pytest.approx(value[near], abs=1e-12)
+    for ball in balls:
+        ball.asked.clear()
+    part.value(points)
+    assert sum(len(ball.asked) > 0 for ball in balls) < 10
+
+
+class TestTaming:
+    places = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
+    taming = Taming.none().also(places, np.array([1.0, 1.0]), np.array([0.4, 0.1]))
+
+    def test_holds_at_its_places_and_nowhere_else(self) -> None:
+        assert self.taming.share(self.places) == pytest.approx([0.4, 0.1])
+        far = np.array([[1.5, 0.0, 0.0], [0.0, 1.0001, 0.0], [50.0, 0.0, 0.0]])
+        assert self.taming.share(far) == pytest.approx(1.0)
+        assert Taming.none().share(far) == pytest.approx(1.0)
+
+    def test_has_no_steps(self) -> None:
+        line = np.linspace(-2.0, 5.0, 7001)[:, None] * [1.0, 0.0, 0.0]
+        share = self.taming.share(line)
+        assert np.abs(np.diff(share)).max() < 0.01
+        assert share.min() == pytest.approx(0.1)
+
+    def test_a_blend_held_back_is_nearly_sharp_there(self) -> None:
+        one, other = Ball((0.0, 0.0, 0.0)), Ball((1.5, 0.0, 0.0))
+        crease = np.array([[0.75, np.sqrt(1.0 - 0.75**2), 0.0]])
+        none = Taming.none().also(crease, np.array([0.4]), np.array([1e-3]))
+        free = Composite(one, other, "merge", 0.5, 0.5)
+        held = Composite(one, other, "merge", 0.5, 0.5, none)
+        assert free.value(crease)[0] > 0.05
+        assert held.value(crease)[0] == pytest.approx(0.0, abs=1e-3)
+        assert held.value(-crease) == pytest.approx(free.value(-crease))
