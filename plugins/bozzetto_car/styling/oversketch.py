@@ -119,7 +119,8 @@ def oversketched(
 
     The picture of the curve gives way to the stroke as a contour that resists bending
     (`bozzetto.ink.oversketch.snake`), so it leaves its old way and comes back to it
-    smoothly, and a stroke that runs on beyond an end takes the end along. What was changed is laid on the body anew.
+    smoothly, and a stroke that runs on beyond an end takes the end along. What was changed is
+    laid on the body anew.
 
     Parameters
     ----------

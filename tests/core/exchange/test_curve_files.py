@@ -320,7 +320,8 @@ def test_a_missing_library_says_what_to_install(monkeypatch, ending, name, extra
 def test_the_writers_import_nothing_heavy():
     code = (
         "import sys; import bozzetto.exchange.cad.step, bozzetto.exchange.cad.iges,"
-        " bozzetto.exchange.cad.dxf, bozzetto.exchange.cad.rhino; heavy = {'scipy', 'ezdxf', 'rhino3dm'} & set(sys.modules);"
+        " bozzetto.exchange.cad.dxf, bozzetto.exchange.cad.rhino;"
+        " heavy = {'scipy', 'ezdxf', 'rhino3dm'} & set(sys.modules);"
         " assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
