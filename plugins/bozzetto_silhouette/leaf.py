@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.body import REMEMBERED, Body
+from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.ink_to_outline import outline_of
 from bozzetto_silhouette.membrane import InflationSwelling
 from bozzetto_silhouette.pressure import PenPressure
@@ -28,7 +28,7 @@ _rests: Memory[Body] = Memory(limit=256)
 """In the object frame: what is moved or mirrored keeps the function of space that was fitted
 to it."""
 
-_bodies: Memory[Body] = Memory(limit=256, weight=Body.weight, most=REMEMBERED)
+_bodies: Memory[Body] = Memory(limit=256)
 """Where they stand: a drag makes one at every move of the pen."""
 
 

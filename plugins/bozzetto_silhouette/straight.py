@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.body import REMEMBERED, Body
+from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.cutting import cut_side
 from bozzetto_silhouette.distance import RimDistance
 from bozzetto_silhouette.implicit import Sample
@@ -54,7 +54,7 @@ round."""
 RADIUS_TOLERANCE = 1e-3
 """Accuracy of the inscribed radius, as a share of the longest side."""
 
-_bodies: Memory[Body] = Memory(limit=128, weight=Body.weight, most=REMEMBERED)
+_bodies: Memory[Body] = Memory(limit=128)
 
 
 @dataclass(frozen=True, eq=False)

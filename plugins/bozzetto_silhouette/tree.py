@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.body import REMEMBERED, Body
+from bozzetto_silhouette.body import Body
 from bozzetto_silhouette.combine import combined
 from bozzetto_silhouette.leaf import body_of
 from bozzetto_silhouette.order import put_together
@@ -16,11 +16,7 @@ from bozzetto_silhouette.straight import acts_on, straight_body
 __all__ = ["tree_body"]
 
 
-def _weight(body: Body | None) -> int:
-    return 0 if body is None else body.weight()
-
-
-_joined: Memory[Body | None] = Memory(limit=256, weight=_weight, most=REMEMBERED)
+_joined: Memory[Body | None] = Memory(limit=256)
 """By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
 give the same body. Each entry may hold a mesh of the whole."""
 

@@ -12,12 +12,13 @@ import time
 import traceback
 from collections import Counter
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from types import TracebackType
 from typing import Final
 
 from PySide6.QtCore import QEvent, QMessageLogContext, QtMsgType, qInstallMessageHandler
 from PySide6.QtWidgets import QApplication
+
+from bozzetto.native_heap import give_back, resident_bytes
 
 __all__ = ["Figures", "Problem", "Watch", "figures_now"]
 
@@ -103,13 +104,13 @@ class Figures:
 
 
 def figures_now(action: int) -> Figures:
-    """Tidy up, then measure; Linux only."""
+    """Tidy up as the program does now and then, and measure; Linux only."""
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     gc.collect()
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    give_back()
     return Figures(
         action,
-        round(pages * os.sysconf("SC_PAGE_SIZE") / 1e6, 1),
+        round(resident_bytes() / 1e6, 1),
         threading.active_count(),
         len(os.listdir("/proc/self/task")),
         len(QApplication.allWidgets()),
