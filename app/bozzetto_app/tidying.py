@@ -15,19 +15,16 @@ from typing import Final
 
 from PySide6.QtCore import QObject, QTimer
 
-from bozzetto.native_heap import give_back, resident_bytes
+from bozzetto.native_heap import give_back
 
 __all__ = ["Tidier"]
 
 INTERVAL = 1000
 """Time between two looks at the garbage, ms."""
 
-REST: Final = 10
+REST: Final = 20
 """Looks between two times that memory is given back: pages that are used again at once cost
 some tenths of a millisecond per megabyte."""
-
-GROWTH: Final = 64 << 20
-"""Bytes that the process has grown by since then before it is done again."""
 
 
 class Tidier(QObject):
@@ -37,7 +34,6 @@ class Tidier(QObject):
         super().__init__(parent)
         gc.disable()
         self._looks = 0
-        self._resident = 0
         self._giving: threading.Thread | None = None
         self._timer = QTimer(self, interval=INTERVAL)
         self._timer.timeout.connect(self.tidy)
@@ -62,14 +58,7 @@ class Tidier(QObject):
         gc.freeze()
 
     def _give_back(self) -> None:
-        """Give free memory back, in a thread, if the process has grown."""
-        busy = self._giving is not None and self._giving.is_alive()
-        if busy or resident_bytes() < self._resident + GROWTH:
-            return
-
-        def work() -> None:
-            give_back()
-            self._resident = resident_bytes()
-
-        self._giving = threading.Thread(target=work, name="bozzetto-heap", daemon=True)
-        self._giving.start()
+        """Give free memory back, in a thread: hundreds of megabytes take some frames' time."""
+        if self._giving is None or not self._giving.is_alive():
+            self._giving = threading.Thread(target=give_back, name="bozzetto-heap", daemon=True)
+            self._giving.start()

@@ -1,18 +1,16 @@
 """The C library's heap: what was freed is given back to the system.
 
 The C library keeps freed memory for later. Solves allocate and free hundreds of megabytes in
-arrays of all sizes and in several threads, each with a part of the heap of its own: after an
-hour more than half of the process is such free memory, and its share keeps growing.
+arrays of all sizes and in several threads, each with a part of the heap of its own: after a
+thousand random actions two thirds of it were such free memory, and the share kept growing.
 """
 
 from __future__ import annotations
 
 import ctypes
-import os
 import sys
-from pathlib import Path
 
-__all__ = ["give_back", "resident_bytes"]
+__all__ = ["give_back"]
 
 
 def give_back() -> bool:
@@ -32,12 +30,3 @@ def give_back() -> bool:
     trim.argtypes = [ctypes.c_size_t]
     trim(0)
     return True
-
-
-def resident_bytes() -> int:
-    """What the process takes of the machine's memory now; 0 if the system does not tell."""
-    try:
-        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
-    except (OSError, IndexError):
-        return 0
-    return int(pages) * os.sysconf("SC_PAGE_SIZE")

@@ -12,13 +12,14 @@ import time
 import traceback
 from collections import Counter
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from types import TracebackType
 from typing import Final
 
 from PySide6.QtCore import QEvent, QMessageLogContext, QtMsgType, qInstallMessageHandler
 from PySide6.QtWidgets import QApplication
 
-from bozzetto.native_heap import give_back, resident_bytes
+from bozzetto.native_heap import give_back
 
 __all__ = ["Figures", "Problem", "Watch", "figures_now"]
 
@@ -108,9 +109,10 @@ def figures_now(action: int) -> Figures:
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     gc.collect()
     give_back()
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return Figures(
         action,
-        round(resident_bytes() / 1e6, 1),
+        round(pages * os.sysconf("SC_PAGE_SIZE") / 1e6, 1),
         threading.active_count(),
         len(os.listdir("/proc/self/task")),
         len(QApplication.allWidgets()),

@@ -18,6 +18,9 @@ GLANCE: Final = 0.05
 """Seconds after which who waits for another thread's answer wakes up for a moment: a thread that
 sleeps cannot be interrupted."""
 
+MEASURED_AGAIN: Final = frozenset({1, 8, 64})
+"""Uses at which an answer is measured again: it takes up to a millisecond."""
+
 ALL: Final = Budget(MOST_BYTES)
 """What all memories of the process share."""
 
@@ -117,7 +120,7 @@ class Memory(Generic[Answer]):
         """
         self._budget.use(entry)
         entry.uses += 1
-        if entry.uses.bit_count() == 1:
+        if entry.uses in MEASURED_AGAIN:
             self._budget.resize(entry, size_of(entry.question, entry.answer))
 
 

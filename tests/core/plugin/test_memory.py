@@ -135,7 +135,8 @@ def test_an_answer_that_grows_is_measured_again():
     memory.recall("grows", lambda: pytest.fail("is remembered"))
     assert budget.held > 60_000
     answer.append(array_of(60_000))
-    assert memory.recall("grows", lambda: pytest.fail("is remembered")) is answer
+    for _ in range(7):
+        assert memory.recall("grows", lambda: pytest.fail("is remembered")) is answer
     assert memory.known("grows") is None
     assert budget.held == 0
 
