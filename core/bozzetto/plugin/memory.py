@@ -7,7 +7,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Final, Generic, TypeVar
 
-from bozzetto.plugin.memory_budget import MOST_BYTES, Budget, Entry
+from bozzetto.plugin.memory_budget import MOST_BYTES, Entry, MemoryBudget
 from bozzetto.plugin.memory_size import size_of
 
 __all__ = ["Memory", "forget_all"]
@@ -21,7 +21,7 @@ sleeps cannot be interrupted."""
 MEASURED_AGAIN: Final = frozenset({1, 8, 64})
 """Uses at which an answer is measured again: it takes up to a millisecond."""
 
-ALL: Final = Budget(MOST_BYTES)
+ALL: Final = MemoryBudget(MOST_BYTES)
 """What all memories of the process share."""
 
 
@@ -40,11 +40,11 @@ class Memory(Generic[Answer]):
     ----------
     limit : int
         How many are kept at most.
-    budget : Budget, optional
+    budget : MemoryBudget, optional
         Instead of the common one.
     """
 
-    def __init__(self, limit: int, budget: Budget = ALL) -> None:
+    def __init__(self, limit: int, budget: MemoryBudget = ALL) -> None:
         self._limit = limit
         self._budget = budget
         self._answers: OrderedDict[Hashable, _Remembered[Answer]] = OrderedDict()

@@ -9,12 +9,12 @@ from typing import Final
 
 from bozzetto.plugin.memory_size import Size
 
-__all__ = ["MOST_BYTES", "Budget", "Entry"]
+__all__ = ["MOST_BYTES", "Entry", "MemoryBudget"]
 
 MOST_BYTES: Final = 256 << 20
 """Bytes that all remembered answers of a process may take together: the program itself takes
-about 400 MB, and on a machine of 4 GB it shall leave room for a browser. A drawing that a person
-works on needs a tenth of it."""
+about 400 MB, and on a machine of 4 GB it shall leave room for a browser. Dragging
+the sliders of the bundled samples fills some 100 MB."""
 
 
 class Entry:
@@ -37,7 +37,7 @@ class Entry:
         raise NotImplementedError
 
 
-class Budget:
+class MemoryBudget:
     """Keeps entries while they fit, and lets go of those that were used least recently.
 
     A large object that several entries reach is counted once. All methods may be called from any

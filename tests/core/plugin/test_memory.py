@@ -10,7 +10,7 @@ import pytest
 
 from bozzetto.plugin import Memory
 from bozzetto.plugin.memory import ALL, forget_all
-from bozzetto.plugin.memory_budget import MOST_BYTES, Budget
+from bozzetto.plugin.memory_budget import MOST_BYTES, MemoryBudget
 
 
 def in_threads(count, ask):
@@ -95,7 +95,7 @@ def array_of(size):
 
 
 def test_what_is_too_large_is_answered_and_not_kept():
-    budget = Budget(100_000)
+    budget = MemoryBudget(100_000)
     memory = Memory(10, budget)
     small = memory.recall("small", lambda: array_of(10_000))
     assert memory.recall("large", lambda: array_of(100_000)).nbytes == 100_000
@@ -104,7 +104,7 @@ def test_what_is_too_large_is_answered_and_not_kept():
 
 
 def test_the_oldest_of_all_memories_goes_first():
-    budget = Budget(100_000)
+    budget = MemoryBudget(100_000)
     one, other = Memory(10, budget), Memory(10, budget)
     one.put("a", array_of(30_000))
     other.put("b", array_of(30_000))
@@ -118,7 +118,7 @@ def test_the_oldest_of_all_memories_goes_first():
 
 
 def test_what_goes_is_freed():
-    budget = Budget(100_000)
+    budget = MemoryBudget(100_000)
     memory = Memory(10, budget)
     for question in range(50):
         memory.put(question, array_of(30_000))
@@ -128,7 +128,7 @@ def test_what_goes_is_freed():
 
 
 def test_an_answer_that_grows_is_measured_again():
-    budget = Budget(100_000)
+    budget = MemoryBudget(100_000)
     memory = Memory(10, budget)
     answer = memory.recall("grows", lambda: [])
     answer.append(array_of(60_000))
@@ -142,7 +142,7 @@ def test_an_answer_that_grows_is_measured_again():
 
 
 def test_nothing_is_counted_for_what_was_replaced_or_went_by_number():
-    budget = Budget(100_000)
+    budget = MemoryBudget(100_000)
     memory = Memory(2, budget)
     for question in ("a", "a", "b", "c"):
         memory.put(question, array_of(20_000))
@@ -162,7 +162,7 @@ def test_all_memories_share_one_budget_and_forget_together():
 
 
 def test_without_room_answers_are_the_same_and_nobody_waits_for_ever():
-    memory = Memory(4, Budget(0))
+    memory = Memory(4, MemoryBudget(0))
     assert (
         in_threads(6, lambda number: memory.recall("question", lambda: "answer")) == ["answer"] * 6
     )
@@ -181,7 +181,7 @@ def test_who_asks_for_its_own_answer_is_told():
 
 
 def test_many_threads_leave_the_count_right():
-    budget = Budget(200_000)
+    budget = MemoryBudget(200_000)
     memories = [Memory(8, budget) for _ in range(3)]
 
     def run(number):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hypothesis.strategies as st
 from hypothesis import given
 
-from bozzetto.plugin.memory_budget import Budget, Entry
+from bozzetto.plugin.memory_budget import Entry, MemoryBudget
 from bozzetto.plugin.memory_size import Size
 
 MOST = 1000
@@ -45,7 +45,7 @@ def taken(entries):
 @given(STEPS, st.integers(0, 1500))
 def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
     """Against a plain list, oldest first, that is added up anew at each step."""
-    budget, model, made = Budget(MOST), [], []
+    budget, model, made = MemoryBudget(MOST), [], []
 
     def cut(bound):
         while taken(model) > bound:
@@ -88,7 +88,7 @@ def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
 
 
 def test_what_was_dropped_before_it_was_kept_stays_away():
-    budget, entry = Budget(MOST), Kept(Size((), 10))
+    budget, entry = MemoryBudget(MOST), Kept(Size((), 10))
     budget.drop([entry])
     budget.keep(entry)
     assert (budget.held, entry.forgotten) == (0, False)
