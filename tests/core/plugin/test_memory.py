@@ -11,6 +11,8 @@ import pytest
 from bozzetto.plugin import Memory
 from bozzetto.plugin.memory import ALL, forget_all
 from bozzetto.plugin.memory_budget import MOST_BYTES, MemoryBudget
+from bozzetto.plugin.registry import Registry
+from bozzetto.workbench import Workbench
 
 
 def in_threads(count, ask):
@@ -159,6 +161,13 @@ def test_all_memories_share_one_budget_and_forget_together():
     forget_all()
     assert (one.known("a"), other.known("b"), ALL.held) == (None, None, 0)
     assert ALL.most == MOST_BYTES
+
+
+def test_a_closed_documents_answers_are_forgotten():
+    memory = Memory(4)
+    memory.put("a", 1)
+    Workbench(Registry()).forget_results()
+    assert memory.known("a") is None
 
 
 def test_without_room_answers_are_the_same_and_nobody_waits_for_ever():
