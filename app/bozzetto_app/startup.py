@@ -17,6 +17,7 @@ from typing import Final, TextIO
 from PySide6.QtCore import QEvent, QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.native_heap import bound_heap
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.application import Application
 from bozzetto_app.interrupts import InterruptWatch
@@ -42,6 +43,7 @@ def application() -> QApplication:
     existing = QApplication.instance()
     if isinstance(existing, QApplication):
         return existing
+    bound_heap()
     app = Application(sys.argv[:1])
     app.setOrganizationName(ORGANISATION)
     app.setApplicationName(PROGRAM)

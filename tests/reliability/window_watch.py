@@ -19,6 +19,8 @@ from typing import Final
 from PySide6.QtCore import QEvent, QMessageLogContext, QtMsgType, qInstallMessageHandler
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.native_heap import give_back
+
 __all__ = ["Figures", "Problem", "Watch", "figures_now"]
 
 HANG: Final = 2.0
@@ -103,9 +105,10 @@ class Figures:
 
 
 def figures_now(action: int) -> Figures:
-    """Tidy up, then measure; Linux only."""
+    """Tidy up as the program does now and then, and measure; Linux only."""
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     gc.collect()
+    give_back()
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return Figures(
         action,

@@ -23,6 +23,7 @@ from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.modeler import (
     Modeler,
     Reports,
@@ -293,9 +294,10 @@ class Workbench(ModelSources):
             return entry[1]
 
     def forget_results(self) -> None:
-        """Drop all results: the documents that they belong to are closed."""
+        """Drop all results and what modelers remember: their documents are closed."""
         with self._lock:
             self._results.clear()
+        forget_all()
 
     def best_result(self, model: Model) -> Any | None:
         """The final result where it is known, else the preview's, else None."""

@@ -18,15 +18,12 @@ if TYPE_CHECKING:
 
     from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 
-__all__ = ["REMEMBERED", "Body"]
+__all__ = ["Body"]
 
 Points = NDArray[np.float64]
 
-VERTEX = 400
-"""Bytes that a vertex takes in a body: most of it in manifold3d's own copy of the mesh."""
-
-REMEMBERED = 600 << 20
-"""Bytes that a memory of bodies may take: thirty large ones."""
+VERTEX = 320
+"""Bytes that a vertex takes in manifold3d's own copy of the mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +77,9 @@ class Body:
         """Corners of the box around the mesh, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
-    def weight(self) -> int:
-        """About what it takes in memory, bytes."""
-        return VERTEX * len(self.vertices)
+    def __sizeof__(self) -> int:
+        """What it takes besides its arrays, bytes: mostly the mesh as manifold3d sees it."""
+        return object.__sizeof__(self) + VERTEX * len(self.vertices)
 
     def placed(self, placement: Placement) -> Body:
         """The body moved, turned, scaled or mirrored."""

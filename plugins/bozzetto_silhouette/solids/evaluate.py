@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
-from bozzetto_silhouette.solids.body import REMEMBERED, Body
+from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.part_solid import body_of
@@ -16,11 +16,7 @@ from bozzetto_silhouette.solids.traversal import put_together
 __all__ = ["tree_body"]
 
 
-def _weight(body: Body | None) -> int:
-    return 0 if body is None else body.weight()
-
-
-_joined: Memory[Body | None] = Memory(limit=256, weight=_weight, most=REMEMBERED)
+_joined: Memory[Body | None] = Memory(limit=256)
 """By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
 give the same body. Each entry may hold a mesh of the whole."""
 

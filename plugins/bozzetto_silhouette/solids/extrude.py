@@ -26,7 +26,7 @@ from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-from bozzetto_silhouette.solids.body import REMEMBERED, Body
+from bozzetto_silhouette.solids.body import Body
 
 __all__ = ["Sweep", "acts_on", "corners_of", "straight_body"]
 
@@ -54,7 +54,7 @@ round."""
 RADIUS_TOLERANCE = 1e-3
 """Accuracy of the inscribed radius, as a share of the longest side."""
 
-_bodies: Memory[Body] = Memory(limit=128, weight=Body.weight, most=REMEMBERED)
+_bodies: Memory[Body] = Memory(limit=128)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from bozzetto_silhouette.inflation.thickness import InTurn, Thickness, Uniform
 from bozzetto_silhouette.inflation.variational import VariationalSwelling
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.from_ink import outline_of
-from bozzetto_silhouette.solids.body import REMEMBERED, Body
+from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.extrude import straight_body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on
 
@@ -28,7 +28,7 @@ _rests: Memory[Body] = Memory(limit=256)
 """In the object frame: what is moved or mirrored keeps the function of space that was fitted
 to it."""
 
-_bodies: Memory[Body] = Memory(limit=256, weight=Body.weight, most=REMEMBERED)
+_bodies: Memory[Body] = Memory(limit=256)
 """Where they stand: a drag makes one at every move of the pen."""
 
 

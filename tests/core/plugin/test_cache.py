@@ -5,9 +5,14 @@ from __future__ import annotations
 import threading
 import time
 
+import numpy as np
 import pytest
 
 from bozzetto.plugin import Memory
+from bozzetto.plugin.cache import ALL, forget_all
+from bozzetto.plugin.memory_budget import MOST_BYTES, MemoryBudget
+from bozzetto.plugin.registry import Registry
+from bozzetto.workbench import Workbench
 
 
 def in_threads(count, ask):
@@ -87,10 +92,122 @@ def test_what_was_asked_last_is_kept():
     assert (memory.known("a"), memory.known("b"), memory.known("c")) == ("a", None, "c")
 
 
-@pytest.mark.parametrize("size", [5, 50])
-def test_what_is_too_large_is_answered_and_not_kept(size):
-    memory = Memory(10, weight=lambda answer: size, most=20)
-    for question in range(6):
-        assert memory.recall(question, lambda question=question: question) == question
-    kept = [question for question in range(6) if memory.known(question) is not None]
-    assert len(kept) == 20 // size
+def array_of(size):
+    return np.zeros(size, np.uint8)
+
+
+def test_what_is_too_large_is_answered_and_not_kept():
+    budget = MemoryBudget(100_000)
+    memory = Memory(10, budget)
+    small = memory.recall("small", lambda: array_of(10_000))
+    assert memory.recall("large", lambda: array_of(100_000)).nbytes == 100_000
+    assert memory.known("large") is None
+    assert memory.known("small") is small  # it had not to go for what cannot stay
+
+
+def test_the_oldest_of_all_memories_goes_first():
+    budget = MemoryBudget(100_000)
+    one, other = Memory(10, budget), Memory(10, budget)
+    one.put("a", array_of(30_000))
+    other.put("b", array_of(30_000))
+    one.put("c", array_of(30_000))
+    one.recall("a", lambda: pytest.fail("is remembered"))
+    other.put("d", array_of(30_000))
+    assert other.known("b") is None
+    assert one.known("a") is not None
+    assert one.known("c") is not None
+    assert other.known("d") is not None
+
+
+def test_what_goes_is_freed():
+    budget = MemoryBudget(100_000)
+    memory = Memory(10, budget)
+    for question in range(50):
+        memory.put(question, array_of(30_000))
+    kept = [question for question in range(50) if memory.known(question) is not None]
+    assert kept == [47, 48, 49]
+    assert len(memory._answers) == 3
+
+
+def test_an_answer_that_grows_is_measured_again():
+    budget = MemoryBudget(100_000)
+    memory = Memory(10, budget)
+    answer = memory.recall("grows", lambda: [])
+    answer.append(array_of(60_000))
+    memory.recall("grows", lambda: pytest.fail("is remembered"))
+    assert budget.held > 60_000
+    answer.append(array_of(60_000))
+    for _ in range(7):
+        assert memory.recall("grows", lambda: pytest.fail("is remembered")) is answer
+    assert memory.known("grows") is None
+    assert budget.held == 0
+
+
+def test_nothing_is_counted_for_what_was_replaced_or_went_by_number():
+    budget = MemoryBudget(100_000)
+    memory = Memory(2, budget)
+    for question in ("a", "a", "b", "c"):
+        memory.put(question, array_of(20_000))
+    assert 40_000 <= budget.held < 42_000
+    budget.forget_all()
+    assert budget.held == 0
+    assert memory.known("c") is None
+
+
+def test_all_memories_share_one_budget_and_forget_together():
+    one, other = Memory(4), Memory(4)
+    one.put("a", 1)
+    other.put("b", 2)
+    forget_all()
+    assert (one.known("a"), other.known("b"), ALL.held) == (None, None, 0)
+    assert ALL.most == MOST_BYTES
+
+
+def test_a_closed_documents_answers_are_forgotten():
+    memory = Memory(4)
+    memory.put("a", 1)
+    Workbench(Registry()).forget_results()
+    assert memory.known("a") is None
+
+
+def test_without_room_answers_are_the_same_and_nobody_waits_for_ever():
+    memory = Memory(4, MemoryBudget(0))
+    assert (
+        in_threads(6, lambda number: memory.recall("question", lambda: "answer")) == ["answer"] * 6
+    )
+    assert memory.known("question") is None
+
+
+def test_who_asks_for_its_own_answer_is_told():
+    memory = Memory(4)
+
+    def work():
+        return memory.recall("question", work)
+
+    with pytest.raises(RuntimeError, match="asks for itself"):
+        memory.recall("question", work)
+    assert memory.recall("question", lambda: "answer") == "answer"
+
+
+def test_many_threads_leave_the_count_right():
+    budget = MemoryBudget(200_000)
+    memories = [Memory(8, budget) for _ in range(3)]
+
+    def run(number):
+        chance = np.random.default_rng(number)
+        for _ in range(400):
+            memory, question = memories[chance.integers(3)], int(chance.integers(12))
+            answer = memory.recall(question, lambda q=question: array_of(5_000 * (q + 1)))
+            if answer.nbytes != 5_000 * (question + 1):
+                raise ValueError(question)
+            if chance.random() < 0.02:
+                budget.forget_all()
+        return budget.held <= 200_000
+
+    assert in_threads(6, run) == [True] * 6
+    kept = [entry for memory in memories for entry in memory._answers.values()]
+    assert set(kept) == set(budget._entries)
+    assert budget.held == sum(entry.size.total for entry in kept)
+    budget.forget_all()
+    assert budget.held == 0
+    assert not any(memory._answers for memory in memories)

@@ -1,0 +1,46 @@
+"""When free memory is given back: now and then, in a thread, one at a time."""
+
+from __future__ import annotations
+
+import gc
+import threading
+
+import pytest
+
+from bozzetto_app import tidying
+from bozzetto_app.tidying import REST, Tidier
+
+
+@pytest.fixture
+def tidier(qapp):
+    tidier = Tidier()
+    tidier._timer.stop()
+    yield tidier
+    gc.enable()
+    tidier.deleteLater()
+
+
+def test_memory_is_given_back_now_and_then_in_a_thread(tidier, monkeypatch):
+    threads = []
+    monkeypatch.setattr(tidying, "give_back", lambda: threads.append(threading.get_ident()))
+    for number in range(1, 3 * REST + 1):
+        tidier.tidy()
+        if tidier._giving is not None:
+            tidier._giving.join(10.0)
+        assert len(threads) == number // REST
+    assert threading.get_ident() not in threads
+
+
+def test_a_slow_one_is_not_joined_by_another(tidier, monkeypatch):
+    gate, begun = threading.Event(), []
+
+    def slow():
+        begun.append(1)
+        assert gate.wait(10.0)
+
+    monkeypatch.setattr(tidying, "give_back", slow)
+    for _ in range(3 * REST):
+        tidier.tidy()
+    gate.set()
+    tidier._giving.join(10.0)
+    assert begun == [1]
