@@ -1,11 +1,14 @@
 """Advising: what the active modeler says of the view, asked while the view turns.
 
 One question at a time, in a worker, ten times a second at most; what was overtaken is not shown.
+While a value is dragged only a view that is pinned is asked about, and less often the longer
+answers take.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -26,6 +29,12 @@ __all__ = ["Advising"]
 
 INTERVAL = 100
 """Time between two questions, milliseconds."""
+
+LONGEST_INTERVAL = 1000
+"""The same at most, where answers take long and a value is dragged, milliseconds."""
+
+REST_IN_DRAG = 4.0
+"""Time between two questions in a drag, in times of the last answer."""
 
 MOST_PINNED = 32
 """Earlier states of a model that are known as seen: a hand that drags a mark and lets it go, or
@@ -63,6 +72,7 @@ class Advising(QObject):
         self.advice: ViewAdvice | None = None
         self.about: Model | None = None
         self._seen = session.camera
+        self._took = 0.0
         self._asked: Question = None
         self._silent: set[str] = set()
         self._empty: dict[str, Model] = {}
@@ -123,9 +133,12 @@ class Advising(QObject):
             self._look_soon()
 
     def _look_at_frame(self) -> None:
-        """While a value is dragged the view goes along with what is shown of it."""
-        if self._session.is_dragging:
-            self._look_soon()
+        """While a value is dragged, a view that is pinned goes along with what is shown of it.
+
+        Any other has time until the drag rests: the shape comes first.
+        """
+        if self._session.is_dragging and self.advice is not None and self.advice.pinned:
+            self.look()
 
     def _look_soon(self) -> None:
         if self.advice is not None and self.advice.pinned:
@@ -162,18 +175,20 @@ class Advising(QObject):
             self._channel.cancel()
             self._take(None)
             return
-        self._pace.start()
+        self._pace.start(self._interval())
         if self._channel.busy:
             return
         self._asked = question
         modeler, model, camera = question
 
         seen = self.seen(model)
+        begun = perf_counter()
 
         def work(job: Job) -> ViewAdvice | None:
             return self._advice_on(modeler, model, camera, seen)
 
         def done(advice: ViewAdvice | None) -> None:
+            self._took = perf_counter() - begun
             if advice is None:
                 self._silent.add(modeler)
             if self._session.active_modeler == modeler:
@@ -188,6 +203,11 @@ class Advising(QObject):
                 self._session.complain(problem)
 
         self._channel.submit(Request(work, done, failed, "preview"))
+
+    def _interval(self) -> int:
+        """Time to the next question, milliseconds; in a drag most of it is the shape's."""
+        rest = REST_IN_DRAG * self._took if self._session.is_dragging else 0.0
+        return min(max(INTERVAL, round(1e3 * rest)), LONGEST_INTERVAL)
 
     def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
         """Keep in mind to which state of a model the view is pinned."""

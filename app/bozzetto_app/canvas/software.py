@@ -41,8 +41,8 @@ FAST_ENOUGH: Final = 0.045
 PATIENCE: Final = 0.1
 """How long a full frame goes on while a newer one is wanted, seconds."""
 
-COARSE: Final = 0.5
-"""Resolution of a frame while the view turns and full ones are too slow."""
+COARSE: Final = (0.3, 0.6)
+"""Least and greatest resolution of a frame while something moves and full ones are too slow."""
 
 
 def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
@@ -54,6 +54,18 @@ def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
     ).convertToFormat(QImage.Format.Format_RGB32)
     image.setDevicePixelRatio(scale)
     return image
+
+
+def coarseness(frame_time: float) -> float:
+    """The resolution with which a frame is fast enough, as a share of the full one.
+
+    Parameters
+    ----------
+    frame_time : float
+        What a full frame took, seconds; it is taken to grow with the pixels.
+    """
+    least, most = COARSE
+    return float(np.clip(np.sqrt(FAST_ENOUGH / max(frame_time, FAST_ENOUGH)), least, most))
 
 
 class SoftwareViewport(QWidget):
@@ -171,7 +183,8 @@ class SoftwareViewport(QWidget):
         scale = self.devicePixelRatioF()
         coarse = self._rest.isActive() and self._frame_time > FAST_ENOUGH
         self._asked += 1
-        work = self._work(COARSE * scale if coarse else scale, None if coarse else self._asked)
+        share = coarseness(self._frame_time) if coarse else 1.0
+        work = self._work(share * scale, None if coarse else self._asked)
         begun = perf_counter()
 
         def done(pixels: NDArray[np.uint8]) -> None:
