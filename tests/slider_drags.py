@@ -150,6 +150,8 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     passed, spent = time.monotonic() - begun, time.process_time() - spent
     frames, released = len(shown), time.monotonic()
     row.drag_ended.emit()
+    if asked[-1] is not session.selected_model.state:
+        asked.append(session.selected_model.state)  # what had waited for the next beat
     pump(lambda: not session.showing.busy)
     QApplication.processEvents()
     settled = time.monotonic() - released
