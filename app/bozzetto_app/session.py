@@ -432,7 +432,6 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._scene = None
         self.is_dragging = dragging
         self._ink_replaced()
-        self.parameters_changed.emit()
         self.showing.show(self.document, self.selected_model, dragging=dragging)
         self.scene_changed.emit()
 

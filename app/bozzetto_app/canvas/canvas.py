@@ -341,7 +341,6 @@ class Canvas(QWidget):
 
     def _prepare_picking(self, scene: Scene, camera: Camera) -> None:
         """Cast a first ray beside the window: it sorts large meshes, which takes a moment."""
-
         if scene is self._sorted:
             return
         self._sorted = scene
