@@ -1,8 +1,7 @@
 """Advising: what the active modeler says of the view, asked while the view turns.
 
 One question at a time, in a worker, ten times a second at most; what was overtaken is not shown.
-While a value is dragged only a view that is pinned is asked about, and less often the longer
-answers take.
+While a value is dragged only a view that is pinned is asked about, if answers come quickly.
 """
 
 from __future__ import annotations
@@ -30,11 +29,8 @@ __all__ = ["Advising"]
 INTERVAL = 100
 """Time between two questions, milliseconds."""
 
-LONGEST_INTERVAL = 1000
-"""The same at most, where answers take long and a value is dragged, milliseconds."""
-
-REST_IN_DRAG = 4.0
-"""Time between two questions in a drag, in times of the last answer."""
+QUICK = 0.1
+"""How long an answer may take for the next to be asked for in a drag, seconds."""
 
 MOST_PINNED = 32
 """Earlier states of a model that are known as seen: a hand that drags a mark and lets it go, or
@@ -135,9 +131,11 @@ class Advising(QObject):
     def _look_at_frame(self) -> None:
         """While a value is dragged, a view that is pinned goes along with what is shown of it.
 
-        Any other has time until the drag rests: the shape comes first.
+        Any other has time until the drag rests, and so has one that takes long: the shape
+        comes first.
         """
-        if self._session.is_dragging and self.advice is not None and self.advice.pinned:
+        pinned = self.advice is not None and self.advice.pinned
+        if self._session.is_dragging and pinned and self._took <= QUICK:
             self.look()
 
     def _look_soon(self) -> None:
@@ -175,7 +173,7 @@ class Advising(QObject):
             self._channel.cancel()
             self._take(None)
             return
-        self._pace.start(self._interval())
+        self._pace.start()
         if self._channel.busy:
             return
         self._asked = question
@@ -203,11 +201,6 @@ class Advising(QObject):
                 self._session.complain(problem)
 
         self._channel.submit(Request(work, done, failed, "preview"))
-
-    def _interval(self) -> int:
-        """Time to the next question, milliseconds; in a drag most of it is the shape's."""
-        rest = REST_IN_DRAG * self._took if self._session.is_dragging else 0.0
-        return min(max(INTERVAL, round(1e3 * rest)), LONGEST_INTERVAL)
 
     def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
         """Keep in mind to which state of a model the view is pinned."""
