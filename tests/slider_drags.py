@@ -176,8 +176,9 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     frames, released, painted = len(shown), time.monotonic(), paintings.count
     window.canvas.viewports.current.widget.removeEventFilter(paintings)
     row.drag_ended.emit()
-    if asked[-1] is not session.selected_model.state:
-        asked.append(session.selected_model.state)  # what had waited for the next beat
+    last = session.selected_model
+    if last is not None and asked[-1] is not last.state:
+        asked.append(last.state)  # what had waited for the next beat
     pump(lambda: not session.showing.busy)
     QApplication.processEvents()
     settled = time.monotonic() - released
