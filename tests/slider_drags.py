@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.canvas.viewport.protocol import ViewportBackend
+from bozzetto_app.canvas.viewport.software import SoftwareViewport
 from bozzetto_app.main_window import Window
 from bozzetto_app.session.session import Session
 
@@ -44,6 +46,8 @@ class Dragged:
         Values that the window took.
     frames : int
         Values that were shown before the release.
+    painted : int
+        Pictures that the viewport has painted meanwhile.
     seconds, processor : float
         From press to release: by the clock, and of all threads.
     settled : float
@@ -56,6 +60,7 @@ class Dragged:
     label: str
     ticks: int
     frames: int
+    painted: int
     seconds: float
     processor: float
     settled: float
@@ -111,6 +116,25 @@ def sliders(window: Window) -> tuple[tuple[str, str], ...]:
     return tuple(key for key, row in rows.items() if row.field.kind in ("number", "integer"))
 
 
+class _Paintings(QObject):
+    """Counts the pictures that a viewport paints; the same one again does not count."""
+
+    def __init__(self, viewport: ViewportBackend) -> None:
+        super().__init__()
+        self.count = 0
+        self._viewport = viewport
+        self._last = 0
+        viewport.widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Paint:
+            is_software = isinstance(self._viewport, SoftwareViewport)
+            now = self._viewport.shown().cacheKey() if is_software else self._last + 1
+            self.count += now != self._last
+            self._last = now
+        return False
+
+
 def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     """Drag one parameter there and back at 60 values in a second, and let go."""
     session, row = window.session, window.parameters._rows[key]
@@ -143,13 +167,18 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
         if now is not None and (not asked or asked[-1] is not now.state):
             asked.append(now.state)
 
+    paintings = _Paintings(window.canvas.viewports.current)
     timer.timeout.connect(tick)
     session.showing.changed.connect(changed)
     timer.start()
     pump(lambda: not timer.isActive())
     passed, spent = time.monotonic() - begun, time.process_time() - spent
-    frames, released = len(shown), time.monotonic()
+    frames, released, painted = len(shown), time.monotonic(), paintings.count
+    window.canvas.viewports.current.widget.removeEventFilter(paintings)
     row.drag_ended.emit()
+    last = session.selected_model
+    if last is not None and asked[-1] is not last.state:
+        asked.append(last.state)  # what had waited for the next beat
     pump(lambda: not session.showing.busy)
     QApplication.processEvents()
     settled = time.monotonic() - released
@@ -159,7 +188,7 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     order = [numbers[id(state)] for state in shown if id(state) in numbers]
     steps = len(session.history.entries) - before
     result = Dragged(
-        row.field.parameter.label, len(asked), frames, passed, spent, settled, steps,
+        row.field.parameter.label, len(asked), frames, painted, passed, spent, settled, steps,
         order == sorted(order), bool(shown) and shown[-1] is asked[-1],
     )  # fmt: skip
     return result

@@ -32,4 +32,4 @@ def test_a_drag_shows_its_values_in_order_and_ends_with_the_last(
     assert found.last_is_shown
     # Frames by what they cost: how fast a machine that others use as well shows them is its own.
     assert found.frames >= 1
-    assert found.processor / found.frames < 1.0
+    assert found.processor / found.frames < 0.5

@@ -35,6 +35,9 @@ def rows() -> Iterator[Row]:
             "/s", "≥ 10 /s",
         )  # fmt: skip
         yield Row(
+            "window", f"{stem}, {found.label}: pictures painted", found.painted / SECONDS, "/s",
+        )  # fmt: skip
+        yield Row(
             "window", f"{stem}, {found.label}: frames for a second of processor time",
             found.frames / max(found.processor, 1e-3), "/s",
         )  # fmt: skip

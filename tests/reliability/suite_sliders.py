@@ -24,6 +24,7 @@ PROMISED = 10.0
 
 PLAY = """
 import json, os, sys, tempfile
+from dataclasses import asdict
 from pathlib import Path
 from PySide6.QtWidgets import QApplication
 application = QApplication([])
@@ -60,8 +61,9 @@ def _on(platform: str, seconds: float, count: int) -> Iterator[Row]:
         sound = found["in_order"] and found["last_is_shown"] and found["steps"] == 1
         yield Row(
             f"{stem}, *{found['label']}*, {platform}",
-            f"{rate:.0f} frames/s, final {found['settled']:.2f} s after the release; "
-            f"{each:.0f} for a second of processor time",
+            f"{rate:.0f} values and {found['painted'] / found['seconds']:.0f} pictures of them "
+            f"a second, final {found['settled']:.2f} s after the release; "
+            f"{each:.0f} values for a second of processor time",
             f"≥ {PROMISED:.0f} frames/s, one step, the last value last",
             rate >= PROMISED and sound,
         )

@@ -28,7 +28,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene, Shaded
+from bozzetto.scene.display_list import EMPTY, Scene, Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
@@ -131,6 +131,7 @@ class Canvas(QWidget):
         self._menu.refused.connect(self.menu_refused)
         self.hand = Hand(session, self._overlay)
         self.motion = ViewMotion(session, self)
+        self._sorted = EMPTY
 
         self._proximity = ProximityWatch(self)
         self._proximity.came.connect(self.hand.pen_came)
@@ -320,7 +321,8 @@ class Canvas(QWidget):
         if self._loupe.isVisible():
             self._loupe.show_scene(self._all_shown(), self._session.camera)
         self.hand.scene_or_view_changed()
-        self._prepare_picking(self._session.scene, self._session.camera)
+        if not self._session.is_dragging:
+            self._prepare_picking(self._session.scene, self._session.camera)
 
     def _show_live(self) -> None:
         self.viewports.show_live()
@@ -339,6 +341,9 @@ class Canvas(QWidget):
 
     def _prepare_picking(self, scene: Scene, camera: Camera) -> None:
         """Cast a first ray beside the window: it sorts large meshes, which takes a moment."""
+        if scene is self._sorted:
+            return
+        self._sorted = scene
 
         def work(job: Job) -> None:
             cast_rays(scene, camera.rays([(0.0, 0.0)]))

@@ -134,6 +134,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._was_busy = False
         self.is_dragging = False
         self._scene: Scene | None = None
+        self._last_scene = Scene()
         self._ghosts_in_scene = True
         self._waiting_told: Waiting = ()
         self.toolbox = Toolbox(self)
@@ -213,10 +214,13 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
 
     @property
     def scene(self) -> Scene:
-        """Everything visible, in the world."""
+        """Everything visible, in the world; the very same object while nothing else is seen."""
         if self._scene is None:
             layers = [*self.workbench.underlay_layers(self.document), *self.showing.layers()]
-            self._scene = Scene(tuple(filter(self.is_seen, layers)))
+            seen = tuple(filter(self.is_seen, layers))
+            if seen != self._last_scene.layers:  # a layer is equal to itself alone
+                self._last_scene = Scene(seen)
+            self._scene = self._last_scene
             self._ghosts_in_scene = self.show_ghost_ink
         return self._scene
 
@@ -428,7 +432,6 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self._scene = None
         self.is_dragging = dragging
         self._ink_replaced()
-        self.parameters_changed.emit()
         self.showing.show(self.document, self.selected_model, dragging=dragging)
         self.scene_changed.emit()
 

@@ -1,11 +1,13 @@
 """Advising: what the active modeler says of the view, asked while the view turns.
 
 One question at a time, in a worker, ten times a second at most; what was overtaken is not shown.
+While a value is dragged only a view that is pinned is asked about, if answers come quickly.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -26,6 +28,9 @@ __all__ = ["Advising"]
 
 INTERVAL = 100
 """Time between two questions, milliseconds."""
+
+QUICK = 0.1
+"""How long an answer may take for the next to be asked for in a drag, seconds."""
 
 MOST_PINNED = 32
 """Earlier states of a model that are known as seen: a hand that drags a mark and lets it go, or
@@ -63,6 +68,7 @@ class Advising(QObject):
         self.advice: ViewAdvice | None = None
         self.about: Model | None = None
         self._seen = session.camera
+        self._took = 0.0
         self._asked: Question = None
         self._silent: set[str] = set()
         self._empty: dict[str, Model] = {}
@@ -123,9 +129,14 @@ class Advising(QObject):
             self._look_soon()
 
     def _look_at_frame(self) -> None:
-        """While a value is dragged the view goes along with what is shown of it."""
-        if self._session.is_dragging:
-            self._look_soon()
+        """While a value is dragged, a view that is pinned goes along with what is shown of it.
+
+        Any other has time until the drag rests, and so has one that takes long: the shape
+        comes first.
+        """
+        pinned = self.advice is not None and self.advice.pinned
+        if self._session.is_dragging and pinned and self._took <= QUICK:
+            self.look()
 
     def _look_soon(self) -> None:
         if self.advice is not None and self.advice.pinned:
@@ -169,11 +180,13 @@ class Advising(QObject):
         modeler, model, camera = question
 
         seen = self.seen(model)
+        begun = perf_counter()
 
         def work(job: Job) -> ViewAdvice | None:
             return self._advice_on(modeler, model, camera, seen)
 
         def done(advice: ViewAdvice | None) -> None:
+            self._took = perf_counter() - begun
             if advice is None:
                 self._silent.add(modeler)
             if self._session.active_modeler == modeler:

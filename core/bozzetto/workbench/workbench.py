@@ -18,12 +18,12 @@ from bozzetto.document.storage.state_codec import OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
+from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.cautions import Caution, Warns
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.modeler import (
     Modeler,
     Reports,

@@ -42,6 +42,9 @@ Edit = TracedEdges | MovedNode | BentEdge | Treatment
 REMEMBERED: Final = 1024
 """Bodies that are remembered: the last ones, each after every edit; some kilobytes each."""
 
+FIRST_SEEN: Final = 8
+"""Cars that are remembered as the first with their edits."""
+
 DRAWN: Final = 1e2
 """How much firmer an edge is that was drawn or bent by hand, when lengths of tangents are evened
 out for smooth surfaces, than one that is as it came from the marks."""
@@ -133,6 +136,7 @@ class Body:
 
 _bodies: Memory[Body] = Memory(REMEMBERED)
 _maps: Memory[Reshaping | None] = Memory(REMEMBERED)
+_first_seen: Memory[CarState] = Memory(FIRST_SEEN)
 
 
 def body_of(state: CarState, before: CarState | None = None) -> Body:
@@ -159,16 +163,20 @@ def preview_of(state: CarState) -> Body:
     """The body of a car, quickly: brought to its dimensions, not solved for them.
 
     While a dimension is dragged the solve without dimensions stays the same and is remembered;
-    to stretch its body takes a hundredth of what another solve does.
+    to stretch its body takes a hundredth of what another solve does. While the shape is dragged,
+    edits are not made again; see `unstretched_body_of`. They are carried along from the first
+    car that was seen with them.
 
     Raises
     ------
     UserError
         As of `body_of`.
     """
-    if state.lock and state.dimensions.given():
-        return body_of(replace(state, lock=False))
-    return body_of(state)
+    loose = replace(state, lock=False) if state.dimensions.given() else state
+    if not state.edits:
+        return body_of(loose)
+    edited = (_Same(state.edits), state.smooth, state.default_shape, state.annealed)
+    return body_of(loose, _first_seen.recall(edited, lambda: loose))
 
 
 def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:

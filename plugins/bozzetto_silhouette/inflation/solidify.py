@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Memory
 from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.inflation.thickness import Thickness, Uniform
-from bozzetto_silhouette.outline.boundary_sampling import sample_rim
+from bozzetto_silhouette.outline.boundary_sampling import Rim, sample_rim
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
-from bozzetto_silhouette.outline.normalized import SkeletonRule, frame_of
+from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
 from bozzetto_silhouette.outline.outline import Outline
 
 __all__ = ["Checkpoint", "SilhouetteSolid", "ignore", "solidify"]
@@ -35,6 +37,14 @@ _ATTEMPTS = ((1.0, False), (0.6, False), (0.6, True))
 """What is tried until the solid is sound: the spacing as a share of the one asked for, and
 whether every drawn vertex is kept."""
 
+
+Layout = tuple[Rim, Plan]
+
+
+_layouts: Memory[Layout | None] = Memory(limit=64)
+_squares: Memory[Points] = Memory(limit=64)
+"""Neither depends on the thickness, and the plan on nothing but the outline: who drags one of
+them does not wait for the others."""
 
 CONVOLUTION = ConvolutionSwelling()
 UNIFORM = Uniform()
@@ -82,6 +92,14 @@ class SilhouetteSolid:
     soundness: Soundness
 
 
+def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
+    """The samples of an outline and their plan; None where the samples cross themselves."""
+    rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
+    if not rim.simple and not every_vertex:
+        return None
+    return rim, plan_of(rim, frame.axis, step)
+
+
 def solidify(
     outline: Outline,
     *,
@@ -122,12 +140,14 @@ def solidify(
     for share, every_vertex in _ATTEMPTS:
         step = share * PITCH / resolution
         checkpoint(0.15, "plan")
-        rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
-        if not rim.simple and not every_vertex:
+        layout = _layouts.recall(
+            (frame, step, every_vertex), partial(_laid_out, frame, step, every_vertex)
+        )
+        if layout is None:
             continue
-        plan = plan_of(rim, frame.axis, step)
+        rim, plan = layout
         checkpoint(0.4, "surface")
-        square = swelling.squares(frame, rim, plan)
+        square = _squares.recall((plan, swelling), partial(swelling.squares, frame, rim, plan))
         checkpoint(0.8, "mesh")
         up, down = thickness.factors(frame, plan, square, square)
         front = square * up**2

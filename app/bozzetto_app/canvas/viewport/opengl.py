@@ -140,10 +140,11 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         """Itself."""
         return self
 
-    def set_scene(self, scene: Scene) -> None:
+    def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
         """Show this scene."""
-        self._scene = scene
-        self._changed()
+        if scene is not self._scene:
+            self._scene = scene
+            self._changed()
 
     def set_live(self, scene: Scene) -> None:
         """Show this on top, or in place of layers, for as long as the pen is down."""

@@ -44,8 +44,15 @@ class ViewportBackend(Protocol):
         """The widget that shows the picture."""
         ...
 
-    def set_scene(self, scene: Scene) -> None:
-        """Show this scene."""
+    def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
+        """Show this scene.
+
+        Parameters
+        ----------
+        scene : Scene
+        moving : bool
+            Whether more of the same comes in a moment, so that soon is better than fine.
+        """
         ...
 
     def set_live(self, scene: Scene) -> None:

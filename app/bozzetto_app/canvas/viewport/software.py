@@ -32,14 +32,17 @@ __all__ = ["SoftwareViewport"]
 REST: Final = 120
 """How long the view must rest before a frame is sharpened, milliseconds."""
 
+DRAG_REST: Final = 250
+"""The same of a shape that is dragged, milliseconds: frames come as slowly as it is solved."""
+
 FAST_ENOUGH: Final = 0.045
 """Longest time of a full frame with which turning still feels smooth, seconds."""
 
 PATIENCE: Final = 0.1
 """How long a full frame goes on while a newer one is wanted, seconds."""
 
-COARSE: Final = 0.5
-"""Resolution of a frame while the view turns and full ones are too slow."""
+COARSE: Final = (0.3, 0.6)
+"""Least and greatest resolution of a frame while something moves and full ones are too slow."""
 
 
 def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
@@ -51,6 +54,18 @@ def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
     ).convertToFormat(QImage.Format.Format_RGB32)
     image.setDevicePixelRatio(scale)
     return image
+
+
+def coarseness(frame_time: float) -> float:
+    """The resolution with which a frame is fast enough, as a share of the full one.
+
+    Parameters
+    ----------
+    frame_time : float
+        What a full frame took, seconds; it is taken to grow with the pixels.
+    """
+    least, most = COARSE
+    return float(np.clip(np.sqrt(FAST_ENOUGH / max(frame_time, FAST_ENOUGH)), least, most))
 
 
 class SoftwareViewport(QWidget):
@@ -90,10 +105,13 @@ class SoftwareViewport(QWidget):
         """Itself."""
         return self
 
-    def set_scene(self, scene: Scene) -> None:
-        """Show this scene."""
-        self._scene = scene
-        self._ask()
+    def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
+        """Show this scene, coarsely while it moves and fine frames are too slow."""
+        if moving:
+            self._wait_for_rest(DRAG_REST)
+        if scene is not self._scene:
+            self._scene = scene
+            self._ask()
 
     def set_live(self, scene: Scene) -> None:
         """Show this on top, or in place of layers, for as long as the pen is down."""
@@ -105,7 +123,7 @@ class SoftwareViewport(QWidget):
         """Look through this camera."""
         if camera != self._camera:
             self._camera = camera
-            self._rest.start()
+            self._wait_for_rest(REST)
             self._ask()
 
     def set_palette(self, palette: Palette) -> None:
@@ -161,11 +179,12 @@ class SoftwareViewport(QWidget):
         if self.width() < 2 or self.height() < 2:
             return
         if self._was_overtaken:
-            self._rest.start()
+            self._wait_for_rest(REST)
         scale = self.devicePixelRatioF()
         coarse = self._rest.isActive() and self._frame_time > FAST_ENOUGH
         self._asked += 1
-        work = self._work(COARSE * scale if coarse else scale, None if coarse else self._asked)
+        share = coarseness(self._frame_time) if coarse else 1.0
+        work = self._work(share * scale, None if coarse else self._asked)
         begun = perf_counter()
 
         def done(pixels: NDArray[np.uint8]) -> None:
@@ -176,6 +195,10 @@ class SoftwareViewport(QWidget):
             self.update()
 
         self._channel.submit(Request(work, done, self._failed))
+
+    def _wait_for_rest(self, time: int) -> None:
+        """Sharpen the frame when nothing has moved for some time, milliseconds, from now on."""
+        self._rest.start(max(time, self._rest.remainingTime()))
 
     def _sharpen(self) -> None:
         """Request a full frame, now that there is rest."""

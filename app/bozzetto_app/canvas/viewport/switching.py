@@ -87,7 +87,7 @@ class Viewports(QObject):
     def show_scene(self) -> None:
         """Show the session's scene."""
         for viewport in self._both():
-            viewport.set_scene(self._session.scene)
+            viewport.set_scene(self._session.scene, moving=self._session.is_dragging)
 
     def show_live(self) -> None:
         """Show what is there only while the pen is down."""

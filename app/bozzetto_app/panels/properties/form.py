@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
@@ -10,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLa
 
 from bozzetto.parameters import Field
 from bozzetto_app.i18n import tr
+from bozzetto_app.panels.properties.drag_pace import DragPace
 from bozzetto_app.panels.properties.parameter_row import ParameterRow
 from bozzetto_app.panels.properties.report import Figures
 from bozzetto_app.settings import settings
@@ -43,6 +45,7 @@ class ParametersPanel(QScrollArea):
             words.setProperty("tone", "quiet")
         self._form = QWidget()
         self._rows: dict[tuple[str, str], ParameterRow] = {}
+        self._paces: list[DragPace] = []
         self._part_section: Section | None = None
         self._fields: tuple[object, ...] = ()
         self._owner: tuple[str | None, str] = (None, "")
@@ -89,6 +92,9 @@ class ParametersPanel(QScrollArea):
         own, inner, part = session.parameters, session.part_parameters, session.chosen_part
         chosen = (session.selected, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
+        if chosen != self._owner:
+            for pace in self._paces:
+                pace.forget()
         if fields != self._fields or (chosen != self._owner and self._is_in_use()):
             self._fields = fields
             self._rebuild()
@@ -118,6 +124,7 @@ class ParametersPanel(QScrollArea):
         session = self._session
         old, self._form = self._form, QWidget()
         self._rows = {}
+        self._paces = []
         self._part_section = None
         column = QVBoxLayout(self._form)
         column.setContentsMargins(0, 0, 0, 0)
@@ -153,10 +160,11 @@ class ParametersPanel(QScrollArea):
         folded.setSpacing(12)
         for field, _ in found:
             row = ParameterRow(field)
-            row.changed.connect(
-                lambda value, going, name=field.name: change(name, value, dragging=going)
-            )
+            pace = DragPace(partial(_changed, change, field.name), row)
+            row.changed.connect(pace.change)
+            row.drag_ended.connect(pace.end)
             row.drag_ended.connect(self._session.end_drag)
+            self._paces.append(pace)
             self._rows[owner, field.name] = row
             (folded if field.parameter.advanced else column).addWidget(row)
         if folded.count():
@@ -171,6 +179,10 @@ class ParametersPanel(QScrollArea):
         self._figures.show_report(report, "" if part is None else part.id)
         self._figures_section.setVisible(bool(report))
         self._line.setVisible(bool(report))
+
+
+def _changed(change: Callable[..., None], name: str, value: Any, going: bool) -> None:
+    change(name, value, dragging=going)
 
 
 def _section(title: str, content: QWidget, key: str, is_open: bool) -> Section:

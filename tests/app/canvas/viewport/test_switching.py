@@ -326,6 +326,31 @@ def test_frames_are_made_beside_the_window_and_the_newest_wins(qtbot, box_scene)
     np.testing.assert_array_equal(shown, pixels(viewport.grab()))
 
 
+def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(qtbot, box_scene):
+    viewport = SoftwareViewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.show()
+    viewport.set_scene(box_scene)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport._frame_time = 10.0  # as on a slow machine
+    viewport.set_scene(Scene(box_scene.layers), moving=True)
+    qtbot.waitUntil(lambda: viewport._frame.width() < SIZE[0] // 2, timeout=5000)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    assert viewport._frame.width() == SIZE[0]
+
+
+def test_the_very_same_scene_is_not_drawn_again(qtbot, box_scene):
+    viewport = SoftwareViewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.show()
+    viewport.set_scene(box_scene)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport.set_scene(box_scene)
+    assert not viewport.is_waiting
+
+
 def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(qtbot, box_scene):
     viewport = SoftwareViewport()
     qtbot.addWidget(viewport)
@@ -339,7 +364,7 @@ def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(qtbot, bo
         viewport.set_camera(Camera(eye=(30.0 * angle, -500.0, 100.0), viewport=SIZE))
         qtbot.wait(30)
         widths.add(viewport._frame.width())
-    assert SIZE[0] // 2 in widths
+    assert SIZE[0] * 3 // 10 in widths
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     assert viewport._frame.width() == SIZE[0]
 
@@ -405,7 +430,7 @@ def test_while_what_is_shown_changes_all_the_time_there_is_something_to_see(qtbo
         points = Points([(float(k), 0.0, 0.0)])
         viewport.set_live(Scene((Layer("live", (points,)),)))
         qtbot.wait(20)
-    assert sum(frame[:2] == ("shown", 0.5) for frame in became) >= 5
+    assert sum(frame[0] == "shown" and frame[1] < 1.0 for frame in became) >= 5
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
     assert became[-1][:2] == ("shown", 1.0), "and at rest it is sharp"
     assert viewport.shown().width() == SIZE[0]

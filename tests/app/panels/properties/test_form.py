@@ -68,7 +68,7 @@ def test_a_slider_drag_is_one_step(panel, fake_session):
         QTest.mouseMove(slider, QPoint(x, y))
     QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(120, y))
     made = settings_made(fake_session)
-    assert len(made) > 3
+    assert len(made) >= 2, "the first at once, the last at the end"
     assert all(going for *_, going in made)
     assert len(fake_session.calls.named("end_drag")) == 1
     assert fake_session.calls.made[-1][0] == "end_drag"

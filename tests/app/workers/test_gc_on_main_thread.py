@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from bozzetto_app import tidying
-from bozzetto_app.tidying import REST, Tidier
+from bozzetto_app.workers.gc_on_main_thread import REST, Tidier
 
 
 @pytest.fixture
