@@ -13,8 +13,9 @@ import numpy as np
 
 __all__ = ["Size", "size_of"]
 
-MOST_OBJECTS: Final = 2_000
-"""Objects that are looked at: less than a millisecond. What lies behind them is estimated."""
+MOST_OBJECTS: Final = 150
+"""Objects that are looked at: about 0.1 ms, for a drag may bring fifty answers a frame. What lies
+behind them is estimated."""
 
 LARGE: Final = 4096
 """Bytes from which on an object is listed by itself: it may be part of other answers, too."""
