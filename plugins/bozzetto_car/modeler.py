@@ -80,7 +80,7 @@ class Car:
         return replace(state.with_node(sketch), asked="")
 
     def solve(self, state: CarState, job: Job) -> Body:
-        """Cameras, shape and surfaces: see `solving` and `body`."""
+        """Cameras, shape and surfaces: see `solver` and `body`."""
         job.checkpoint(0.0, "Cameras and shape")
         return preview_of(state) if job.quality == "preview" else body_of(state)
 

@@ -4,10 +4,11 @@ One document with its history, the selected model, the view, and the work that i
 way. Widgets read it, call its methods and listen to its signals; they never change a
 document themselves. Everything that enters a plugin runs in a worker
 (`bozzetto_app.workers.channel`), so that no plugin can hold up the window. Its parts have
-modules of their own: `looking` the view, `toolbox` the modelers and tools, `pen_calls` and
-`inking` the gestures, `editing` the objects and `part_editing` what they are made of,
-`commanding` the modelers' commands, `advising` what they say of the view, `using` shapes as
-input, `picturing` sketches that come in, `showing` the pictures, `files` the disk.
+modules of their own: `view_state` the view, `toolbox` the modelers and tools, `pen_calls` and
+`gestures` the gestures, `object_edits` the objects and `part_edits` what they are made of,
+`modeler_commands` the modelers' commands, `view_advice` what they say of the view,
+`from_shapes` shapes as input, `pictures` sketches that come in, `solver` the pictures, `files`
+the disk.
 """
 
 from __future__ import annotations

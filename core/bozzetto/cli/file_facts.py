@@ -21,7 +21,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
     ----------
     path : Path
     trusted : bool
-        As in `importing.read_mesh`.
+        As in `import_file.read_mesh`.
 
     Raises
     ------

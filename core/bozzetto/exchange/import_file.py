@@ -1,6 +1,6 @@
 """Files to shapes, drawings and pictures.
 
-A file is read in a process of its own (`reading_process`), with a `Budget`, unless whoever
+A file is read in a process of its own (`read_process`), with a `Budget`, unless whoever
 asks trusts it. The formats' readers refuse what they can see to be too much; the budget ends
 what they cannot see.
 """

@@ -73,7 +73,7 @@ def cast_rays(scene: Scene, rays: Rays) -> Hits:
 
     Notes
     -----
-    Each mesh keeps a tree of boxes from its first use on (see `bounding_tree`), so a mesh
+    Each mesh keeps a tree of boxes from its first use on (see `bvh`), so a mesh
     that is shared between scenes is sorted once.
     """
     origins = np.reshape(np.asarray(rays.origins, float), (-1, 3))

@@ -1,8 +1,8 @@
 """A network brought to dimensions, and what was done to it there taken back.
 
-Nodes go where the map of `reshaping` takes them, and tangents undergo its derivative there: what
-was smooth stays so exactly, lines and surfaces alike. An edge then differs from the map of the
-edge as a whole by what the cubic form leaves out, as it does if its control points are moved.
+Nodes go where the map of `dimension_map` takes them, and tangents undergo its derivative there:
+what was smooth stays so exactly, lines and surfaces alike. An edge then differs from the map of
+the edge as a whole by what the cubic form leaves out, as it does if its control points are moved.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 A camera that was found from the template as it stands is wrong by as much as the car differs
 from it, so the cameras go on turning while the shape gives way. The unknowns are the variables
 of a symmetric car (`Template.basis`) and the numbers of each camera; the cost is that of
-`deformation`. The soundness inequalities hold at every iterate, not only at the end, for each
+`prior`. The soundness inequalities hold at every iterate, not only at the end, for each
 step is the least of a quadratic function under them (sequential quadratic programming with a
 Gauss-Newton form, damped after Levenberg and Marquardt). A solve may therefore be cut short at
 any time, and one that starts from the last car while a mark is dragged takes a few steps.

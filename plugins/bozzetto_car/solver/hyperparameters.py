@@ -1,6 +1,6 @@
 """How far a car is from its template, and which marks are wrong, as the marks have it.
 
-The cost of `deformation` takes for granted how much cars differ from the template. Then a car
+The cost of `prior` takes for granted how much cars differ from the template. Then a car
 that *is* the template follows every tremor of the hand, and a mark that went astray takes the
 shape along. What is probable tells both apart (MacKay, *Bayesian interpolation*, 1992). Of a car
 that differs by a share t of what the cost expects, marked by a hand s times as unsteady, the

@@ -1,9 +1,10 @@
 """From marks to the car: the cameras of all sketches, and the shape, solved together.
 
-First the camera of every sketch from the template as it stands (`placing`); then how far the car is
-from it, and which marks are wrong (`evidence`), for they would take the shape along; then all
-cameras and the shape in one (`joint`). The same marks give the same car, and a solve that was made
-already is remembered. One that starts from the car before a drag is quicker, and no other.
+First the camera of every sketch from the template as it stands (`initial_cameras`); then how far
+the car is from it, and which marks are wrong (`hyperparameters`), for they would take the shape
+along; then all cameras and the shape in one (`bundle_adjustment`). The same marks give the same
+car, and a solve that was made already is remembered. One that starts from the car before a drag is
+quicker, and no other.
 """
 
 from __future__ import annotations

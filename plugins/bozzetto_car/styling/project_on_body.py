@@ -133,7 +133,7 @@ def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> 
     Returns
     -------
     list of Places
-        Paths of two places or more, in the order of the line; see `styling_path`.
+        Paths of two places or more, in the order of the line; see `surface_path`.
 
     Raises
     ------

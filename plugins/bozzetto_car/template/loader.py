@@ -3,7 +3,7 @@
 A file (``bozzetto-car-template/1``, see `docs/car.md`) tells the right half of a car and its
 middle. The left half is its mirror image, made here by changing the sign of y, so a template
 read from a file is symmetric to the last bit. Nothing is built on it before
-`template_check.check` has found it sound.
+`validation.check` has found it sound.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Kara & Shimada (2008) start every car from a template: a symmetric network of curves whose
 nodes are *fiducial* points, which a person can find again in a sketch. A `Template` is such a
-network as data. It holds no rules of its own: `template_file` reads it, `template_check` says
-what is wrong with it, `soundness` makes inequalities of its rules.
+network as data. It holds no rules of its own: `loader` reads it, `validation` says
+what is wrong with it, `shape_constraints` makes inequalities of its rules.
 
 World: x rearward from the nose, y to the right, z up from the ground, mm; the plane of
 symmetry is y = 0.
@@ -244,7 +244,7 @@ class Template:
         Raises
         ------
         KeyError
-            If there is none; `template_check.check` says so in words.
+            If there is none; `validation.check` says so in words.
         """
         image = self.mirrored
         return np.array([self.edge_between[image[a], image[b]] for a, b in self.edges], np.intp)

@@ -1,7 +1,7 @@
 """What is wrong with a template, in sentences: for whoever writes one.
 
 A template that passes is symmetric to the last bit, one open shell, smooth where it says so,
-keeps its own rules, and can ask for every mark. `template_file.read_template` takes no other.
+keeps its own rules, and can ask for every mark. `loader.read_template` takes no other.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Posing: joints that were turned, joints that are dragged, and the skin that follows.
 
-A free end draws its whole limb along, up to where that leaves the body (`kinematics`). Any
+A free end draws its whole limb along, up to where that leaves the body (`inverse_kinematics`). Any
 other joint turns the bone that it ends, and with it all that hangs on the joint before.
 """
 

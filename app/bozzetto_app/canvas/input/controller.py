@@ -1,6 +1,6 @@
 """The hand on the sheet: from events of pen, mouse and fingers to calls of the session.
 
-One machine (`gestures`) decides what is meant. While ink flows the handlers only copy the
+One machine (`state_machine`) decides what is meant. While ink flows the handlers only copy the
 event; everything else happens once per round of the event loop in `_drain`.
 """
 

@@ -43,7 +43,7 @@ class Request(msgspec.Struct):
     Attributes
     ----------
     kind : str
-        As `importing.read_here` knows them.
+        As `import_file.read_here` knows them.
     path : bytes
         As the system spells it, from the root.
     seconds, megabytes : int

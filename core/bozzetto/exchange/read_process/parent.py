@@ -181,7 +181,7 @@ def read_in_child(
     Parameters
     ----------
     kind : {"mesh", "drawing", "image", "picture"}
-        As `importing.read_here` knows them.
+        As `import_file.read_here` knows them.
     path : path
     budget : Budget
     checkpoint : callable, optional

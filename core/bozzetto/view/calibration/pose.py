@@ -11,7 +11,7 @@ k = 1/f the reciprocal of the focal length. k = 0 is the orthographic camera. No
 beyond bounds on the way there, as the focal length and the distance do in the usual form.
 
 Lengths in the picture are shares of its diagonal from its middle, x right and y down; points
-are in their root mean square radius. `framing` leads to these units and back.
+are in their root mean square radius. `normalization` leads to these units and back.
 """
 
 from __future__ import annotations
