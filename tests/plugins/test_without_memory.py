@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from bozzetto.plugin.cache import ALL, MOST_BYTES, forget_all
-from bozzetto.plugin.testing.asking import answers, questions
-from bozzetto.plugin.testing.subject import Subject
-from bozzetto.workbench import Workbench
+from bozzetto.testing.questions import answers, questions
+from bozzetto.testing.subject import Subject
+from bozzetto.workbench.workbench import Workbench
 
 MODELERS = ("bozzetto.silhouette", "bozzetto.symmetry", "bozzetto.car")
 

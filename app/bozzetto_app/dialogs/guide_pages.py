@@ -23,8 +23,8 @@ __all__ = [
 
 FIRST_PAGE: Final = "guide.md"
 
-PACKED: Final = Path(__file__).with_name("guide")
-WRITTEN: Final = Path(__file__).parents[2] / "docs"
+PACKED: Final = Path(__file__).parents[1] / "guide"
+WRITTEN: Final = Path(__file__).parents[3] / "docs"
 
 KEY: Final = re.compile(r"<kbd>(.*?)</kbd>")
 HEADING: Final = re.compile(r"^(#{1,6}) +(.*?) *#*$", re.MULTILINE)

@@ -83,7 +83,7 @@ class FakeSession(QObject):
         self.tools = (FakeTool("draw", "ink"), FakeTool("mark", "tap"), FakeTool("edit", "drag"))
         self.active_tool = "draw"
         self.shading = "clay"
-        self.show_grid = False
+        self.show_grid = self.is_dragging = False
         self.show_ghost_ink = True
         self.selected = self.selected_model = None
         self.calls = []

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from bozzetto_app import tidying
+from bozzetto_app.workers import gc_on_main_thread as tidying
 from bozzetto_app.workers.gc_on_main_thread import REST, Tidier
 
 

@@ -110,7 +110,10 @@ def test_a_trusted_file_has_no_limits_of_number(tmp_path):
 def test_the_process_that_reads_is_used_again_and_replaced_when_it_is_gone(tmp_path):
     reading_process._end_idle()  # what others left may be about to end
     (tmp_path / "a.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    first = importing.read_mesh(tmp_path / "a.obj")
+    for _ in range(3):  # a thread that another test left behind may take it away once
+        first = importing.read_mesh(tmp_path / "a.obj")
+        if reading_process._idle:
+            break
     (kept,) = reading_process._idle
     importing.read_mesh(tmp_path / "a.obj")
     assert reading_process._idle == [kept]

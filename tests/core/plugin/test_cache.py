@@ -10,9 +10,9 @@ import pytest
 
 from bozzetto.plugin import Memory
 from bozzetto.plugin.cache import ALL, forget_all
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.memory_budget import MOST_BYTES, MemoryBudget
-from bozzetto.plugin.registry import Registry
-from bozzetto.workbench import Workbench
+from bozzetto.workbench.workbench import Workbench
 
 
 def in_threads(count, ask):

@@ -10,7 +10,7 @@ import pytest
 from bozzetto_car.solver.pipeline import solved
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.shape_constraints import Soundness
-from tests.plugins.car.marking import aside, marked
+from tests.plugins.car.marked_points import aside, marked
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, apart, rms
 from tests.plugins.car.unseen import KINDS, PICTURES, pictured, unseen
 

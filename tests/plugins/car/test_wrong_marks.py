@@ -12,7 +12,7 @@ from bozzetto_car.solver.pipeline import solved
 from bozzetto_car.state import Mark
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
-from tests.plugins.car.marking import aside, marked, with_marks
+from tests.plugins.car.marked_points import aside, marked, with_marks
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, SIDE, View, rubbery, styled
 
 CARS = {"styled": styled, "rubbery": rubbery}

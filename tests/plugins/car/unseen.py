@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
-from tests.plugins.car.marking import Marked, marked
+from tests.plugins.car.marked_points import Marked, marked
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, View
 
 Array = NDArray[np.float64]

@@ -211,19 +211,6 @@ def test_fifty_parts_remember_their_outlines(monkeypatch: pytest.MonkeyPatch) ->
     assert len(read) == 50
 
 
-def test_memory_is_bounded_by_what_it_holds() -> None:
-    memory: Memory[bytes] = Memory(limit=9, weight=len, most=10)
-    memory.put("a", bytes(3))
-    memory.put("b", bytes(6))
-    assert memory.known("a") is not None
-    assert memory.known("b") is not None
-    memory.put("b", bytes(8))  # more than fits beside the other
-    assert memory.known("a") is None
-    memory.put("c", bytes(11))  # more than there is room for at all
-    assert memory.known("b") is None
-    assert memory.known("c") is None
-
-
 def test_skeletons_stand_where_their_groups_were_moved() -> None:
     state = drawn((600, 450, 120), resolution=32)
     away = Placement(offset=(7.0, -20.0, 3.0))

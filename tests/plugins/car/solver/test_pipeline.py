@@ -13,7 +13,7 @@ from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
-from tests.plugins.car.marking import Marked, aside, marked, with_marks
+from tests.plugins.car.marked_points import Marked, aside, marked, with_marks
 from tests.plugins.car.sketched import (
     FRONT,
     FRONT_QUARTER,
