@@ -488,7 +488,7 @@ class FailedBackend:
     def __init__(self, widget):
         self.widget = widget
 
-    def ignore(self, *arguments):
+    def ignore(self, *arguments, **options):
         pass
 
-    set_scene = set_live = set_camera = set_palette = set_style = ignore
+    set_scene = set_live = set_camera = set_palette = set_style = release = ignore

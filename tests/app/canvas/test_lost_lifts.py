@@ -158,7 +158,7 @@ def test_a_tap_is_as_long_as_the_hand_made_it_not_as_the_window_took(session, mo
     session.active_tool = "mark"
     mouse.press(100, 100)
     later = time.perf_counter() + 0.3
-    for module in ("hand", "pen"):
-        monkeypatch.setattr(f"bozzetto_app.canvas.{module}.perf_counter", lambda: later)
+    for module in ("controller", "tablet_events"):
+        monkeypatch.setattr(f"bozzetto_app.canvas.input.{module}.perf_counter", lambda: later)
     mouse.release(100, 100)
     assert len(session.named("tapped")) == 1

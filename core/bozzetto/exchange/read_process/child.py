@@ -147,5 +147,8 @@ def _resident_bytes() -> int:
         import resource
     except ImportError:
         return TIRED_BYTES + 1  # not known: the next one begins small in any case
+    if sys.platform == "linux":  # its ru_maxrss counts in what the process that started us took
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1]) * resource.getpagesize()
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else peak << 10
