@@ -31,14 +31,14 @@ def rows() -> Iterator[Row]:
             found = drag(window, key, SECONDS)
             close(window)
         yield Row(
-            "window", f"{stem}, {found.label} dragged: frames shown", found.frames / SECONDS,
+            "sliders", f"{stem}, {found.label} dragged: frames shown", found.frames / SECONDS,
             "/s", "≥ 10 /s",
         )  # fmt: skip
         yield Row(
-            "window", f"{stem}, {found.label}: pictures painted", found.painted / SECONDS, "/s",
+            "sliders", f"{stem}, {found.label}: pictures painted", found.painted / SECONDS, "/s",
         )  # fmt: skip
         yield Row(
-            "window", f"{stem}, {found.label}: frames for a second of processor time",
+            "sliders", f"{stem}, {found.label}: frames for a second of processor time",
             found.frames / max(found.processor, 1e-3), "/s",
         )  # fmt: skip
     application.processEvents()
