@@ -38,13 +38,13 @@ def _imported():
 @pytest.fixture(autouse=True)
 def _impatient(monkeypatch):
     for module, name in (
-        ("inking", "APPLY_LIMIT"),
-        ("inking", "PREVIEW_LIMIT"),
+        ("gestures", "APPLY_LIMIT"),
+        ("gestures", "PREVIEW_LIMIT"),
         ("toolbox", "TOOLS_LIMIT"),
-        ("showing", "SOLVE_LIMIT"),
+        ("solver", "SOLVE_LIMIT"),
         ("files", "READ_LIMIT"),
     ):
-        monkeypatch.setattr(f"bozzetto_app.{module}.{name}", LIMIT)
+        monkeypatch.setattr(f"bozzetto_app.session.{module}.{name}", LIMIT)
     monkeypatch.setattr("bozzetto_app.workers.channel.GRACE", LIMIT)
 
 
