@@ -162,7 +162,7 @@ def recovering(count: int, seed: int = 0) -> dict[str, int]:
     lost = wrong = twice = strokes = brought_back = 0
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        start = Snapshot("Drawing", None, None, _with_strokes(0), ())
+        start = Snapshot("Drawing", None, None, _with_strokes(0))
         first = DrawingRecord(RecoveryStore(folder))
         first.write(start)
         first.set_aside()
@@ -177,7 +177,7 @@ def recovering(count: int, seed: int = 0) -> dict[str, int]:
                     number, back = found
                     record = DrawingRecord(store, back)
                     drawn = _with_strokes(number + 1)
-                    record.write(Snapshot("Drawing", None, None, drawn, ()))
+                    record.write(Snapshot("Drawing", None, None, drawn))
                     acknowledge()
                     record.set_aside()
 
