@@ -178,10 +178,13 @@ class Life:
         record = self.keeper._sheet.record
         if not self.session.is_modified or record._own is None:
             return
+        left = record._own.folder.name
         record._own.set_aside()
         record._own = None
         self.session.files.given_up.emit()  # what the crash left is all that there is
-        (crashed,) = RecoveryStore(self.folder / "recovery").crashed_sessions()
+        # Drawings that left the sheet without an answer lie there as well.
+        sessions = RecoveryStore(self.folder / "recovery").crashed_sessions()
+        (crashed,) = (one for one in sessions if one.id == left)
         self.session.files.new()
         self.settle()
         self.keeper.recover(crashed)
