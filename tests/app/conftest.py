@@ -112,10 +112,15 @@ def sketches(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module", autouse=True)
 def _collect_here():
-    """No garbage is collected in a worker's thread: it would take Qt objects along."""
+    """No garbage is collected in a worker's thread: it would take Qt objects along.
+
+    What lives before a module begins (thousands of test items, libraries) is frozen: the
+    collections after each test look at what that test left, not at everything.
+    """
+    gc.collect()
+    gc.freeze()
     gc.disable()
     yield
-    gc.collect()
     gc.enable()
 
 

@@ -37,6 +37,7 @@ from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.document_locks import Claim
 from tests.disk_faults import watch
 from tests.document_kit import FakeRegistry, Ink, stroke
+from tests.sizes import sized
 
 INK = [stroke(number, 2) for number in range(200)]
 NUMBER = {id(one): number for number, one in enumerate(INK)}
@@ -372,4 +373,4 @@ def test_some_orders_lose_nothing():
 
 @pytest.mark.slow
 def test_many_orders_lose_nothing():
-    explore(200)
+    explore(sized(40, 200))

@@ -7,6 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.app.waiting_life import ACTS, MOODS, life_in
+from tests.sizes import sized
 
 moods = st.tuples(st.just("mood"), st.sampled_from(MOODS))
 draws = st.tuples(st.just("draw"), st.sampled_from(["closed", "open"]), st.booleans())
@@ -29,7 +30,7 @@ def test_undo_reaches_every_stroke_that_was_lifted(life, acts):
 
 
 @pytest.mark.slow
-@settings(max_examples=400, deadline=None, suppress_health_check=QUIET)
+@settings(max_examples=sized(60, 400), deadline=None, suppress_health_check=QUIET)
 @given(lives)
 def test_undo_reaches_every_stroke_in_many_lives(life, acts):
     life.live(acts)

@@ -19,9 +19,10 @@ from bozzetto.exchange.formats import FORMATS, find, function, readers
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.view import Camera
+from tests.sizes import sized
 
 DEFAULT_CASES = 3000
-LONG_CASES = 200_000
+LONG_CASES = sized(10_000, 200_000)
 
 MEMORY = 3 << 30
 """Address space of the process that reads the hungry files, bytes."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.view.calibration import most_helpful, predicted, resect
 from tests.core.view.marked_car import CENTRE, NAMES, NODES, PICTURE, POINTS, rms, shot
+from tests.sizes import sized
 
 
 def sound(found, points):
@@ -201,7 +200,7 @@ def test_garbage_gives_a_camera_or_a_sentence():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("batch", range(20 if os.environ.get("BOZZETTO_LONG") else 2))
+@pytest.mark.parametrize("batch", range(sized(1, 20)))
 def test_ten_thousand_sets_of_garbage(batch):
     first = 1000 + 500 * batch
     assert try_garbage(range(first, first + 500)) > 250

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,6 +20,7 @@ from tests.plugins.car.sketched import (
     looking,
 )
 from tests.plugins.car.solved import assert_allowed, of_nodes
+from tests.sizes import sized
 
 
 @pytest.fixture(params=TEMPLATES)
@@ -97,6 +97,6 @@ def test_garbage_gives_a_sound_car_or_a_sentence(template: Template) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1, 14 if os.environ.get("BOZZETTO_LONG") else 2))
+@pytest.mark.parametrize("seed", range(1, 1 + sized(1, 13)))
 def test_ten_thousand_sets_of_garbage(template: Template, seed: int) -> None:
     assert survive_garbage(template, seed, 257) >= 200

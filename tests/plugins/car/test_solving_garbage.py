@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Literal
 
 import numpy as np
@@ -15,12 +14,11 @@ from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import PICTURE, looking
+from tests.sizes import sized
 
 pytestmark = pytest.mark.slow
 
 Name = Literal["sedan", "hatchback", "minivan"]
-
-LONG = bool(os.environ.get("BOZZETTO_LONG"))
 
 
 def senseless(template: Template, rng: np.random.Generator, number: int) -> Sketch:
@@ -110,6 +108,6 @@ def test_marks_without_sense_give_a_sound_car_or_a_sentence(name: Name) -> None:
 
 
 @pytest.mark.parametrize("name", TEMPLATES)
-@pytest.mark.parametrize("seed", range(1, 34 if LONG else 2))
+@pytest.mark.parametrize("seed", range(1, 1 + sized(1, 33)))
 def test_many_sets_of_marks_without_sense(name: Name, seed: int) -> None:
-    assert survive(name, seed, 102 if LONG else 50) >= 25
+    assert survive(name, seed, sized(50, 102)) >= 25
