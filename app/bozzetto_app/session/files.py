@@ -421,14 +421,14 @@ class Files(QObject):
             bench = session.workbench
             if "mesh" in find(path, readers()).holds:
                 shapes = read_mesh(path, checkpoint=reading)
-                return bench.from_shapes(MESH_MODELER, shapes, path.stem), False
+                return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False
             drawing = read_drawing(path, checkpoint=reading)
             facts_only = not len(drawing.strokes)
             modeler = (facts_only and session.registry.told_by(drawing.extra)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
             here = context if facts_only else replace(context, camera=drawing.camera)
-            return bench.from_drawing(modeler, drawing, {}, here), bool(drawing.pictures)
+            return bench.sources.from_drawing(modeler, drawing, {}, here), bool(drawing.pictures)
 
         def done(answer: tuple[Model, bool]) -> None:
             if session.history is not history:

@@ -82,9 +82,9 @@ def _build_one(
     drawing = read_drawing(source, trusted=options.trust_file) if picture is None else None
     try:
         if picture is not None:
-            model = bench.from_picture(modeler_id, picture, values)
+            model = bench.sources.from_picture(modeler_id, picture, values)
         else:
-            model = bench.from_drawing(modeler_id, drawing, values)
+            model = bench.sources.from_drawing(modeler_id, drawing, values)
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
         written = hand_over(

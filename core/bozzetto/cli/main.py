@@ -227,7 +227,7 @@ def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
     if path.suffix.lower() == ".bozz":
         return open_document(bench, path)
     return Document(
-        (bench.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
+        (bench.sources.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
     )
 
 
@@ -284,7 +284,7 @@ def _samples(options: argparse.Namespace) -> int:
     for info in bench.registry.modelers():
         for sample in info.samples:
             drawing = read_drawing(sample, trusted=True)  # it came with its plugin
-            document = Document((bench.from_drawing(info.id, drawing, {}),))
+            document = Document((bench.sources.from_drawing(info.id, drawing, {}),))
             shapes = bench.shapes(document, Job())
             stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"
             targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]

@@ -127,7 +127,7 @@ def check_read_shapes(subject: Subject) -> None:
         ensure(able or not told, "the manifest says reads_shapes, and there is no read_shapes")
         for shapes in _given() if able else ():
             try:
-                model = shell.workbench.from_shapes(subject.modeler, shapes, "Given")
+                model = shell.workbench.sources.from_shapes(subject.modeler, shapes, "Given")
                 shell.workbench.solve(model, PREVIEW)
             except UserError as problem:
                 ensure(bool(problem.message.strip()), "a UserError needs words")
@@ -137,7 +137,7 @@ def check_pictures(subject: Subject) -> None:
     """Pictures of any kind are taken and can be stored, or are refused in plain words."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
-            if not shell.workbench.takes_pictures(subject.modeler):
+            if not shell.workbench.sources.takes_pictures(subject.modeler):
                 return
             for picture in _pictures():
                 digest = state_digest(shell.state)

@@ -101,7 +101,9 @@ def check_samples(subject: Subject) -> None:
         bench = shell.workbench
         for path in shell.registry.info(subject.modeler).samples:
             try:
-                model = bench.from_drawing(subject.modeler, read_drawing(path, trusted=True), {})
+                model = bench.sources.from_drawing(
+                    subject.modeler, read_drawing(path, trusted=True), {}
+                )
                 bench.model_scene(model, bench.solve(model, _job("preview")))
             except UserError as problem:
                 raise Broken(f"{path.name}: {problem.message}") from problem

@@ -157,13 +157,13 @@ class Shell:
     def use(self, modeler: str) -> Model:
         """Begin a model of another modeler that starts from the shapes of this one."""
         modeler_id = self.registry.resolve(modeler)
-        model = self.workbench.from_models(modeler_id, [self.model], Job())
+        model = self.workbench.sources.from_models(modeler_id, [self.model], Job())
         self._model_id = model.id
         return self._keep("use", model)
 
     def place(self, picture: Picture) -> Model:
         """Give the model a picture to work on, as if it had been dropped on the sheet."""
-        made = self.workbench.with_picture(self.model, picture, self.context())
+        made = self.workbench.sources.with_picture(self.model, picture, self.context())
         return self._keep("Add sketch", made)
 
     def set(self, **values: object) -> Model:

@@ -89,7 +89,7 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
         from bozzetto.exchange.import_file import read_drawing
 
         drawing = read_drawing(info.samples[0], trusted=True)
-        shell.put(shell.workbench.from_drawing(info.id, drawing, {}).state)
+        shell.put(shell.workbench.sources.from_drawing(info.id, drawing, {}).state)
     elif any(tool.gesture == "tap" for tool in shell.tools()):
         for x, y in TAPS:
             touch = pen.along([(x, y), (x + 1.0, y)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from bozzetto.document.model import Model, new_id
 from bozzetto.errors import UserError
@@ -26,12 +26,14 @@ __all__ = ["ModelSources"]
 class ModelSources:
     """Makes models of what there is already, through the guard.
 
-    The workbench is one of these, and nothing else is.
+    Parameters
+    ----------
+    bench : Workbench
+        Runs the modelers.
     """
 
-    @property
-    def _bench(self) -> Workbench:
-        return cast("Workbench", self)
+    def __init__(self, bench: Workbench) -> None:
+        self._bench = bench
 
     def from_drawing(
         self,

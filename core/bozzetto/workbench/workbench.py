@@ -45,7 +45,7 @@ KEPT_RESULTS = 64
 """How many solved results are kept; they can always be made again."""
 
 
-class Workbench(ModelSources):
+class Workbench:
     """Runs modelers on documents.
 
     Parameters
@@ -59,6 +59,8 @@ class Workbench(ModelSources):
         What can be done to the parts of a model.
     commands : ModelCommands
         What a modeler can do to a model at one word.
+    sources : ModelSources
+        Makes models of drawings, shapes and pictures.
     curves : KnownCurves
         What solved models offer to snap to and to start from.
 
@@ -73,6 +75,7 @@ class Workbench(ModelSources):
         self.parts = PartEdits(registry)
         self.commands = ModelCommands(registry)
         self.curves = KnownCurves(registry)
+        self.sources = ModelSources(self)
         self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
         self._lock = threading.Lock()
         self._moved: tuple[Scene, Placement, Scene] | None = None

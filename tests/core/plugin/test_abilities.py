@@ -144,20 +144,20 @@ def test_a_step_runs_a_command_and_facts_reach_create(shell, tmp_path):
     (tmp_path / "made.json").write_bytes(write_drawing(drawing))
     read = read_drawing(tmp_path / "made.json")
     assert read.steps == drawing.steps
-    made = shell.workbench.from_drawing(MODELER, read, {}).state
+    made = shell.workbench.sources.from_drawing(MODELER, read, {}).state
     assert made.box == 12.5
     (first,), (second,) = made.marks[:1], made.marks[1:]
     assert np.allclose(np.array(first), np.array(second) * (-1, 1, 1))
     assert made.seen == 1, "the second mark saw the curve of the first"
     plain = replace(read, steps=(), strokes=Strokes([LINE]))
-    assert shell.workbench.from_drawing(MODELER, plain, {}).state.box == 12.5
+    assert shell.workbench.sources.from_drawing(MODELER, plain, {}).state.box == 12.5
 
 
 @pytest.mark.parametrize("name", ["fly", "flip", "refuse"])
 def test_a_command_that_cannot_be_run_is_named_with_its_step(shell, name):
     drawing = Drawing(Strokes([LINE]), Camera(), steps=(CommandStep(name),))
     with pytest.raises(UserError, match="Step 1: "):
-        shell.workbench.from_drawing(MODELER, drawing, {})
+        shell.workbench.sources.from_drawing(MODELER, drawing, {})
 
 
 # -- view advice -------------------------------------------------------------------------------
@@ -287,5 +287,5 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
 def test_facts_are_only_lent(shell):
     facts = {"box": 3.0}
     drawing = Drawing(Strokes([LINE]), Camera(), extra=facts, steps=(DrawStep("mark", (0,)),))
-    shell.workbench.from_drawing(MODELER, drawing, {})
+    shell.workbench.sources.from_drawing(MODELER, drawing, {})
     assert facts == {"box": 3.0}

@@ -36,7 +36,7 @@ def bench_without(*plugins):
 
 
 def solid_model(bench, name="Rock", **changes):
-    model = bench.from_shapes(MESH, Shapes(solids=(Solid(TETRA, name),)), name)
+    model = bench.sources.from_shapes(MESH, Shapes(solids=(Solid(TETRA, name),)), name)
     return replace(model, **changes)
 
 

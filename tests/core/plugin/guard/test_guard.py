@@ -28,8 +28,12 @@ CALLS = {
     "scene": lambda shell: shell.scene(),
     "shapes": lambda shell: shell.shapes(),
     "report": lambda shell: shell.workbench.report(shell.model, Job()),
-    "read_drawing": lambda shell: shell.workbench.from_drawing("faulty.modeler", DRAWING, {}),
-    "read_shapes": lambda shell: shell.workbench.from_shapes("faulty.modeler", Shapes(), "x"),
+    "read_drawing": lambda shell: shell.workbench.sources.from_drawing(
+        "faulty.modeler", DRAWING, {}
+    ),
+    "read_shapes": lambda shell: shell.workbench.sources.from_shapes(
+        "faulty.modeler", Shapes(), "x"
+    ),
     "upgrade": lambda shell: shell.registry.upgrade("faulty.modeler", {"size": 1.0}, 1),
     "panel": lambda shell: shell.registry.panel("faulty.modeler", None, None),
 }
