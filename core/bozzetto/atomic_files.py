@@ -19,8 +19,6 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
-import numpy as np
-
 from bozzetto.errors import UserError
 from bozzetto.file_locks import take
 from bozzetto.temporary_files import temporary_path
@@ -334,6 +332,8 @@ def _read(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, os.stat
                 raise UserError(
                     f"“{name}” is longer than {limit / 1e9:.1f} GB, which is too long to be opened."
                 )
+            import numpy as np  # here: most who write files have no use for it
+
             content = np.empty(facts.st_size, np.uint8).data
             done = 0
             while got := file.readinto(content[done:]):

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import os
-import socket
 import sys
-import uuid
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -27,6 +25,9 @@ def machine_id() -> str:
             continue
         if content:
             return content
+    import socket
+    import uuid
+
     node = uuid.getnode()
     return socket.gethostname() if node & RANDOM_NODE else f"{node:012x}"
 

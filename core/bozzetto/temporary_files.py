@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import secrets
 import zlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -26,7 +25,7 @@ NAME: Final = re.compile(r"\.bozzetto-([0-9a-f]{8})-(\d{1,10})-[0-9a-f]{12}\.tmp
 
 def temporary_path(target: Path) -> Path:
     """An unused name in the folder of the file that is to be written."""
-    return target.with_name(f".bozzetto-{_machine()}-{os.getpid()}-{secrets.token_hex(6)}.tmp")
+    return target.with_name(f".bozzetto-{_machine()}-{os.getpid()}-{os.urandom(6).hex()}.tmp")
 
 
 def remove_leftovers(folders: Iterable[Path]) -> int:

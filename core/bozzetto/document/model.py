@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import re
-import uuid
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, cast
@@ -34,7 +34,7 @@ STANDING: Final = Placement()
 
 def new_id() -> str:
     """A fresh identifier for a model or an underlay."""
-    return uuid.uuid4().hex[:16]
+    return os.urandom(8).hex()
 
 
 def _check_id(text: str) -> None:

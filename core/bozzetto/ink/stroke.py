@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable
 from typing import Final, Literal, get_args
 
@@ -261,6 +260,8 @@ class Stroke:
     @property
     def digest(self) -> bytes:
         """16 bytes that name this stroke's content."""
+        import hashlib
+
         state = hashlib.blake2b(repr(self._facts()).encode(), digest_size=16)
         for name in COLUMNS:
             state.update(getattr(self, name).tobytes())

@@ -12,7 +12,6 @@ import contextlib
 import errno
 import getpass
 import os
-import secrets
 import socket
 import time
 from pathlib import Path
@@ -218,7 +217,7 @@ def _made(place: Path) -> int | None:
                 socket.gethostname(),
                 os.getpid(),
                 time.time(),
-                secrets.token_hex(8),
+                os.urandom(8).hex(),
                 birth(os.getpid()),
                 machine_id(),
             )

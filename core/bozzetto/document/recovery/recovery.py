@@ -18,7 +18,6 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import secrets
 import shutil
 import time
 from collections.abc import Callable, Iterator
@@ -135,7 +134,7 @@ class RecoveryStore:
         UserError
             If the folder cannot be written to.
         """
-        folder = self.folder / f"{time.strftime('%Y%m%d-%H%M%S')}-{secrets.token_hex(4)}"
+        folder = self.folder / f"{time.strftime('%Y%m%d-%H%M%S')}-{os.urandom(4).hex()}"
         try:
             folder.mkdir(parents=True)
             DISK.sync_folder(self.folder)

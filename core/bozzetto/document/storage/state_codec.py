@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -160,6 +159,8 @@ def decode_state(
 def state_digest(state: Any) -> bytes:
     """16 bytes that name a state's content; equal states have equal ones."""
     encoded = encode_state(state)
+    import hashlib
+
     digest = hashlib.blake2b(encoded.json, digest_size=16)
     for stroke in encoded.strokes:
         digest.update(stroke.digest)

@@ -12,29 +12,19 @@ import threading
 import traceback
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
-from bozzetto.geometry.shapes import Shapes
-from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.commands import Command
-from bozzetto.plugin.guard.answer_validation import (
-    sound_advice,
-    sound_cautions,
-    sound_commands,
-    sound_hint,
-    sound_parts,
-    sound_report,
-    sound_scene,
-    sound_shapes,
-    sound_tools,
-    sound_view,
-)
-from bozzetto.plugin.guard.argument_snapshot import Remembered
-from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.view_advice import ViewAdvice
-from bozzetto.scene.display_list import Scene
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.shapes import Shapes
+    from bozzetto.plugin.cautions import Caution
+    from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.guard.argument_snapshot import Remembered
+    from bozzetto.plugin.part_tree import PartTree
+    from bozzetto.plugin.view_advice import ViewAdvice
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.view.camera import Camera
 
 __all__ = ["Guard", "Overrun", "PluginFault"]
 
@@ -118,6 +108,8 @@ class Guard:
         """
         plugin = self._plugin_of(modeler_id)
         self.refuse_if_off(plugin)
+        from bozzetto.plugin.guard.argument_snapshot import Remembered  # no call, no numpy
+
         before = Remembered(arguments)
         here = threading.current_thread()
         around = self._inside.get(here)
@@ -182,6 +174,8 @@ class Guard:
             If it is no `Scene`, holds other things than display items, numbers that are
             not finite, or more than can be shown.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_scene
+
         return self._check(modeler_id, "a scene", lambda: sound_scene(scene))
 
     def check_shapes(self, modeler_id: str, shapes: Any) -> Shapes:
@@ -192,6 +186,8 @@ class Guard:
         PluginFault
             If it is not `Shapes`, or holds wrong parts or numbers that are not finite.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_shapes
+
         return self._check(modeler_id, "shapes", lambda: sound_shapes(shapes))
 
     def check_tools(self, modeler_id: str, tools: Any) -> tuple[Any, ...]:
@@ -202,6 +198,8 @@ class Guard:
         PluginFault
             If one lacks something that `Tool` asks for, or two have the same id.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_tools
+
         return self._check(modeler_id, "tools", lambda: sound_tools(tools))
 
     def check_commands(self, modeler_id: str, commands: Any) -> tuple[Command, ...]:
@@ -212,6 +210,8 @@ class Guard:
         PluginFault
             If one is no `Command` or lacks something, or two have the same id.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_commands
+
         return self._check(modeler_id, "commands", lambda: sound_commands(commands))
 
     def check_advice(self, modeler_id: str, advice: Any) -> ViewAdvice:
@@ -222,6 +222,8 @@ class Guard:
         PluginFault
             If it is no `ViewAdvice`, or holds something that cannot be shown.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_advice
+
         return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
 
     def check_view(self, modeler_id: str, view: Any) -> Camera:
@@ -232,6 +234,8 @@ class Guard:
         PluginFault
             If it is no `Camera`.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_view
+
         return self._check(modeler_id, "a view", lambda: sound_view(view))
 
     def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
@@ -242,6 +246,8 @@ class Guard:
         PluginFault
             If one is no `Caution`, or has no words.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_cautions
+
         return self._check(modeler_id, "cautions", lambda: sound_cautions(cautions))
 
     def check_hint(self, modeler_id: str, hint: Any) -> str:
@@ -252,6 +258,8 @@ class Guard:
         PluginFault
             If it is not a text.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_hint
+
         return self._check(modeler_id, "a hint", lambda: sound_hint(hint))
 
     def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
@@ -262,6 +270,8 @@ class Guard:
         PluginFault
             If they cannot be listed: fields are missing, ids not unique, groups in a circle.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_parts
+
         return self._check(modeler_id, "parts", lambda: sound_parts(tree))
 
     def check_report(self, modeler_id: str, report: Any) -> dict[str, Any]:
@@ -272,6 +282,8 @@ class Guard:
         PluginFault
             If it is not a mapping.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_report
+
         return self._check(modeler_id, "a report", lambda: sound_report(report))
 
     def _check(self, modeler_id: str, what: str, check: Callable[[], Answer]) -> Answer:

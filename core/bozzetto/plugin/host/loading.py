@@ -6,12 +6,14 @@ import dataclasses
 import importlib
 from collections.abc import Sequence
 from types import ModuleType
-from typing import Any, Final
-
-import pluggy
+from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.errors import UserError, words_of
-from bozzetto.plugin.modeler import Modeler
+
+if TYPE_CHECKING:
+    import pluggy
+
+    from bozzetto.plugin.modeler import Modeler
 
 __all__ = ["Undelivered", "ask", "import_plugin", "look_over_modelers"]
 
@@ -33,6 +35,8 @@ def import_plugin(plugins: pluggy.PluginManager, package: str, plugin_id: str) -
     BaseException
         Whatever the import raises.
     """
+    import pluggy
+
     module: ModuleType = importlib.import_module(package)
     try:
         plugins.register(module, plugin_id)

@@ -14,14 +14,11 @@ import traceback
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, Final
-
-import pluggy
+from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.errors import UserError, words_of
-from bozzetto.plugin import API_VERSION, hooks
+from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
 from bozzetto.plugin.host.loading import ask, import_plugin, look_over_modelers
@@ -33,8 +30,12 @@ from bozzetto.plugin.host.manifest import (
     find_folder,
     read_manifest,
 )
-from bozzetto.plugin.modeler import Modeler
-from bozzetto.plugin.panel import PanelHost
+
+if TYPE_CHECKING:
+    import pluggy
+
+    from bozzetto.plugin.modeler import Modeler
+    from bozzetto.plugin.panel import PanelHost
 
 __all__ = ["GROUP", "ModelerInfo", "PluginInfo", "Registry"]
 
@@ -98,14 +99,25 @@ class Registry:
         self._disabled = set(disabled)
         self._plugins: dict[str, _Plugin] = {}
         self._lock = threading.RLock()
-        self._hooks = pluggy.PluginManager(hooks.PROJECT)
-        self._hooks.add_hookspecs(hooks)
+        self._manager: pluggy.PluginManager | None = None
         for package in _installed():
             info = self.add_package(package)
             if no_plugins:
                 self._disabled.add(info.id)
         for package in extra:
             self.add_package(package)
+
+    def _hooks(self) -> pluggy.PluginManager:
+        """Return the hooks of all plugins; they are made when the first one is asked for."""
+        import pluggy
+
+        from bozzetto.plugin import hooks
+
+        with self._lock:
+            if self._manager is None:
+                self._manager = pluggy.PluginManager(hooks.PROJECT)
+                self._manager.add_hookspecs(hooks)
+            return self._manager
 
     # -- the lists, from manifests alone ------------------------------------------------------
 
@@ -266,7 +278,7 @@ class Registry:
             modeler_id,
             "bozzetto_panel",
             lambda: ask(
-                self._hooks,
+                self._hooks(),
                 plugin.id,
                 "bozzetto_panel",
                 modeler_id=modeler_id,
@@ -292,7 +304,7 @@ class Registry:
             told = self.guard.call(
                 modeler_id,
                 "bozzetto_faults",
-                partial(ask, self._hooks, plugin.id, "bozzetto_faults", file=file),
+                partial(ask, self._hooks(), plugin.id, "bozzetto_faults", file=file),
             )
             if told:
                 return [str(fault) for fault in told[0]]
@@ -351,8 +363,8 @@ class Registry:
         announced = [entry.id for entry in plugin.manifest.modelers] if plugin.manifest else []
 
         def work() -> dict[str, Modeler[Any, Any]]:
-            import_plugin(self._hooks, plugin.package, plugin.id)
-            return look_over_modelers(ask(self._hooks, plugin.id, "bozzetto_modelers"), announced)
+            import_plugin(self._hooks(), plugin.package, plugin.id)
+            return look_over_modelers(ask(self._hooks(), plugin.id, "bozzetto_modelers"), announced)
 
         try:
             plugin.modelers = self.guard.call(announced[0], "its import", work)
@@ -408,5 +420,7 @@ def _installed() -> list[str]:
 
     The bundled ones come first, so that a third party's cannot take their ids.
     """
+    from importlib.metadata import entry_points  # dear: it reads e-mail headers
+
     packages = {entry.value.partition(":")[0].strip() for entry in entry_points(group=GROUP)}
     return sorted(packages, key=lambda package: (not package.startswith("bozzetto_"), package))
