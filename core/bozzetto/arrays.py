@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-__all__ = ["frozen"]
-
 
 def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> NDArray[Any]:
     """Return values as an array nobody can write to, copying only where needed.

@@ -23,21 +23,6 @@ from bozzetto.errors import UserError
 from bozzetto.file_locks import take
 from bozzetto.temporary_files import temporary_path
 
-__all__ = [
-    "DISK",
-    "Disk",
-    "FileChanged",
-    "FileStamp",
-    "Over",
-    "Written",
-    "atomic_write",
-    "backup_path",
-    "explain",
-    "read_bytes",
-    "read_stamped",
-    "write_bytes",
-]
-
 PIECE: Final = 1 << 20
 """Bytes that are read at a time for a checksum."""
 

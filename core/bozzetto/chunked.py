@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, Self, TypeVar, overload
 
-__all__ = ["Chunked"]
-
 Item = TypeVar("Item")
 
 

@@ -11,8 +11,6 @@ from typing import Final
 
 from bozzetto.errors import FormatError
 
-__all__ = ["told_as_format_error"]
-
 DAMAGE: Final = (
     ArithmeticError,  # among them OverflowError
     UnicodeError,

@@ -7,8 +7,6 @@ import os
 import sys
 from enum import Enum
 
-__all__ = ["Taken", "take", "untake"]
-
 FAR: int = 1 << 40
 """Where the one locked byte lies on Windows, which does not let others read locked bytes."""
 

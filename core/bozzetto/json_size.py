@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["MAX_VALUES", "json_values"]
-
 MAX_VALUES: Final = 1_500_000
 """Values in a text whose form is not known: as objects a hundred megabytes or two, and made in
 a tenth of a second."""

@@ -11,8 +11,6 @@ import ctypes
 import sys
 from typing import Any, Final
 
-__all__ = ["bound_heap", "give_back"]
-
 PARTS: Final = 2
 """Parts that the heap is divided into: one for the window's thread, one for all others. Their
 number is else eight for each core, and a part's free end is never given back by a trim."""

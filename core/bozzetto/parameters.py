@@ -14,8 +14,6 @@ from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from bozzetto.errors import UserError
 
-__all__ = ["Field", "Parameter", "parameter_fields", "parse_parameter", "set_parameters"]
-
 State = TypeVar("State")
 Kind = Literal["number", "integer", "switch", "choice", "text", "color"]
 Color = tuple[int, int, int]

@@ -8,8 +8,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
-__all__ = ["birth", "is_running", "machine_id"]
-
 MACHINE_FILES: Final = ("/etc/machine-id", "/var/lib/dbus/machine-id")
 RANDOM_NODE: Final = 1 << 40
 """Set in `uuid.getnode` where the system told no network address and a number was drawn."""

@@ -18,8 +18,6 @@ from typing import Final
 from bozzetto.file_locks import Taken, take
 from bozzetto.processes import is_running, machine_id
 
-__all__ = ["remove_leftovers", "temporary_path"]
-
 NAME: Final = re.compile(r"\.bozzetto-([0-9a-f]{8})-(\d{1,10})-[0-9a-f]{12}\.tmp")
 
 

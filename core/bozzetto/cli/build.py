@@ -22,8 +22,6 @@ from bozzetto.cli.output import (
 )
 from bozzetto.errors import UserError
 
-__all__ = ["build"]
-
 MAX_PLACES = 3
 """Places of a mistake that an error line names."""
 

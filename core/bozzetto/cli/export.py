@@ -13,8 +13,6 @@ from bozzetto.cli.output import (
     write_report,
 )
 
-__all__ = ["export"]
-
 
 def export(options: argparse.Namespace) -> int:
     """Export a document; the exit code."""

@@ -11,8 +11,6 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.formats import find, readers
 from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh
 
-__all__ = ["facts_of"]
-
 
 def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
     """What a document, drawing, mesh or picture holds, in plain JSON values.

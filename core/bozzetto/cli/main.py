@@ -32,8 +32,6 @@ from bozzetto.cli.plugins import ACTIONS
 from bozzetto.cli.plugins import plugins as run_plugins
 from bozzetto.errors import UserError
 
-__all__ = ["COMMANDS", "SWITCHES", "main"]
-
 COMMANDS = ("build", "export", "render", "info", "samples", "plugins")
 """Words after which no window opens."""
 

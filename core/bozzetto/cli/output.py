@@ -12,20 +12,6 @@ from typing import Any
 
 from bozzetto.errors import UserError
 
-__all__ = [
-    "EXIT_ERROR",
-    "EXIT_FAULT",
-    "complain",
-    "hand_over",
-    "keep_apart",
-    "make_folder",
-    "open_document",
-    "warn",
-    "words_of_fault",
-    "workbench",
-    "write_report",
-]
-
 ASK_FOR_IT = "To write it all the same, say --allow-template."
 
 EXIT_FAULT = 1

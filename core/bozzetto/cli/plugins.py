@@ -12,8 +12,6 @@ from bozzetto.errors import UserError
 if TYPE_CHECKING:
     from bozzetto.plugin.host.registry import PluginInfo
 
-__all__ = ["ACTIONS", "plugins"]
-
 ACTIONS = ("list", "check", "enable", "disable")
 """What can be done with plugins."""
 

@@ -10,8 +10,6 @@ from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import without
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["take"]
-
 
 def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()) -> None:
     """Put a model into the present document, in the place of the ink that it came of.

@@ -15,26 +15,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.view.camera import Camera
 
-__all__ = [
-    "Edit",
-    "add_model",
-    "add_underlay",
-    "add_view",
-    "change_state",
-    "change_underlay",
-    "color_model",
-    "delete_models",
-    "delete_underlay",
-    "delete_view",
-    "duplicate_model",
-    "lock_model",
-    "move_model",
-    "place_model",
-    "rename_model",
-    "rename_view",
-    "show_model",
-]
-
 Color = tuple[int, int, int]
 
 

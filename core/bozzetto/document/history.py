@@ -10,8 +10,6 @@ from typing import Final
 from bozzetto.document.model import Document
 from bozzetto.document.shared_bytes import difference
 
-__all__ = ["History"]
-
 BYTE_LIMIT: Final = 256 << 20
 """Default bound of what old snapshots may hold that the present one does not, bytes."""
 

@@ -19,9 +19,6 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.images.png import MAX_PIXELS
 from bozzetto.view.camera import Camera
 
-__all__ = ["Document", "Model", "NamedView", "Underlay", "check_name", "new_id"]
-
-
 ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
 """Ids of models, modelers and underlays: they become folders in the file."""
 

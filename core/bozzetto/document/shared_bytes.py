@@ -11,8 +11,6 @@ import numpy as np
 from bozzetto.chunked import Chunked
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["difference"]
-
 OBJECT_BYTES: Final = 96
 """What an object costs beside its arrays and texts: pointers, counts, small numbers."""
 

@@ -18,16 +18,6 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.stroke import Stroke
 
-__all__ = [
-    "Waiting",
-    "WaitingStatus",
-    "WaitingStroke",
-    "marked",
-    "strokes_of",
-    "touched",
-    "without",
-]
-
 WaitingStatus = Literal["new", "unfinished", "refused", "failed"]
 
 MAX_REASON: Final = 2000

@@ -11,8 +11,6 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import MAX_COORDINATE
 from bozzetto.view.camera import Camera
 
-__all__ = ["CameraRecord", "CanvasRecord", "camera_from", "camera_record", "canvas_record"]
-
 Number = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
 Triple = tuple[Number, Number, Number]
 

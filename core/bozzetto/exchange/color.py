@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.shapes import Solid, Surface
 
-__all__ = ["WHITE", "linear_to_srgb", "srgb_to_linear", "vertex_colors"]
-
 WHITE: Final = (255, 255, 255)
 """The colour of what has none, in files that must have one."""
 

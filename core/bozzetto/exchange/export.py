@@ -17,8 +17,6 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
 
-__all__ = ["Exported", "encoded", "export", "has_room", "prepared", "write_drawing"]
-
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
 """What people call a kind of content, where it is not the kind's own name."""
 

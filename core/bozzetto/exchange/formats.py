@@ -27,8 +27,6 @@ from typing import Any, Final, Literal
 
 from bozzetto.errors import UserError
 
-__all__ = ["FORMATS", "Format", "Kind", "find", "function", "readers", "writers"]
-
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
 
 

@@ -16,8 +16,6 @@ from bozzetto.images.png import rgba_pixels
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["read_pixels"]
-
 DECODERS: Final = ("PNG", "JPEG", "TIFF", "WEBP", "BMP")
 
 BYTES_PER_PIXEL: Final = {"PNG": 8, "JPEG": 8, "BMP": 8, "TIFF": 8, "WEBP": 20}

@@ -29,15 +29,6 @@ from bozzetto.geometry.shapes import Shapes, Solid
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 
-__all__ = [
-    "is_picture",
-    "read_drawing",
-    "read_here",
-    "read_image",
-    "read_mesh",
-    "read_picture",
-]
-
 
 def is_picture(path: str | os.PathLike[str]) -> bool:
     """Whether a file's ending is that of a picture; the file is not looked into."""

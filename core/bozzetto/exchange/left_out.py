@@ -9,8 +9,6 @@ from typing import Any, Final
 from bozzetto.exchange.formats import Format
 from bozzetto.geometry.shapes import Shapes, Solid
 
-__all__ = ["LeftOut", "parts_left_out", "with_place"]
-
 MESH_FILES: Final = {"solid": "3MF or STL", "open surface": "GLB or OBJ"}
 """Where parts that are made of triangles go, by what they are called."""
 

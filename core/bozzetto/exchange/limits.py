@@ -10,27 +10,6 @@ from typing import Final
 
 from bozzetto.errors import FormatError
 
-__all__ = [
-    "MAX_CONTROL_POINTS",
-    "MAX_COORDINATE",
-    "MAX_DEPTH",
-    "MAX_ELEMENTS",
-    "MAX_FACES",
-    "MAX_INK_BYTES",
-    "MAX_MESH_BYTES",
-    "MAX_PIXELS",
-    "MAX_SAMPLES",
-    "MAX_STEPS",
-    "MAX_STROKES",
-    "MAX_VERTICES",
-    "MAX_WORDS",
-    "Budget",
-    "at_most",
-    "budget_for",
-    "exceeds",
-    "unlimited",
-]
-
 USUAL_BYTES: Final = 64 << 20
 """Size up to which a file has one `Budget`, bytes; a larger one gets more, in proportion."""
 

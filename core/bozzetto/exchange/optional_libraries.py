@@ -7,8 +7,6 @@ from typing import Any
 
 from bozzetto.errors import UserError
 
-__all__ = ["library"]
-
 
 def library(name: str, extra: str) -> Any:
     """A library that comes with an extra, imported now.

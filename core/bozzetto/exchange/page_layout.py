@@ -13,8 +13,6 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["Sheet", "sheet_drawing"]
-
 Array = NDArray[np.float64]
 Color = tuple[int, int, int]
 

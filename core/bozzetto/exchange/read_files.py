@@ -8,8 +8,6 @@ from typing import BinaryIO, Final
 
 from bozzetto.errors import FormatError, UserError, words_of
 
-__all__ = ["file_size", "read_bytes"]
-
 NOT_WAITING: Final = (
     getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 )

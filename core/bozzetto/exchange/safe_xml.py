@@ -10,8 +10,6 @@ from xml.parsers import expat
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, at_most
 
-__all__ = ["Element", "parsed", "writable"]
-
 XML_SPACE: Final = "http://www.w3.org/XML/1998/namespace"
 
 GZIP: Final = b"\x1f\x8b"

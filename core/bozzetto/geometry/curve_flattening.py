@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 
-__all__ = ["FLATNESS", "flattened"]
-
 Array = NDArray[np.float64]
 
 FLATNESS: Final = 0.25

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from bozzetto.arrays import frozen
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Mesh"]
-
 
 @dataclass(frozen=True, eq=False)
 class Mesh:

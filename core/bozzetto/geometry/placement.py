@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 
-__all__ = ["Placement"]
-
 UNIT_TOLERANCE: float = 1e-6
 """Largest departure from orthonormality accepted in a rotation."""
 

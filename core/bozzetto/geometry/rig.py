@@ -11,8 +11,6 @@ from bozzetto.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Rig", "Skin"]
-
 Array = NDArray[np.float64]
 
 UNIT_SUM: float = 1e-5

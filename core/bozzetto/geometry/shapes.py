@@ -15,8 +15,6 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
 
-__all__ = ["Curve", "Shapes", "Skeleton", "Solid", "Surface"]
-
 Color = tuple[int, int, int]
 
 

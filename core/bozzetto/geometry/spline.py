@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.arrays import frozen
 from bozzetto.geometry.shapes import Color, Curve
 
-__all__ = ["DEGREE", "Spline"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 
-__all__ = ["Texture"]
-
 
 @dataclass(frozen=True, eq=False)
 class Texture:

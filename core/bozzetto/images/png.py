@@ -17,8 +17,6 @@ from bozzetto.errors import FormatError, words_of
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["MAX_PIXELS", "decoded", "pixel_count", "png_bytes", "rgba_pixels", "write_png"]
-
 MAX_PIXELS: Final = 1 << 26
 """Largest picture that a document holds, pixels: 8192 × 8192, a quarter of a gigabyte."""
 

@@ -14,8 +14,6 @@ from bozzetto.arrays import frozen
 from bozzetto.errors import FormatError, UserError
 from bozzetto.images.png import decoded, png_bytes
 
-__all__ = ["Picture", "packed"]
-
 LONGEST_SIDE: Final = 4096
 """Longest side of the pixels that are kept, and beyond what a sheet shows."""
 

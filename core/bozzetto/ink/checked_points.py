@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
 
-__all__ = ["FARTHEST", "is_on_sheet", "is_seen", "places_on_sheet", "seen_through"]
-
 FARTHEST: Final = 1e9
 """Largest coordinate, px: a million screens away. Squares of it and of its differences are
 still exact to a few digits, so nothing overflows."""

@@ -11,8 +11,6 @@ from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["Drawing"]
-
 
 @dataclass(frozen=True)
 class Drawing:

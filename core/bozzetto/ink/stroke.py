@@ -13,8 +13,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.view.camera import Camera
 
-__all__ = ["COLUMNS", "Stroke", "StrokeTool", "Strokes", "frozen_column"]
-
 StrokeTool = Literal["pen", "eraser", "mouse", "imported"]
 Column = NDArray[np.float32]
 

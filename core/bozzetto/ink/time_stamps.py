@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import arc_length
 
-__all__ = ["regular_times", "speeds"]
-
 Array = NDArray[np.float64]
 
 NOMINAL_INTERVAL: Final = 1.0 / 125.0

@@ -10,8 +10,6 @@ from typing import Final, Generic, TypeVar
 from bozzetto.plugin.memory_budget import MOST_BYTES, Entry, MemoryBudget
 from bozzetto.plugin.memory_size import size_of
 
-__all__ = ["Memory", "forget_all"]
-
 Answer = TypeVar("Answer")
 
 GLANCE: Final = 0.05

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-__all__ = ["Caution", "Warns"]
-
 
 @dataclass(frozen=True)
 class Caution:

@@ -8,8 +8,6 @@ from typing import Any, Protocol, runtime_checkable
 
 from bozzetto.plugin.context import Context
 
-__all__ = ["Command", "HasCommands"]
-
 
 def _always(state: Any) -> bool:
     return True

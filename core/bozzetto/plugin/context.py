@@ -14,8 +14,6 @@ from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
 from bozzetto.view.rotations import triple
 
-__all__ = ["Context", "PenSettings"]
-
 
 @dataclass(frozen=True)
 class PenSettings:

@@ -8,8 +8,6 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
 
-__all__ = ["Drag", "Gesture", "Ink", "Tap"]
-
 
 @dataclass(frozen=True)
 class Ink:

@@ -15,8 +15,6 @@ import pluggy
 from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.panel import PanelHost
 
-__all__ = ["PROJECT", "hookimpl", "hookspec"]
-
 PROJECT = "bozzetto"
 
 hookspec = pluggy.HookspecMarker(PROJECT)

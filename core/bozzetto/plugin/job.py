@@ -8,8 +8,6 @@ from typing import Literal
 
 from bozzetto.errors import Cancelled
 
-__all__ = ["Job"]
-
 
 def _nobody(fraction: float, step: str) -> None:
     """Progress that no one watches."""

@@ -9,8 +9,6 @@ from typing import Final
 
 from bozzetto.plugin.memory_size import Size
 
-__all__ = ["MOST_BYTES", "Entry", "MemoryBudget"]
-
 MOST_BYTES: Final = 256 << 20
 """Bytes that all remembered answers of a process may take together: the program itself takes
 about 400 MB, and on a machine of 4 GB it shall leave room for a browser. Dragging

@@ -11,8 +11,6 @@ from typing import Final
 
 import numpy as np
 
-__all__ = ["Size", "size_of"]
-
 MOST_OBJECTS: Final = 150
 """Objects that are looked at: about 0.1 ms, for a drag may bring fifty answers a frame. What lies
 behind them is estimated."""

@@ -19,18 +19,6 @@ from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 
-__all__ = [
-    "Aims",
-    "Modeler",
-    "OffersCurves",
-    "ReadsDrawings",
-    "ReadsShapes",
-    "Reports",
-    "TakesPictures",
-    "TellsNext",
-    "Tool",
-]
-
 State = TypeVar("State")
 Result = TypeVar("Result")
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-__all__ = ["PanelHost"]
-
 
 class PanelHost(Protocol):
     """The door between a plugin's Qt panel and the object that is selected.

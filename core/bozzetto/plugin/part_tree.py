@@ -11,8 +11,6 @@ from bozzetto.document.model import check_name
 from bozzetto.errors import UserError
 from bozzetto.parameters import set_parameters
 
-__all__ = ["PartTree"]
-
 LONGEST_STEM = 180
 """Characters of a name to which a number is added: names have up to 200."""
 

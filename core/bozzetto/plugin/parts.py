@@ -11,16 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-__all__ = [
-    "HasParts",
-    "Part",
-    "ReleasesParts",
-    "switched_on",
-    "unused_id",
-    "unused_name",
-    "with_part",
-]
-
 
 class Part(Protocol):
     """A frozen dataclass with these fields; its `Parameter` fields make its form.

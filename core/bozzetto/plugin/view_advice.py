@@ -8,8 +8,6 @@ from typing import Any, Literal, Protocol, runtime_checkable
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
 
-__all__ = ["AdvisesView", "MovesView", "ViewAdvice"]
-
 
 @dataclass(frozen=True)
 class ViewAdvice:

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.mesh import Mesh
 
-__all__ = ["BoundingTree", "first_hits", "tree_of"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -20,20 +20,6 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.scene.palette import ROLES, Color
 
-__all__ = [
-    "Finish",
-    "Handle",
-    "Image",
-    "Item",
-    "Label",
-    "Layer",
-    "Lines",
-    "Paint",
-    "Points",
-    "Scene",
-    "Shaded",
-]
-
 Paint = str | Color
 Finish = Literal["clay", "zebra"]
 Hidden = Literal["hide", "faint", "dashed", "show"]

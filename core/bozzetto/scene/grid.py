@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from bozzetto.scene.display_list import Layer, Lines
 from bozzetto.view.camera import Camera
 
-__all__ = ["GROUND", "grid_step", "ground_grid", "ground_height"]
-
 GROUND = "ground"
 """Name of the layer that holds the grid."""
 

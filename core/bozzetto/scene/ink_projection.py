@@ -15,8 +15,6 @@ from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera
 
-__all__ = ["Gap", "Laid", "laid"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -12,8 +12,6 @@ from bozzetto.scene.bvh import first_hits, tree_of
 from bozzetto.scene.display_list import Handle, Item, Layer, Lines, Points, Scene, Shaded
 from bozzetto.view.camera import Camera, Rays
 
-__all__ = ["HANDLE_TARGET", "Hits", "Near", "cast_rays", "nearest_item"]
-
 Array = NDArray[np.float64]
 
 HANDLE_TARGET = 22.0

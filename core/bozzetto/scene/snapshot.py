@@ -11,8 +11,6 @@ from bozzetto.scene.renderer import Shading, render
 from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing, page_view
 
-__all__ = ["framed", "own_or_framed", "picture", "thumbnail"]
-
 
 def picture(
     scene: Scene,

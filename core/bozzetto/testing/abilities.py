@@ -27,8 +27,6 @@ from bozzetto.testing.subject import Broken, Subject, ensure, odd_cameras
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import pan, zoom
 
-__all__ = ["ABILITIES"]
-
 WORSE: Final = {"good": 0, "warn": 1, "refuse": 2}
 """The levels of advice, best first."""
 

@@ -32,8 +32,6 @@ from bozzetto.testing.memory_checks import check_forgetting, check_fresh_process
 from bozzetto.testing.spelling import check_spelling
 from bozzetto.testing.subject import Broken, Subject, ensure, odd_gestures
 
-__all__ = ["CHECKS", "Check"]
-
 PREVIEW_TIME = 20.0
 """Seconds that a preview's solve of one plain drawing may take; it should take some
 hundredths, but the machine that runs the tests may be slow."""

@@ -12,8 +12,6 @@ from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.subject import Subject, plain_sketch
 from bozzetto.testing.synthetic_pen import Pen
 
-__all__ = ["ModelerContract"]
-
 
 def _marked(check: Check) -> ParameterSet:
     marks = [pytest.mark.slow] if check.is_slow else []

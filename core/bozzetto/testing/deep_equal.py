@@ -10,8 +10,6 @@ import numpy as np
 
 from bozzetto.ink.stroke import Stroke, Strokes
 
-__all__ = ["difference", "fingerprint", "same"]
-
 
 def same(one: Any, other: Any) -> bool:
     """Compare states, shapes or scenes deeply.

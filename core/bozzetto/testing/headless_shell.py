@@ -25,8 +25,6 @@ from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["Shell"]
-
 
 class Shell:
     """Opens a modeler, draws with its tools, undoes, solves, saves and opens again.

@@ -14,8 +14,6 @@ from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.manifest import ManifestError, find_folder, read_manifest
 from bozzetto.plugin.host.registry import Registry
 
-__all__ = ["Finding", "check_file", "check_package"]
-
 LARGEST_ICON = 64 * 1024
 """Bytes; an icon is a few strokes."""
 

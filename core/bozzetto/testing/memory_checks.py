@@ -20,8 +20,6 @@ from bozzetto.testing.questions import Question, answers, questions
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["check_forgetting", "check_fresh_process"]
-
 _ELSEWHERE = """
 import json, sys
 from bozzetto.document.storage.bozz_file import read_document

@@ -23,8 +23,6 @@ from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["Question", "answers", "questions"]
-
 Ask = Callable[[Workbench], Any]
 
 ELSEWHERE = (613.0, 441.0, 171.0)

@@ -22,8 +22,6 @@ from bozzetto.plugin.parts import HasParts, ReleasesParts
 from bozzetto.plugin.view_advice import AdvisesView, MovesView
 from bozzetto.testing.subject import Subject, ensure
 
-__all__ = ["MODELER_NAMES", "TOOL_NAMES", "check_spelling", "meant_by"]
-
 MOST_EDITS: Final = 2
 """Letters that may be missing, too many, exchanged or wrong in a misspelt name."""
 

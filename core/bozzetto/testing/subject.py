@@ -17,8 +17,6 @@ from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera
 
-__all__ = ["Broken", "Sketch", "Subject", "ensure", "odd_cameras", "odd_gestures", "plain_sketch"]
-
 TAPS = ((450.0, 350.0), (750.0, 400.0), (600.0, 600.0))
 """Where a plain sketch touches the sheet, pixels."""
 

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.ink.stroke import Stroke, StrokeTool
 from bozzetto.view.camera import Camera
 
-__all__ = ["Pen"]
-
 Array = NDArray[np.float64]
 
 

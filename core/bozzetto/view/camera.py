@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Camera", "Rays"]
-
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 

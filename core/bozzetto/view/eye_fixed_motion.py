@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
 
-__all__ = ["FOV_LIMITS", "aimed", "enlarged"]
-
 Array = NDArray[np.float64]
 
 FOV_LIMITS = (0.5, 150.0)

@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.view.camera import Camera
 
-__all__ = ["gl_matrices", "near_far"]
-
 Array = NDArray[np.float64]
 
 DEPTH_RATIO = 1e-4

@@ -12,19 +12,6 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto.view.rotations import POLE, slerp, steepness, triple, upright
 
-__all__ = [
-    "TURN_PER_PIXEL",
-    "clamp_scale",
-    "fit",
-    "fit_points",
-    "interpolate",
-    "orbit",
-    "pan",
-    "turn",
-    "with_kind",
-    "zoom",
-]
-
 Array = NDArray[np.float64]
 
 TURN_PER_PIXEL = 0.4

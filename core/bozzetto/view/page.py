@@ -12,8 +12,6 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points, with_kind
 from bozzetto.view.standard_views import standard_view
 
-__all__ = ["PAGE", "framing", "page_view", "shows"]
-
 PAGE: Final = (1200.0, 900.0)
 """Page of pictures without a canvas of their own, pixels."""
 

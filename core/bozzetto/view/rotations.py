@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.view.camera import Camera, Point
 
-__all__ = ["POLE", "placed", "slerp", "steepness", "triple", "unit", "upright"]
-
 Array = NDArray[np.float64]
 
 POLE = 1e-3

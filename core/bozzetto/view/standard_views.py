@@ -14,8 +14,6 @@ from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.rotations import POLE, placed, steepness, unit, upright
 
-__all__ = ["CUBE_DIRECTIONS", "STANDARD_VIEWS", "look_along", "standard_view"]
-
 STANDARD_VIEWS: Final[Mapping[str, tuple[Point, Point]]] = MappingProxyType(
     {
         "front": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),

@@ -11,8 +11,6 @@ from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.host.registry import Registry
 
-__all__ = ["ModelCommands"]
-
 
 class ModelCommands:
     """What modelers can do to a model at one word; see `bozzetto.plugin.Command`.

@@ -19,8 +19,6 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.modeler import OffersCurves
 from bozzetto.workbench.placed import shapes_in_world
 
-__all__ = ["KnownCurves"]
-
 KEPT = 64
 """Models whose curves are kept; they can always be learnt again."""
 

@@ -25,8 +25,6 @@ from bozzetto.view.page import framing, page_view
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["ObjectShapes", "chosen_models", "object_shapes", "prepared_file", "unusable"]
-
 ABSENT = {
     "absent": (
         "its plugin is not installed",

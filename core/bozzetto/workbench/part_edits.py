@@ -22,8 +22,6 @@ from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import HasParts, ReleasesParts
 
-__all__ = ["PartEdit", "PartEdits"]
-
 
 class PartEdit(NamedTuple):
     """A model with other parts, and what was done."""

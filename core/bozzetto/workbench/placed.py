@@ -14,8 +14,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.scene.display_list import Scene, Shaded
 
-__all__ = ["plain", "scene_in_world", "shapes_in_world"]
-
 Answer = TypeVar("Answer", Scene, Shapes)
 
 

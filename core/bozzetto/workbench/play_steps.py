@@ -34,8 +34,6 @@ from bozzetto.view.camera import Camera
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["run_steps"]
-
 MOST_SEEN: Final = 32
 """Earlier states on which a gesture may have been made."""
 

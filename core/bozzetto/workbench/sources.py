@@ -20,8 +20,6 @@ from bozzetto.workbench.play_steps import run_steps
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["ModelSources"]
-
 
 class ModelSources:
     """Makes models of what there is already, through the guard.

@@ -39,8 +39,6 @@ from bozzetto.workbench.part_edits import PartEdits
 from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
 from bozzetto.workbench.sources import ModelSources
 
-__all__ = ["Workbench"]
-
 KEPT_RESULTS = 64
 """How many solved results are kept; they can always be made again."""
 

@@ -24,8 +24,6 @@ from bozzetto.errors import UserError
 from bozzetto.file_locks import Taken, take, untake
 from bozzetto.processes import birth, is_running, machine_id
 
-__all__ = ["FileLock", "Holder", "Locked", "document_lock_path", "holder", "left_by"]
-
 PATIENCE_SECONDS: Final = 0.25
 """How long a lock may be busy before it counts: somebody may just be looking at it."""
 

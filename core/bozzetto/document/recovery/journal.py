@@ -20,8 +20,6 @@ from typing import Final
 from bozzetto.atomic_files import DISK, explain
 from bozzetto.errors import UserError
 
-__all__ = ["JournalReader", "JournalWriter", "read_records"]
-
 MAGIC: Final = b"BOZZJRN1"
 HEAD: Final = struct.Struct("<2I")
 SYNC_SECONDS: Final = 1.0

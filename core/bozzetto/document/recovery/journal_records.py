@@ -39,8 +39,6 @@ from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
 
-__all__ = ["ChangeWriter", "Replay", "record_time"]
-
 CHANGE, PARTS = "change.json", "parts.json"
 MAX_NAMED: Final = 16
 """How often a record may name each stroke there is, on average."""

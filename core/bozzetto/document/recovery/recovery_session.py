@@ -24,8 +24,6 @@ from bozzetto.document.storage.zip_container import encode_json
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["DISCARDED", "FACTS", "LOCK", "Facts", "RecoverySession", "delete", "facts_of"]
-
 REBASE_BYTES: Final = 64 << 20
 """A journal longer than this (and than four times its base) makes room for a new base."""
 

@@ -73,20 +73,6 @@ from bozzetto.ink.stroke import COLUMNS, Stroke
 from bozzetto.json_size import json_values
 from bozzetto.view.camera import Camera
 
-__all__ = [
-    "LoadReport",
-    "StoredDocument",
-    "decode_document",
-    "document_info",
-    "encode_document",
-    "open_document",
-    "parse_document",
-    "put_strokes",
-    "read_document",
-    "take_strokes",
-    "write_document",
-]
-
 MIMETYPE: Final = b"application/vnd.bozzetto.document"
 FORMAT: Final = "bozzetto.document"
 MIN_READER: Final = 1

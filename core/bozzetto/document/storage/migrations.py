@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-__all__ = ["STEPS", "VERSION", "WAITING", "migrate"]
-
 Trees = dict[str, Any]
 Step = Callable[[Trees], Trees]
 

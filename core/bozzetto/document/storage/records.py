@@ -23,17 +23,6 @@ from bozzetto.errors import DocumentError
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
 
-__all__ = [
-    "ModelHeader",
-    "StoredModel",
-    "UnderlayHeader",
-    "WaitingHeader",
-    "open_model",
-    "store_model",
-    "store_underlay",
-    "store_waiting",
-]
-
 Id = Annotated[str, Meta(pattern=ID_PATTERN)]
 
 Name = Annotated[str, Meta(pattern=NAME_PATTERN)]

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["Aside", "Refusal", "runs"]
-
 MAX_REPEATS: Final = 16
 """How often a state may name each of its strokes on average: memory stays near the file's."""
 

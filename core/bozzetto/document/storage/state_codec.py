@@ -19,16 +19,6 @@ from bozzetto.json_size import MAX_VALUES, json_values
 if TYPE_CHECKING:
     from bozzetto.parameters import Field
 
-__all__ = [
-    "EncodedState",
-    "OpaqueState",
-    "StateTypes",
-    "check_encodable",
-    "decode_state",
-    "encode_state",
-    "state_digest",
-]
-
 State = TypeVar("State")
 
 MAX_STATE_JSON: Final = 16 << 20

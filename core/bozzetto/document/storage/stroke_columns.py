@@ -16,8 +16,6 @@ from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import COLUMNS, MAX_SAMPLES, Stroke, StrokeTool, frozen_column
 from bozzetto.view.camera import Camera
 
-__all__ = ["MAX_STROKES", "pack_strokes", "unpack_strokes"]
-
 MAX_STROKES: Final = 1_000_000
 """Most strokes in one file."""
 

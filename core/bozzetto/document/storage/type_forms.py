@@ -28,8 +28,6 @@ from bozzetto.document.storage.zip_container import DTYPES, MAX_AXES, all_finite
 from bozzetto.errors import words_of
 from bozzetto.ink.stroke import Stroke, Strokes
 
-__all__ = ["Form", "form_of"]
-
 MAX_DEPTH: Final = 64
 """Deepest nesting of dataclasses in a state: a tree of parts, not an attack on the stack."""
 

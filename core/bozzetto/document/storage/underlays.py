@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from bozzetto.errors import DocumentError, FormatError
 from bozzetto.images.png import decoded, png_bytes
 
-__all__ = ["decode_png", "encode_png"]
-
 PNG_EFFORT: Final = 1
 """zlib level: a save must not wait for the last tenth of the size."""
 

@@ -25,20 +25,6 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import DocumentError, UserError, words_of
 
-__all__ = [
-    "DTYPES",
-    "MAX_AXES",
-    "MAX_FILE_BYTES",
-    "ContainerReader",
-    "ContainerWriter",
-    "Part",
-    "all_finite",
-    "decode_json",
-    "dtype_name",
-    "encode_json",
-    "is_safe_name",
-]
-
 DTYPES: Final[dict[str, np.dtype[Any]]] = {
     "f4": np.dtype("<f4"),
     "f8": np.dtype("<f8"),

@@ -19,8 +19,6 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.shapes import Curve, Shapes
 
-__all__ = ["RESOLUTION", "bezier_pieces", "checked_curves", "points_on", "readable"]
-
 Array = NDArray[np.float64]
 
 RESOLUTION: Final = 1e-6

@@ -15,8 +15,6 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.patches.tessellation import tessellated
 from bozzetto.geometry.shapes import Shapes, Surface
 
-__all__ = ["CUBIC_KNOTS", "checked_patchworks", "names_of_patches", "with_meshes"]
-
 CUBIC_KNOTS: Final = frozen((0.0,) * 4 + (1.0,) * 4, np.float64)
 """Knots with which a cubic B-spline of four control points is a Bézier curve."""
 

@@ -14,8 +14,6 @@ from bozzetto.exchange.cad.cad_curves import checked_curves
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.geometry.shapes import Shapes
 
-__all__ = ["write_shapes"]
-
 VERSION: Final = "R2010"
 """Names in Unicode begin with R2007; all programs tried read R2010."""
 

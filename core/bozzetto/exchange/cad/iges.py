@@ -22,8 +22,6 @@ from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, 
 from bozzetto.exchange.cad.step_text import real
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
-__all__ = ["write_shapes"]
-
 CURVE: Final = 126
 SURFACE: Final = 128
 GROUP: Final = 402

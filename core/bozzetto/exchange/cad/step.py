@@ -20,8 +20,6 @@ from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
-__all__ = ["write_shapes"]
-
 Array = NDArray[np.float64]
 
 SCHEMA: Final = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"

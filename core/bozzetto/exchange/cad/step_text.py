@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
-__all__ = ["Part21", "many", "real", "string"]
-
 EPOCH: Final = "1980-01-01T00:00:00"
 """Time stamp of every file, so that equal shapes give equal files."""
 

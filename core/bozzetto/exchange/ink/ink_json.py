@@ -37,8 +37,6 @@ from bozzetto.ink.stroke import MAX_SAMPLES as MAX_SAMPLES_OF_STROKE
 from bozzetto.json_size import MAX_VALUES, json_values
 from bozzetto.view.camera import Camera
 
-__all__ = ["read_drawing", "write_drawing"]
-
 FORMAT: Final = "bozzetto-ink/1"
 
 NEEDED: Final = ("format", "canvas", "camera", "strokes")

@@ -34,8 +34,6 @@ from bozzetto.ink.steps import (
     UngroupStep,
 )
 
-__all__ = ["read_steps", "step_record"]
-
 VERBS: Final[dict[str, type[Step]]] = {
     "strokes": DrawStep,
     "drag": DragStep,

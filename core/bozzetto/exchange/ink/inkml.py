@@ -31,8 +31,6 @@ from bozzetto.ink.stroke import MAX_SAMPLES as MAX_STROKE
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["read_drawing", "write_drawing"]
-
 SPACE: Final = "http://www.w3.org/2003/InkML"
 OURS: Final = "urn:bozzetto:ink"
 

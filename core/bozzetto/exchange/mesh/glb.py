@@ -34,8 +34,6 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
 from bozzetto.json_size import MAX_VALUES, json_values
 
-__all__ = ["read_shapes", "write_shapes"]
-
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = 0x4E4F534A
 BIN_CHUNK: Final = 0x004E4942

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, at_most
 
-__all__ = ["Accessor", "Buffer", "Gltf", "Material", "Primitive", "View", "item", "placed_meshes"]
-
 TRIANGLES: Final = 4
 
 MAX_NODES: Final = 100_000

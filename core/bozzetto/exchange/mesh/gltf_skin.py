@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.rig import Rig, Skin
 
-__all__ = ["follows", "inverse_binds", "rig_nodes"]
-
 FEW = 256
 """Joints that one byte can tell apart."""
 

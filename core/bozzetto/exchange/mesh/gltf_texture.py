@@ -12,8 +12,6 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.texture import Texture
 from bozzetto.images.png import png_bytes
 
-__all__ = ["SAMPLER", "Corners", "corners_of", "picture_file"]
-
 LINEAR: Final = 9729
 LINEAR_MIPMAP_LINEAR: Final = 9987
 CLAMP_TO_EDGE: Final = 33071

@@ -10,8 +10,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Solid
 
-__all__ = ["SolidFacts", "bounds_volume", "check_solid", "enclosed_volume"]
-
 
 @dataclass(frozen=True)
 class SolidFacts:

@@ -20,8 +20,6 @@ from bozzetto.exchange.mesh.polygons import (
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
-__all__ = ["read_shapes", "write_shapes"]
-
 MAX_LINES: Final = 6_000_000
 """As objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
 

@@ -20,8 +20,6 @@ from bozzetto.exchange.mesh.polygons import (
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
-__all__ = ["read_shapes", "write_shapes"]
-
 TYPES: Final = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),

@@ -11,15 +11,6 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most, exceeds
 from bozzetto.geometry.mesh import Mesh
 
-__all__ = [
-    "check_places",
-    "checked_mesh",
-    "is_degenerate",
-    "triangulated",
-    "welded",
-    "without_degenerate",
-]
-
 Faces = NDArray[np.int32]
 
 CORNERS_AT_ONCE: Final = 1 << 18

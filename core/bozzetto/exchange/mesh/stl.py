@@ -13,8 +13,6 @@ from bozzetto.exchange.mesh.polygons import checked_mesh, welded, without_degene
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
-__all__ = ["read_shapes", "write_shapes"]
-
 HEADER: Final = b"Binary STL, millimetres, Z up".ljust(80)
 """Must not begin with "solid": many readers take that for the text form."""
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from bozzetto.exchange.limits import MAX_WORDS, at_most
 
-__all__ = ["check_words", "word_count"]
-
 PIECE: Final = 1 << 20
 """Bytes that are looked at in one go."""
 

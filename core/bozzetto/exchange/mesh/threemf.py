@@ -22,8 +22,6 @@ from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.exchange.safe_xml import writable
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
 
-__all__ = ["write_shapes"]
-
 CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 MATERIAL: Final = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
 XML: Final = '<?xml version="1.0" encoding="UTF-8"?>\n'

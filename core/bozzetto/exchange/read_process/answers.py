@@ -24,8 +24,6 @@ from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["Answer", "packed_answer", "unpacked_answer"]
-
 Answer = Shapes | Drawing | Picture | NDArray[np.uint8]
 Arrays = list[NDArray[Any]]
 Color = tuple[int, int, int]

@@ -22,8 +22,6 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.import_file import read_here
 from bozzetto.exchange.read_process.answers import packed_answer
 
-__all__ = ["ACCEPTED", "LENGTH", "Reply", "Request", "main"]
-
 LENGTH: Final = struct.Struct("<Q")
 """Of the message that follows, bytes."""
 

@@ -28,8 +28,6 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import Budget
 from bozzetto.exchange.read_process.answers import Answer, unpacked_answer
 
-__all__ = ["Checkpoint", "ReaderFault", "read_in_child"]
-
 POLL_SECONDS: Final = 0.05
 """How often it is asked whether the answer is still wanted."""
 

@@ -17,8 +17,6 @@ from bozzetto.exchange.svg.path_data import Subpath
 from bozzetto.geometry.shapes import Curve
 from bozzetto.view.camera import Camera
 
-__all__ = ["FRONT", "camera_matrix", "picture"]
-
 Array = NDArray[np.float64]
 
 NEAREST: Final = 1e-3

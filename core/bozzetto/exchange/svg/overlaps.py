@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 
-__all__ = ["Area", "without_overlaps"]
-
 Array = NDArray[np.float64]
 
 HAIR: Final = 1e-4

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from bozzetto.exchange.svg.path_data import Subpath
 
-__all__ = ["clipped"]
-
 Array = NDArray[np.float64]
 
 SLIVER: Final = 1e-9

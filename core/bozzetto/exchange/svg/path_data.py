@@ -15,16 +15,6 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.ink.stroke import MAX_SAMPLES
 
-__all__ = [
-    "MAX_PIECES",
-    "Subpath",
-    "chord_counts",
-    "ellipse",
-    "flattened",
-    "parse_path",
-    "polyline",
-]
-
 Array = NDArray[np.float64]
 Point = complex
 

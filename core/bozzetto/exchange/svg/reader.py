@@ -35,10 +35,9 @@ from bozzetto.exchange.svg.shapes import (
     transform,
 )
 from bozzetto.exchange.svg.style import Look, Sheets
-from bozzetto.exchange.svg.writer import write_drawing, write_view
+from bozzetto.exchange.svg.writer import write_drawing as write_drawing
+from bozzetto.exchange.svg.writer import write_view as write_view
 from bozzetto.ink.drawing import Drawing
-
-__all__ = ["read_drawing", "write_drawing", "write_view"]
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,6 @@ from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.exchange.safe_xml import Element
 from bozzetto.exchange.svg.path_data import Subpath, ellipse, parse_path, polyline
 
-__all__ = ["LONGEST_LENGTH", "NUMBER", "SPACE", "length", "outline", "shift", "transform"]
-
 Array = NDArray[np.float64]
 
 SPACE: Final = "http://www.w3.org/2000/svg"

@@ -13,8 +13,6 @@ from typing import Final, Literal
 
 from bozzetto.exchange.safe_xml import Element
 
-__all__ = ["Color", "Look", "Said", "Sheets"]
-
 Color = tuple[int, int, int]
 
 SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")

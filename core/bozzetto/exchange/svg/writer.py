@@ -21,8 +21,6 @@ from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
 
-__all__ = ["write_drawing", "write_view"]
-
 Array = NDArray[np.float64]
 
 INK_WIDTH: Final = 1 / 600

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.patches.patch import Places, grid, points_at
 
-__all__ = ["foot_points"]
-
 Array = NDArray[np.float64]
 
 SEEDS: Final = 10

@@ -26,8 +26,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["boundaries", "coons_nets", "edge_numbers", "sides_of", "with_boundaries"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

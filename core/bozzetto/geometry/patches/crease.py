@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import grid_normals
 
-__all__ = ["SMOOTH", "crease_angles", "joints_of_chain", "locked"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

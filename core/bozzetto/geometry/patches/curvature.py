@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.patches.patch import FLAT_SINE, Places, grid, points_at
 
-__all__ = ["Curvatures", "grid_curvatures", "patch_curvatures"]
-
 Array = NDArray[np.float64]
 
 

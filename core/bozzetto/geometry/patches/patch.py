@@ -13,20 +13,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "Places",
-    "bernstein",
-    "extent",
-    "grid",
-    "grid_normals",
-    "halved",
-    "mirrored",
-    "normals_at",
-    "points_at",
-    "split",
-    "turned_over",
-]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -18,8 +18,6 @@ from bozzetto.geometry.patches.coons import (
 from bozzetto.geometry.patches.patch import turned_over
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Patchwork"]
-
 TURNED_SIDES = (0, 3, 2, 1)
 """Where the sides of a patch come from when u runs the other way; all change their sense."""
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.patches.patch import Places, points_at, split
 
-__all__ = ["ray_hits"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -14,8 +14,6 @@ from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import bernstein, grid, grid_normals
 from bozzetto.geometry.patches.patchwork import Patchwork
 
-__all__ = ["TOLERANCE", "shaded", "shaded_parameters", "tessellated"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from bozzetto.geometry.wrap.icosphere import Icosphere, edges_of
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe
 
-__all__ = ["Anchors", "anchored", "with_edges"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Flags = NDArray[np.bool_]

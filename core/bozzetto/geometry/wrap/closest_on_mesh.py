@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.wrap.icosphere import Icosphere
 
-__all__ = ["Feet", "closest_on_triangles", "mesh_feet"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 
-__all__ = ["VALENCE", "Icosphere", "edges_of", "icosphere"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

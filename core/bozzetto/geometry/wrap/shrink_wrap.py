@@ -23,8 +23,6 @@ from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere
 from bozzetto.geometry.wrap.thin_plate import drawn_to, even_energy, held_at, true_energy
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
 
-__all__ = ["LEVELS", "curve_distances", "shrink_wrap"]
-
 Array = NDArray[np.float64]
 Checkpoint = Callable[[float, str], None]
 

@@ -19,8 +19,6 @@ from bozzetto.geometry.wrap.icosphere import icosphere
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-__all__ = ["Energy", "drawn_to", "even_energy", "held_at", "true_energy"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

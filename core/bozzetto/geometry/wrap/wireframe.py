@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.arrays import frozen
 from bozzetto.errors import UserError
 
-__all__ = ["Wireframe", "wireframe"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

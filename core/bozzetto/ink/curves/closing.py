@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.ink.curves.intersections import self_crossings
 from bozzetto.ink.curves.resample import arc_length, distinct
 
-__all__ = ["close_stroke", "end_gap", "is_closed_gesture", "signed_area"]
-
 Array = NDArray[np.float64]
 
 END_SHARE: Final = 0.2

@@ -13,8 +13,6 @@ from bozzetto.geometry.spline import Spline
 from bozzetto.ink.curves.least_squares import approximate, approximate_adaptively
 from bozzetto.ink.curves.preprocess import Prepared, checked_points, prepare
 
-__all__ = ["ENOUGH", "NOISE_FACTOR", "Fit", "fit_spline"]
-
 Array = NDArray[np.float64]
 
 ENOUGH: Final = 1.2

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import arc_length, distinct
 
-__all__ = ["Crossings", "crossings", "self_crossings"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.spline import DEGREE, Spline, derived_points, uniform_knots
 
-__all__ = ["Approximation", "approximate", "approximate_adaptively"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

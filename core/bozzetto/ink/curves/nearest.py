@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
 from bozzetto.ink.curves.resample import resample
 
-__all__ = ["Nearest", "distances_to_polyline", "nearest_curve"]
-
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 48

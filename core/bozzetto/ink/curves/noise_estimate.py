@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import arc_length, distinct
 
-__all__ = ["sample_noise"]
-
 Array = NDArray[np.float64]
 
 ROUNDED: Final = 0.3

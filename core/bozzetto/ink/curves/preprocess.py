@@ -13,8 +13,6 @@ from bozzetto.ink.curves.noise_estimate import sample_noise
 from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.curves.smooth import convolved
 
-__all__ = ["Prepared", "checked_points", "prepare"]
-
 Array = NDArray[np.float64]
 
 FILTER: Final = 4.0

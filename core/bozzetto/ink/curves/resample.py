@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.stroke import COLUMNS, Stroke
 
-__all__ = ["arc_length", "distinct", "resample", "resample_stroke", "steps_along"]
-
 Array = NDArray[np.float64]
 
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import arc_length, distinct
 
-__all__ = ["convolved", "smooth"]
-
 Array = NDArray[np.float64]
 
 REACH: Final = 4.0

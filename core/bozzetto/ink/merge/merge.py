@@ -19,8 +19,6 @@ from bozzetto.ink.merge.order_by_parameter import strip
 from bozzetto.ink.merge.order_by_pca import principal
 from bozzetto.ink.merge.resample_all import Gathered, Ordering, gather
 
-__all__ = ["Settled", "settle"]
-
 Array = NDArray[np.float64]
 Strategy = Literal["principal", "spanning", "following", "strip"]
 

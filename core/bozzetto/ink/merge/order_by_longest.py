@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
 
-__all__ = ["following"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
 
-__all__ = ["spanning"]
-
 Array = NDArray[np.float64]
 
 THINNING: Final = 2.0

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
 
-__all__ = ["strip"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
 
-__all__ = ["principal"]
-
 
 def principal(ink: Gathered) -> Ordering:
     """Order the points along the direction of their greatest spread.

@@ -13,8 +13,6 @@ from bozzetto.errors import UserError
 from bozzetto.ink.curves.preprocess import checked_points, prepare
 from bozzetto.ink.curves.resample import arc_length
 
-__all__ = ["Gathered", "Ordering", "gather"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["fading"]
-
 FADE: Final = 0.7
 """What is left of a stroke's weight after the next one: three strokes later a third."""
 

@@ -7,8 +7,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SOFTNESS", "Bending", "lengths_of"]
-
 Array = NDArray[np.float64]
 
 SOFTNESS: Final = 12.0

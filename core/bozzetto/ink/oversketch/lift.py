@@ -11,8 +11,6 @@ from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.view.camera import Camera
 
-__all__ = ["NEAREST", "lifted"]
-
 NEAREST: Final = 1e-4
 """Least distance from the eye of a perspective camera, as a share of the distance to its
 target. Nearer than that nothing is shown."""

@@ -7,8 +7,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LAPS", "ordered_feet"]
-
 Array = NDArray[np.float64]
 
 LAPS: Final = 3

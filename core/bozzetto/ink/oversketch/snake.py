@@ -23,8 +23,6 @@ from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
 
-__all__ = ["LOCATION", "PRESSURE", "RESTITUTION", "Modified", "modified"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

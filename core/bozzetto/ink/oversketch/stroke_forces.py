@@ -13,8 +13,6 @@ from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.oversketch.bending_energy import lengths_of
 from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
 
-__all__ = ["Pull", "Trace", "lengthened", "pulls_of", "trace_of"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

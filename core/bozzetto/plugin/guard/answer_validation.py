@@ -29,20 +29,6 @@ from bozzetto.scene.display_list import (
 )
 from bozzetto.view.camera import Camera
 
-__all__ = [
-    "Unsound",
-    "sound_advice",
-    "sound_cautions",
-    "sound_commands",
-    "sound_hint",
-    "sound_parts",
-    "sound_report",
-    "sound_scene",
-    "sound_shapes",
-    "sound_tools",
-    "sound_view",
-]
-
 MOST_ITEMS: Final = 20_000
 """Items of one model's scene; beyond that a viewport crawls. Lines and points hold many."""
 

@@ -17,8 +17,6 @@ import numpy as np
 
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["Remembered"]
-
 MOST_OBJECTS: Final = 4096
 """Objects looked at before one call: some milliseconds at most."""
 

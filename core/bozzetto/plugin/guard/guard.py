@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from bozzetto.scene.display_list import Scene
     from bozzetto.view.camera import Camera
 
-__all__ = ["Guard", "Overrun", "PluginFault"]
-
 log = logging.getLogger("bozzetto.plugin")
 
 MOST_FAULTS = 3

@@ -22,8 +22,6 @@ from typing import Any, Generic, TypeVar
 from bozzetto.plugin.guard.argument_snapshot import Remembered
 from bozzetto.plugin.guard.guard import Guard, Overrun, PluginFault
 
-__all__ = ["Watchdog", "interrupt"]
-
 GRACE = 1.0
 """Seconds that an interrupted call has to end."""
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from bozzetto.plugin.modeler import Modeler
 
-__all__ = ["Undelivered", "ask", "import_plugin", "look_over_modelers"]
-
 METHODS: Final = ("create", "tools", "solve", "scene", "shapes", "upgrade")
 """What a modeler must be able to do; see `Modeler`."""
 

@@ -31,17 +31,6 @@ import msgspec
 
 from bozzetto.errors import UserError, words_of
 
-__all__ = [
-    "MANIFEST",
-    "Manifest",
-    "ManifestError",
-    "ModelerEntry",
-    "Sample",
-    "api_accepts",
-    "find_folder",
-    "read_manifest",
-]
-
 MANIFEST = "plugin.toml"
 
 LARGEST_MANIFEST = 64 * 1024

@@ -12,8 +12,6 @@ from typing import Final
 from bozzetto.atomic_files import write_bytes
 from bozzetto.errors import UserError
 
-__all__ = ["keep_switched_off", "settings_file", "switch", "switched_off"]
-
 FILE: Final = "plugins.json"
 KEY: Final = "disabled"
 

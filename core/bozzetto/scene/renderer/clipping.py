@@ -7,8 +7,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Polygon", "crossed", "cut", "cut_to_window"]
-
 Polygon = NDArray[np.float64]
 
 MARGIN: Final = 2.0

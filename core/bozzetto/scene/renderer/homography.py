@@ -17,8 +17,6 @@ from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.clipping import Polygon, cut, cut_to_window
 from bozzetto.scene.renderer.view_transform import Sight
 
-__all__ = ["Place", "place_of"]
-
 Array = NDArray[np.float64]
 
 EDGE_ON: Final = 1e-9

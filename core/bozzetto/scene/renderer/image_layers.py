@@ -16,8 +16,6 @@ from bozzetto.scene.renderer.image_warp import warped
 from bozzetto.scene.renderer.mipmaps import Kept
 from bozzetto.scene.renderer.view_transform import Sight
 
-__all__ = ["Hung", "apart", "hang", "lay_pictures", "sheet_at"]
-
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Bytes = NDArray[np.uint8]

@@ -16,8 +16,6 @@ from bozzetto.scene.renderer.clipping import Polygon, crossed, cut
 from bozzetto.scene.renderer.homography import Place
 from bozzetto.scene.renderer.mipmaps import as_pillow, level, rung
 
-__all__ = ["warped"]
-
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Bytes = NDArray[np.uint8]

@@ -9,8 +9,6 @@ from bozzetto.scene.display_list import Label
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.lines_and_points import Canvas
 
-__all__ = ["HALO", "OFFSET", "beginning", "draw_label"]
-
 OFFSET = (6.0, -6.0)
 """From the point to the text's lower left corner, px right and down."""
 

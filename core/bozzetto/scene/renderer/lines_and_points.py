@@ -17,8 +17,6 @@ from bozzetto.scene.display_list import Lines, Points
 from bozzetto.scene.renderer.surfaces import Veil
 from bozzetto.scene.renderer.view_transform import Sight
 
-__all__ = ["Canvas", "draw_discs", "draw_lines", "draw_points"]
-
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 

@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["Kept", "as_pillow", "level", "rung"]
-
 Bytes = NDArray[np.uint8]
 
 LEVELS_KEPT: Final = 256_000_000

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.mesh import Mesh
 
-__all__ = ["CornerNormals", "corner_normals", "mean_curvature"]
-
 Array = NDArray[np.float64]
 
 CREASE = np.cos(np.radians(40.0))

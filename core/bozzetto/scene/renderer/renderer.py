@@ -26,8 +26,6 @@ from bozzetto.scene.renderer.surfaces import Pictures, Veil, draw_surfaces, see_
 from bozzetto.scene.renderer.view_transform import Sight, sight_of
 from bozzetto.view.camera import Camera
 
-__all__ = ["MOST_PIXELS", "render"]
-
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Window = tuple[int, int, int, int]

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from bozzetto.scene.renderer.view_transform import Sight
 from bozzetto.scene.renderer.zbuffer import Buffer
 
-__all__ = ["cavities", "contours"]
-
 Floats = NDArray[np.float32]
 
 STRIDE = 4

@@ -17,8 +17,6 @@ from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.renderer.triangle_soup import Soup
 from bozzetto.scene.renderer.view_transform import Sight
 
-__all__ = ["SHADINGS", "Fragments", "Shading", "colored", "curvature_colors", "fragments"]
-
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
 

@@ -26,8 +26,6 @@ from bozzetto.scene.renderer.view_transform import Sight
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
 from bozzetto.scene.renderer.zebra import mirroring
 
-__all__ = ["Drawn", "Veil", "draw_surfaces", "is_polished", "see_through"]
-
 Floats = NDArray[np.float32]
 Samples = NDArray[np.intp]
 

@@ -12,8 +12,6 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.renderer.normals import corner_normals
 from bozzetto.scene.renderer.view_transform import Sight
 
-__all__ = ["Soup", "gather"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]
 

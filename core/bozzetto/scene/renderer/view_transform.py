@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.view.camera import Camera
 
-__all__ = ["Sight", "sight_of"]
-
 Array = NDArray[np.float64]
 
 NEAR = 1e-4

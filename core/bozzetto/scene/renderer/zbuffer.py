@@ -14,8 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Buffer", "blank", "rasterize"]
-
 Array = NDArray[np.float64]
 
 NOTHING = np.int32(-1)

@@ -22,8 +22,6 @@ from bozzetto.scene.palette import Color
 from bozzetto.scene.renderer.shading import Fragments
 from bozzetto.scene.renderer.view_transform import Sight
 
-__all__ = ["mirroring", "stripes"]
-
 Floats = NDArray[np.float32]
 
 TUBES: Final = 24

@@ -18,8 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 
-__all__ = ["FEWEST", "DirectCamera", "Parts", "direct_linear_transform"]
-
 Array = NDArray[np.float64]
 
 FEWEST: Final = 6

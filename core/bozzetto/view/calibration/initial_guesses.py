@@ -19,8 +19,6 @@ from bozzetto.view.calibration.pose import PERSPECTIVITIES, SCALES, Poses, rotat
 from bozzetto.view.rotations import unit
 from bozzetto.view.standard_views import CUBE_DIRECTIONS
 
-__all__ = ["resumed", "starts"]
-
 Array = NDArray[np.float64]
 
 STRENGTHS: Final = (0.3, 1.0)

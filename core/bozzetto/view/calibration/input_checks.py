@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.normalization import Framing
 
-__all__ = ["FEWEST", "REACH", "framed", "spread_most"]
-
 Array = NDArray[np.float64]
 
 FEWEST: Final = 6

@@ -15,18 +15,6 @@ from numpy.typing import NDArray
 
 from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, PERSPECTIVITIES, Poses, Seen
 
-__all__ = [
-    "CROPPED",
-    "HAND",
-    "STRAY",
-    "Adjusted",
-    "adjusted",
-    "covariance",
-    "freedom",
-    "robust_weights",
-    "variance",
-]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

@@ -12,8 +12,6 @@ from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
 
-__all__ = ["Framing"]
-
 Array = NDArray[np.float64]
 
 ASIDE: Final = 4.0

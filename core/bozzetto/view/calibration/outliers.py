@@ -23,8 +23,6 @@ from bozzetto.view.calibration.levenberg_marquardt import (
     variance,
 )
 
-__all__ = ["REMAINING", "Scrutiny", "scrutinised"]
-
 Array = NDArray[np.float64]
 
 ALARM: Final = 50.0

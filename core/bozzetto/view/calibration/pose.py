@@ -22,8 +22,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NEAREST", "PARAMETERS", "PERSPECTIVITIES", "SCALES", "Poses", "Seen", "rotations"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

@@ -11,8 +11,6 @@ from bozzetto.errors import UserError
 from bozzetto.view.calibration.input_checks import REACH
 from bozzetto.view.calibration.resection import Resection
 
-__all__ = ["Help", "Places", "most_helpful", "predicted"]
-
 Array = NDArray[np.float64]
 
 

@@ -32,8 +32,6 @@ from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, scrutinised
 from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
 
-__all__ = ["Kind", "Resection", "resect"]
-
 Array = NDArray[np.float64]
 
 Kind = Literal["perspective", "orthographic"]
