@@ -1,4 +1,4 @@
-"""Arrays that stay as they are: copies backed by immutable memory."""
+"""Arrays: names of their types, and copies that stay as they are, backed by immutable memory."""
 
 from __future__ import annotations
 
@@ -6,6 +6,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Index = NDArray[np.intp]
+Flags = NDArray[np.bool_]
+Bytes = NDArray[np.uint8]
 
 
 def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> NDArray[Any]:

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.view.camera import Camera
 
-Array = NDArray[np.float64]
 Color = tuple[int, int, int]
 
 DISTANCE: Final = 500.0

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
-
-Array = NDArray[np.float64]
 
 FLATNESS: Final = 0.25
 """Distance, px, between a curve and its polyline that nobody sees; over the pixels per mm of
@@ -80,7 +79,7 @@ def _halves(control: Array) -> tuple[Array, Array]:
     return np.stack((a, ab, abc, middle), axis=1), np.stack((middle, bcd, cd, d), axis=1)
 
 
-def _is_flat(control: Array, tolerance: float) -> NDArray[np.bool_]:
+def _is_flat(control: Array, tolerance: float) -> Flags:
     """Whether each piece is within the tolerance of its chord."""
     a, b, c, d = np.moveaxis(control, 1, 0)
     chord = d - a

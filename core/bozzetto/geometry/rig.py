@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, Floats, frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
-
-Array = NDArray[np.float64]
 
 UNIT_SUM: float = 1e-5
 """How far a vertex's weights may be from a sum of one: the rounding of float32."""
@@ -43,10 +41,10 @@ class Rig:
         If the arrays do not fit together, or the joints are no trees.
     """
 
-    joints: NDArray[np.float64]
+    joints: Array
     parents: NDArray[np.int32]
     names: tuple[str, ...]
-    turns: NDArray[np.float64] | None = None
+    turns: Array | None = None
     cuts: NDArray[np.int32] | None = None
 
     def __post_init__(self) -> None:
@@ -120,7 +118,7 @@ class Skin:
 
     rig: Rig
     joints: NDArray[np.uint16]
-    weights: NDArray[np.float32]
+    weights: Floats
     rest: Mesh | None = None
 
     def __post_init__(self) -> None:

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, frozen
 from bozzetto.geometry.shapes import Color, Curve
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 DEGREE: Final = 3
 """Cubic: the least degree whose curvature is continuous, and what CAD programs expect."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
-
-Array = NDArray[np.float64]
 
 NOMINAL_INTERVAL: Final = 1.0 / 125.0
 """Seconds between samples where the stamps say nothing: the slowest common tablet rate."""

@@ -17,10 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.mesh import Mesh
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 LEAF = 8
 """Triangles in a leaf."""
@@ -171,7 +169,7 @@ def _meets_boxes(
     high: Array,
     box: Index,
     distance: Array,
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Slab test: which rays meet their box in front of what they have already met."""
     enter = np.zeros(len(ray))
     leave = distance[ray]
@@ -183,7 +181,7 @@ def _meets_boxes(
         np.maximum(enter, np.minimum(one, two), out=enter)
         np.minimum(leave, np.maximum(one, two), out=leave)
     # Rounding must not lose a ray that grazes a flat box.
-    met: NDArray[np.bool_] = enter <= leave * (1.0 + 1e-12) + 1e-300
+    met: Flags = enter <= leave * (1.0 + 1e-12) + 1e-300
     return met
 
 

@@ -6,17 +6,14 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 STEP: Final = 1.0
 """Longest way between two samples, px: what is narrower than a pixel is not seen either."""
@@ -172,7 +169,7 @@ def _to_subdivide(way: Array, hits: Hits, camera: Camera) -> Index:
     return np.flatnonzero(events & (np.diff(way) > FINEST))
 
 
-def _breaks(hits: Hits, camera: Camera) -> NDArray[np.bool_]:
+def _breaks(hits: Hits, camera: Camera) -> Flags:
     """Whether one surface cannot reach from a sample to the next.
 
     Where two flat faces meet between the samples, the step in depth lies between those on

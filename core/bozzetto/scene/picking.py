@@ -6,13 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.scene.bvh import first_hits, tree_of
 from bozzetto.scene.display_list import Handle, Item, Layer, Lines, Points, Scene, Shaded
 from bozzetto.view.camera import Camera, Rays
-
-Array = NDArray[np.float64]
 
 HANDLE_TARGET = 22.0
 """Radius around a handle that belongs to it, px: a touch target of 44 px."""
@@ -46,10 +44,10 @@ class Hits:
     distance: Array
     owners: tuple[str, ...]
     items: tuple[Shaded | None, ...]
-    faces: NDArray[np.intp]
+    faces: Index
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Flags:
         """Which rays met a surface."""
         return np.isfinite(self.distance)
 
@@ -206,7 +204,7 @@ def _nearest_and_foremost(
     gaps: Array,
     depth: Array,
     reach: float,
-    names: NDArray[np.intp] | None = None,
+    names: Index | None = None,
 ) -> Iterator[Near]:
     within = np.flatnonzero(gaps <= reach)  # NaN (behind the eye) is never within
     if not len(within):

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.stroke import Stroke, StrokeTool
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 
 Point = tuple[float, float, float]
-Array = NDArray[np.float64]
 
 PARALLEL: float = 1e-9
 """Sine of the angle below which `up` counts as parallel to the line of sight."""

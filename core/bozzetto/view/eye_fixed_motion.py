@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
-
-Array = NDArray[np.float64]
 
 FOV_LIMITS = (0.5, 150.0)
 """Opening angles (degrees) within which a perspective view is zoomed about its eye."""

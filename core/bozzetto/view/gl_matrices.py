@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
 
 DEPTH_RATIO = 1e-4
 """Nearest over farthest depth of a perspective view; below it 24 bits resolve too little."""

@@ -6,13 +6,12 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto.view.rotations import POLE, slerp, steepness, triple, upright
-
-Array = NDArray[np.float64]
 
 TURN_PER_PIXEL = 0.4
 """Degrees of orbit for a pixel of drag: 450 px turn the view half round."""

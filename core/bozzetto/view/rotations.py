@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera, Point
-
-Array = NDArray[np.float64]
 
 POLE = 1e-3
 """Cosine of the elevation below which Z no longer says which way is up."""

@@ -13,13 +13,11 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.shapes import Curve, Shapes
-
-Array = NDArray[np.float64]
 
 RESOLUTION: Final = 1e-6
 """Distance that the files declare to be none, mm: far above rounding, far below any machine."""
@@ -180,7 +178,7 @@ def _pieces(curve: Curve, corners: bool) -> list[Curve]:
     return found
 
 
-def _turns(points: Array, first: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _turns(points: Array, first: Index) -> Flags:
     """Whether a curve has a corner at its control point before each of these numbers, (k,)."""
     at = np.clip(first - 1, 1, len(points) - 2)
     before, after = points[at] - points[at - 1], points[at + 1] - points[at]

@@ -11,16 +11,14 @@ from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, names_of_patches
 from bozzetto.exchange.cad.step_text import Part21, many, real, string
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Color, Curve, Shapes
-
-Array = NDArray[np.float64]
 
 SCHEMA: Final = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
 

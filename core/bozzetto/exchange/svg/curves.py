@@ -10,14 +10,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.exchange.cad.cad_curves import bezier_pieces
 from bozzetto.exchange.svg.path_data import Subpath
 from bozzetto.geometry.shapes import Curve
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
 
 NEAREST: Final = 1e-3
 """Depth at which pictures are cut off, as a share of the distance from eye to target: what

@@ -14,9 +14,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
-
-Array = NDArray[np.float64]
 
 HAIR: Final = 1e-4
 """Half the width of what is cut away where an outline touches itself, as a share of the
@@ -168,7 +167,7 @@ def _sides(ring: Array) -> NDArray[np.object_]:
     return sides
 
 
-def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[NDArray[np.intp]]:
+def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
     """Pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
 
     Raises `_TooMany` where there are more than `limit`.

@@ -6,11 +6,9 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.exchange.svg.path_data import Subpath
-
-Array = NDArray[np.float64]
 
 SLIVER: Final = 1e-9
 """Shortest piece that is kept, as a share of a cubic's parameter: crossings that are nearer to each
@@ -75,14 +73,14 @@ def clipped(path: Subpath, low: Array, high: Array) -> list[Subpath]:
     return [Subpath(np.array(stretch), False) for stretch in stretches]
 
 
-def _hull_within(cubics: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+def _hull_within(cubics: Array, low: Array, high: Array) -> Flags:
     """Whether all control points of cubics (k, 4, 2) lie on the page, and so the cubics, (k,)."""
     return np.asarray(((cubics >= low) & (cubics <= high)).all(axis=(1, 2)))
 
 
-def _hull_beyond(cubics: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+def _hull_beyond(cubics: Array, low: Array, high: Array) -> Flags:
     """Whether all control points of cubics (k, 4, 2) lie beyond one side of the page, (k,)."""
-    over: NDArray[np.bool_] = np.all(cubics < low, axis=1) | np.all(cubics > high, axis=1)
+    over: Flags = np.all(cubics < low, axis=1) | np.all(cubics > high, axis=1)
     return np.asarray(np.any(over, axis=1))
 
 

@@ -11,11 +11,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.ink.stroke import MAX_SAMPLES
 
-Array = NDArray[np.float64]
 Point = complex
 
 ARC_PIECE: Final = math.pi / 4

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import (
     MAX_COORDINATE,
@@ -38,8 +38,6 @@ from bozzetto.exchange.svg.style import Look, Sheets
 from bozzetto.exchange.svg.writer import write_drawing as write_drawing
 from bozzetto.exchange.svg.writer import write_view as write_view
 from bozzetto.ink.drawing import Drawing
-
-Array = NDArray[np.float64]
 
 XLINK_HREF: Final = "http://www.w3.org/1999/xlink href"
 

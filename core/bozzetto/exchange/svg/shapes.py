@@ -7,14 +7,12 @@ import re
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.exchange.safe_xml import Element
 from bozzetto.exchange.svg.path_data import Subpath, ellipse, parse_path, polyline
-
-Array = NDArray[np.float64]
 
 SPACE: Final = "http://www.w3.org/2000/svg"
 """The namespace of SVG."""

@@ -6,8 +6,8 @@ from typing import Final
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.page_layout import Sheet
@@ -20,8 +20,6 @@ from bozzetto.exchange.svg.style import Color
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
 
 INK_WIDTH: Final = 1 / 600
 """Width of the lines written, as a share of the sheet's height."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches.patch import Places, grid, points_at
-
-Array = NDArray[np.float64]
 
 SEEDS: Final = 10
 """Places tried along u and along v of each patch; even, for each quarter gives its best one."""

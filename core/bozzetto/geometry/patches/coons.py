@@ -24,10 +24,9 @@ side  where    runs
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Index
 
 
 def edge_numbers(sides: ArrayLike) -> Index:

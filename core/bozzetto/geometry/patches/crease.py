@@ -14,13 +14,11 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import grid_normals
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 SMOOTH: Final = 0.1
 """Degrees below which no crease is seen: the tolerance of class A surfacing."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches.patch import FLAT_SINE, Places, grid, points_at
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

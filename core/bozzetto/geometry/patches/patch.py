@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Flags, Index
 
 FLAT_SINE: Final = 1e-9
 """Sine of the angle between the tangents in u and v below which they tell no tangent plane."""
@@ -58,7 +57,7 @@ class Places:
     def __len__(self) -> int:
         return len(self.patches)
 
-    def __getitem__(self, which: slice | NDArray[np.bool_] | Index) -> Places:
+    def __getitem__(self, which: slice | Flags | Index) -> Places:
         return Places(self.patches[which], self.parameters[which])
 
 
@@ -182,7 +181,7 @@ def normals_at(nets: ArrayLike, places: Places) -> Array:
     return normals
 
 
-def _unit_across(a: Array, b: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _unit_across(a: Array, b: Array) -> tuple[Array, Flags]:
     """The unit vector across two, 0 where they are parallel, (3, …); and where they are not."""
     across = np.stack(
         (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

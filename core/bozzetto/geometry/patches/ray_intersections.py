@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.patches.patch import Places, points_at, split
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 LEVELS: Final = 5
 """Times that patches are cut in quarters before Newton's method takes over."""
@@ -106,7 +104,7 @@ def _candidates(nets: Array, origins: Array, frames: Array) -> tuple[Index, Inde
     return rays, patches, corner + 0.5 * width
 
 
-def _boxed(pieces: Array, slack: float) -> NDArray[np.bool_]:
+def _boxed(pieces: Array, slack: float) -> Flags:
     """Whether the box of flat control nets (…, 4, 4, 2) holds the point that a ray is."""
     low, high = pieces.min(axis=(-3, -2)), pieces.max(axis=(-3, -2))
     return np.asarray(((low <= slack) & (high >= -slack)).all(axis=-1))
@@ -114,7 +112,7 @@ def _boxed(pieces: Array, slack: float) -> NDArray[np.bool_]:
 
 def _refined(
     nets: Array, origins: Array, frames: Array, start: Places, size: Array
-) -> tuple[Places, NDArray[np.bool_]]:
+) -> tuple[Places, Flags]:
     """Hits by Newton's method on the distance across the ray, and which of them are hits."""
     at = start.parameters
     for step in range(NEWTON_STEPS + 1):

@@ -8,14 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, Index, frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import bernstein, grid, grid_normals
 from bozzetto.geometry.patches.patchwork import Patchwork
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 TOLERANCE: Final = 1e-4
 """Usual distance of triangles from the surface, per diagonal of what is shown: half a millimetre

@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.wrap.icosphere import Icosphere, edges_of
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Flags = NDArray[np.bool_]
 Pairs = list[tuple[int, int]]
 Row = list[tuple[int, int]]
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.wrap.icosphere import Icosphere
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +34,11 @@ class Feet:
         row = np.arange(len(self.corners))
         return np.asarray(self.corners[row, np.argmax(self.weights, axis=1)])
 
-    def taken(self, kept: NDArray[np.bool_]) -> Feet:
+    def taken(self, kept: Flags) -> Feet:
         """Some of them."""
         return Feet(self.corners[kept], self.weights[kept], self.distances[kept])
 
-    def outside(self, vertices: Array, points: Array) -> NDArray[np.bool_]:
+    def outside(self, vertices: Array, points: Array) -> Flags:
         """Whether the points that they are nearest to lie before their triangles, (n,)."""
         a, b, c = np.moveaxis(vertices[self.corners], 1, 0)
         return np.asarray(_dot(np.cross(b - a, c - a), points - a) > 0)

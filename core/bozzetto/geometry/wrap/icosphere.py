@@ -7,12 +7,8 @@ from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Index, frozen
 
 VALENCE: Final = 6
 """Most triangles round a vertex: five round the twelve of the icosahedron, six round others."""

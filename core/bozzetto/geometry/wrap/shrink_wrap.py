@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.wrap.anchors import anchored, with_edges
@@ -23,7 +24,6 @@ from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere
 from bozzetto.geometry.wrap.thin_plate import drawn_to, even_energy, held_at, true_energy
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
 
-Array = NDArray[np.float64]
 Checkpoint = Callable[[float, str], None]
 
 LEVELS: Final = (3, 6)

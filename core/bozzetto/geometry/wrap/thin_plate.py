@@ -11,16 +11,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.wrap.closest_on_mesh import Feet
 from bozzetto.geometry.wrap.icosphere import icosphere
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 Energy = Any
 """A sparse symmetric matrix, (v, v): half of the second derivative of an energy by the vertices,

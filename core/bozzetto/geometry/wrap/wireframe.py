@@ -8,13 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, Flags, Index, frozen
 from bozzetto.errors import UserError
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 SPACING: Final = 1.0 / 250.0
 """Distance of neighbouring places per diagonal of the box about all curves: a quarter of an
@@ -67,7 +64,7 @@ class Wireframe:
 
     places: Array
     piece: Index
-    sharp: NDArray[np.bool_]
+    sharp: Flags
     symmetric: bool
     centre: Array
     size: float

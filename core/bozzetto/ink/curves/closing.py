@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.intersections import self_crossings
 from bozzetto.ink.curves.resample import arc_length, distinct
-
-Array = NDArray[np.float64]
 
 END_SHARE: Final = 0.2
 """Share of the length at each end within which the ends may overlap or be trimmed."""

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink.curves.least_squares import approximate, approximate_adaptively
 from bozzetto.ink.curves.preprocess import Prepared, checked_points, prepare
-
-Array = NDArray[np.float64]
 
 ENOUGH: Final = 1.2
 """Distance (rms, pixels) at which more control points are of no use: below the pen's width."""

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink.curves.resample import arc_length, distinct
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 TOUCH: Final = 1e-9
 """Distance that counts as touching, as a share of the diagonal of all points."""

@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.spline import DEGREE, Spline, derived_points, uniform_knots
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 STIFFNESS: Final = 1e-6
 """Weight of the bending of the control polygon against the ink. It decides only where there

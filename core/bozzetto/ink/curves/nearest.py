@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
 from bozzetto.ink.curves.resample import resample
-
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 48
 """Places of the stroke, at equal steps, whose distances are averaged: enough that the mean

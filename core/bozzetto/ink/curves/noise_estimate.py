@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.ink.curves.resample import arc_length, distinct
-
-Array = NDArray[np.float64]
 
 ROUNDED: Final = 0.3
 """Standard deviation, in pixels, that rounding to whole pixels leaves (1 / sqrt 12)."""

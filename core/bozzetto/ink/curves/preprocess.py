@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.noise_estimate import sample_noise
 from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.curves.smooth import convolved
-
-Array = NDArray[np.float64]
 
 FILTER: Final = 4.0
 """Widest standard deviation of the low-pass along the curve, pixels. Chord lengths of dense

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink.stroke import COLUMNS, Stroke
-
-Array = NDArray[np.float64]
 
 
 def arc_length(points: ArrayLike) -> Array:
@@ -27,7 +26,7 @@ def arc_length(points: ArrayLike) -> Array:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def distinct(points: ArrayLike, *, closed: bool = False) -> NDArray[np.intp]:
+def distinct(points: ArrayLike, *, closed: bool = False) -> Index:
     """Indices of the points that differ from the one before.
 
     Parameters

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length, distinct
-
-Array = NDArray[np.float64]
 
 REACH: Final = 4.0
 """Half width of the kernel in standard deviations; what lies beyond weighs 6e-5."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.fit import ENOUGH, NOISE_FACTOR
 from bozzetto.ink.curves.least_squares import MORE, MOST, approximate, approximate_adaptively
@@ -19,7 +20,6 @@ from bozzetto.ink.merge.order_by_parameter import strip
 from bozzetto.ink.merge.order_by_pca import principal
 from bozzetto.ink.merge.resample_all import Gathered, Ordering, gather
 
-Array = NDArray[np.float64]
 Strategy = Literal["principal", "spanning", "following", "strip"]
 
 GOOD: Final = 3.0

@@ -6,13 +6,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 STRIDE: Final = 2
 """Spacings of the ink to a step of the alignment."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-Array = NDArray[np.float64]
 
 THINNING: Final = 2.0
 """Side of the squares in which ink is averaged to a point of the ridge, in spacings."""

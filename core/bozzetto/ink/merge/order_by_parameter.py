@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 RADIUS: Final = 6.0
 """How far apart neighbours across strokes can be, in spacings."""
@@ -66,7 +63,7 @@ class _Links:
     other: Index
     agree: Array
 
-    def only(self, kept: NDArray[np.bool_]) -> _Links:
+    def only(self, kept: Flags) -> _Links:
         return _Links(self.one[kept], self.other[kept], self.agree[kept])
 
 

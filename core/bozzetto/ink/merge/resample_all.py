@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.preprocess import checked_points, prepare
 from bozzetto.ink.curves.resample import arc_length
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 FINEST: Final = 1.5
 """Least distance of the points, pixels."""

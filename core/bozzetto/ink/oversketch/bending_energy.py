@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Flags, Index
 
 SOFTNESS: Final = 12.0
 """Length, px, at which bending and pull weigh the same (the fourth root of their ratio).
@@ -59,7 +58,7 @@ class Bending:
         self,
         along: Array,
         gain: Array,
-        free: NDArray[np.bool_],
+        free: Flags,
         stiffness: float,
         ring: float | None,
     ) -> None:
@@ -91,7 +90,7 @@ class Bending:
         return np.asarray(cho_solve_banded((self._factor, False), right)[self._row], np.float64)
 
 
-def _folded(count: int) -> NDArray[np.intp]:
+def _folded(count: int) -> Index:
     """Row of each node of a ring, so that neighbours are at most two rows apart."""
     numbers = np.arange(count)
     back = count - 1 - numbers
@@ -100,7 +99,7 @@ def _folded(count: int) -> NDArray[np.intp]:
 
 def _second_differences(
     along: Array, ring: float | None
-) -> list[tuple[tuple[NDArray[np.intp], ...], tuple[Array, ...], Array]]:
+) -> list[tuple[tuple[Index, ...], tuple[Array, ...], Array]]:
     """Nodes, coefficients and length of each second difference, on uneven spacing."""
     count = len(along)
     if count < 3:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Index
 
 LAPS: Final = 3
 """Rounds of a closed curve that are laid out: a stroke may start anywhere and go round
@@ -16,7 +15,7 @@ nearly twice."""
 
 def ordered_feet(
     stroke: Array, step: float, nodes: Array, lengths: Array, *, closed: bool = False
-) -> NDArray[np.intp]:
+) -> Index:
     """Give every sample of a stroke a node of a curve, without going back along the curve.
 
     Of all assignments that keep the order, the one is found, by dynamic programming, with
@@ -56,7 +55,7 @@ def ordered_feet(
     return along if forward <= backward else against[::-1]
 
 
-def _cheapest(cost: Array, passed: Array) -> tuple[NDArray[np.intp], float]:
+def _cheapest(cost: Array, passed: Array) -> tuple[Index, float]:
     """The best column for each row, not decreasing, and what it costs in all.
 
     Parameters

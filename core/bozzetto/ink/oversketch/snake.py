@@ -15,16 +15,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 RESTITUTION: Final = 0.30
 """How much the displacement resists bending, by default (Kara & Shimada)."""
@@ -85,7 +83,7 @@ class Modified:
     """
 
     points: Array
-    moved: NDArray[np.bool_]
+    moved: Flags
     steps: int
 
 
@@ -186,9 +184,7 @@ def _spread(arc: Array, length: float, *, closed: bool) -> Index:
     return np.array(kept)
 
 
-def _within_reach(
-    nodes: Array, along: Array, traces: list[Trace], ring: float | None
-) -> NDArray[np.bool_]:
+def _within_reach(nodes: Array, along: Array, traces: list[Trace], ring: float | None) -> Flags:
     """Nodes beside a stroke, or on the stretch beyond where the curve leads back."""
     free = np.zeros(len(nodes), bool)
     for trace in traces:
@@ -207,7 +203,7 @@ def _settled(
     shape: Array,
     along: Array,
     pulls: list[Pull],
-    free: NDArray[np.bool_],
+    free: Flags,
     restitution: float,
     location: float,
     ring: float | None,

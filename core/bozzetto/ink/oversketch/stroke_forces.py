@@ -7,14 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.oversketch.bending_energy import lengths_of
 from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 SPACING: Final = 3.0
 """Longest way between the samples of a stroke, px: others are put between its own."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float32]
+from bozzetto.arrays import Floats, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Sheet:
         0 … 1.
     """
 
-    pixel: NDArray[np.intp]
+    pixel: Index
     nearness: Floats
     color: Floats
     opacity: Floats
@@ -92,7 +92,7 @@ def _keys(every: Sheet) -> NDArray[np.uint64]:
     return (every.pixel.astype(np.uint64) << np.uint64(32)) | rising.astype(np.uint64)
 
 
-def _blend(pixels: Floats, sheet: Sheet, part: NDArray[np.intp] | slice) -> None:
+def _blend(pixels: Floats, sheet: Sheet, part: Index | slice) -> None:
     pixel, alpha, color = sheet.pixel[part], sheet.opacity[part], sheet.color[part]
     whole = pixels.view(np.complex128)[:, 0]  # four floats are moved as one value
     mixed = whole.take(pixel).view(np.float32).reshape(-1, 4)

@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.clipping import Polygon, cut, cut_to_window
 from bozzetto.scene.renderer.view_transform import Sight
-
-Array = NDArray[np.float64]
 
 EDGE_ON: Final = 1e-9
 """Volume of the box of both sides and the way to the corner, per product of their lengths,

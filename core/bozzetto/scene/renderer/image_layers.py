@@ -7,18 +7,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Bytes, Floats, Index
 from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.compositing import Sheet, lay_over
 from bozzetto.scene.renderer.homography import place_of
 from bozzetto.scene.renderer.image_warp import warped
 from bozzetto.scene.renderer.mipmaps import Kept
 from bozzetto.scene.renderer.view_transform import Sight
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
 
 SAME_DEPTH: Final = 1e-9
 """Difference of nearness, relative to the nearest, that is none: the later picture is on top."""
@@ -138,7 +134,7 @@ def _is_before(picture: Hung, corners: Array) -> bool:
 
 def sheet_at(
     picture: Hung,
-    samples: NDArray[np.intp],
+    samples: Index,
     width: int,
     offset: tuple[int, int] = (0, 0),
     fineness: int = 1,

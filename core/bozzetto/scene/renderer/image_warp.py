@@ -12,13 +12,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.scene.renderer.clipping import Polygon, crossed, cut
 from bozzetto.scene.renderer.homography import Place
 from bozzetto.scene.renderer.mipmaps import as_pillow, level, rung
 
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
 Box = tuple[int, int, int, int]
 
 SHARES: Final = 4

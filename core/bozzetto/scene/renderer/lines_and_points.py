@@ -13,12 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.scene.display_list import Lines, Points
 from bozzetto.scene.renderer.surfaces import Veil
 from bozzetto.scene.renderer.view_transform import Sight
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
 
 BIAS = 2.0
 """How far (in pixel sizes) behind a surface a line still counts as lying on it."""
@@ -68,7 +66,7 @@ class Canvas:
 
     def behind(
         self, x: NDArray[np.floating], y: NDArray[np.floating], nearness: Floats
-    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    ) -> tuple[Flags, Flags]:
         """Which places lie behind an opaque surface, and which behind a translucent one."""
         height, width = self.surface.shape
         pixel = np.clip(y, 0, height - 1).astype(np.intp) * width
@@ -80,7 +78,7 @@ class Canvas:
 
     def cover(
         self,
-        pixel: NDArray[np.intp],
+        pixel: Index,
         share: Floats,
         color: NDArray[np.floating],
         opacity: float,
@@ -174,7 +172,7 @@ def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
     return begin, end
 
 
-def _joined_points(batch: list[Lines]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _joined_points(batch: list[Lines]) -> tuple[Index, Index]:
     """Indices of the ends of every segment; a lone point is a segment to itself."""
     pairs = []
     shift = 0
@@ -223,7 +221,7 @@ class _Walk:
     segment runs from (`begin_major`, `begin_minor`) by (`span_major`, `span_minor`).
     """
 
-    steep: NDArray[np.bool_]
+    steep: Flags
     major: Floats
     minor: Floats
     nearness: Floats
@@ -251,7 +249,7 @@ def _reach(begin: Array, end: Array) -> tuple[Array, Array]:
     return np.minimum(a, b) - cap, np.maximum(a, b) + cap
 
 
-def _steep(begin: Array, end: Array) -> NDArray[np.bool_]:
+def _steep(begin: Array, end: Array) -> Flags:
     return np.asarray(np.abs(end[:, Y] - begin[:, Y]) > np.abs(end[:, X] - begin[:, X]))
 
 
@@ -288,9 +286,7 @@ def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
     )
 
 
-def _spread(
-    walk: _Walk, canvas: Canvas, hidden: str
-) -> tuple[NDArray[np.intp], Floats, NDArray[np.int8]]:
+def _spread(walk: _Walk, canvas: Canvas, hidden: str) -> tuple[Index, Floats, NDArray[np.int8]]:
     """Pixels around each step, how much its capsule covers them, `COVERED` and `VEILED`."""
     x = np.where(walk.steep, walk.minor, walk.major)
     y = np.where(walk.steep, walk.major, walk.minor)

@@ -15,12 +15,12 @@ from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bozzetto.arrays import Bytes
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-Bytes = NDArray[np.uint8]
 
 LEVELS_KEPT: Final = 256_000_000
 """Memory for pictures made smaller, bytes: four of 4096 × 4096 pixels at most."""

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Floats, Index
 from bozzetto.geometry.mesh import Mesh
-
-Array = NDArray[np.float64]
 
 CREASE = np.cos(np.radians(40.0))
 """Cosine of the angle above which neighbouring faces meet in an edge, not in a bend."""
@@ -34,12 +33,12 @@ class CornerNormals:
         Which of them belongs to each corner of each face.
     """
 
-    vectors: NDArray[np.float32]
+    vectors: Floats
     corners: NDArray[np.int32]
 
 
 _normals: weakref.WeakKeyDictionary[Mesh, CornerNormals] = weakref.WeakKeyDictionary()
-_curvatures: weakref.WeakKeyDictionary[Mesh, NDArray[np.float32]] = weakref.WeakKeyDictionary()
+_curvatures: weakref.WeakKeyDictionary[Mesh, Floats] = weakref.WeakKeyDictionary()
 
 
 def corner_normals(mesh: Mesh) -> CornerNormals:
@@ -70,9 +69,7 @@ def _corner_normals(mesh: Mesh) -> CornerNormals:
     return CornerNormals(np.concatenate((smooth, own)), corners)
 
 
-def _grouped_normals(
-    vertex: NDArray[np.int32], face: NDArray[np.intp], flat: Array, area: Array
-) -> NDArray[np.float32]:
+def _grouped_normals(vertex: NDArray[np.int32], face: Index, flat: Array, area: Array) -> Floats:
     """For each (vertex, face): the mean of the faces there that bend gently into it."""
     order = np.argsort(vertex, kind="stable")
     _, first, count = np.unique(vertex[order], return_index=True, return_counts=True)
@@ -92,7 +89,7 @@ def _grouped_normals(
     return np.asarray(mean, np.float32)
 
 
-def mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
+def mean_curvature(mesh: Mesh) -> Floats:
     """Mean curvature at the vertices, 1/mm, positive where the surface bulges outwards.
 
     The mean over the edges of the normal curvature along each,
@@ -104,7 +101,7 @@ def mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
     return known
 
 
-def _mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
+def _mean_curvature(mesh: Mesh) -> Floats:
     count = len(mesh.vertices)
     normals = mesh.vertex_normals().astype(np.float64)
     points = mesh.vertices.astype(np.float64)

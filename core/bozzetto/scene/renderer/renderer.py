@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import groupby, product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
 from bozzetto.scene.palette import Palette
@@ -26,8 +26,6 @@ from bozzetto.scene.renderer.surfaces import Pictures, Veil, draw_surfaces, see_
 from bozzetto.scene.renderer.view_transform import Sight, sight_of
 from bozzetto.view.camera import Camera
 
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
 Window = tuple[int, int, int, int]
 
 FINENESS = 2
@@ -68,7 +66,7 @@ def render(
     background: bool = True,
     antialias: bool = True,
     checkpoint: Callable[[], None] = _go_on,
-) -> NDArray[np.uint8]:
+) -> Bytes:
     """Draw a scene as a picture; the same input gives the same picture, bit for bit.
 
     Parameters
@@ -145,7 +143,7 @@ def _bands(width: int, height: int, depth: int) -> Iterator[tuple[int, int]]:
         yield top, min(height, top + rows)
 
 
-def _finished(pixels: Floats, *, opaque: bool) -> NDArray[np.uint8]:
+def _finished(pixels: Floats, *, opaque: bool) -> Bytes:
     """Bytes of straight alpha."""
     if opaque:
         result = (pixels + np.float32(0.5)).astype(np.uint8)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Floats
 from bozzetto.scene.renderer.view_transform import Sight
 from bozzetto.scene.renderer.zbuffer import Buffer
-
-Floats = NDArray[np.float32]
 
 STRIDE = 4
 """Pixels (at one sample each) between the places where hollows are measured."""

@@ -13,6 +13,7 @@ from typing import Final, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.renderer.triangle_soup import Soup
 from bozzetto.scene.renderer.view_transform import Sight
@@ -20,7 +21,6 @@ from bozzetto.scene.renderer.view_transform import Sight
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
 
-Floats = NDArray[np.float32]
 
 KEY: Final = np.array((-0.46, 0.62, 0.64), np.float32)
 """Towards the key light, in the frame of the view: from the upper left, tied to the camera."""
@@ -69,11 +69,11 @@ class Fragments:
         Interpolated vertex colours, 0 … 255.
     """
 
-    pixel: NDArray[np.intp]
+    pixel: Index
     triangle: NDArray[np.int32]
     normal: Floats
     facing: Floats
-    inside: NDArray[np.bool_]
+    inside: Flags
     color: Floats
 
 
@@ -127,7 +127,7 @@ def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: 
 
 
 def _interpolated(
-    places: NDArray[np.float64],
+    places: Array,
     values: NDArray[np.floating],
     row: NDArray[np.int32],
     dx: Floats,
@@ -151,7 +151,7 @@ def _interpolated(
     return np.clip(result, -limit, limit, out=result)
 
 
-def _backs(places: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _backs(places: Array) -> Flags:
     x, y = places[:, :, 0], places[:, :, 1]
     area = (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0]) - (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0])
     return np.asarray(area < 0)
@@ -201,7 +201,7 @@ def colored(
     seen: Fragments,
     part: NDArray[np.int32],
     colors: Sequence[Color],
-    tinted: NDArray[np.bool_],
+    tinted: Flags,
     shading: Shading,
     palette: Palette,
     cavity: Floats | None = None,

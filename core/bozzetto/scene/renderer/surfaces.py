@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.display_list import Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.compositing import Sheet, lay_over, veil_of
@@ -26,8 +27,7 @@ from bozzetto.scene.renderer.view_transform import Sight
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
 from bozzetto.scene.renderer.zebra import mirroring
 
-Floats = NDArray[np.float32]
-Samples = NDArray[np.intp]
+Samples = Index
 
 XRAY_LEAST, XRAY_MOST = 0.10, 0.80
 """Opacity of x-rayed surfaces seen face on and edge on."""
@@ -200,7 +200,7 @@ def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[
 
 def _gathered(
     items: Sequence[Shaded], sight: Sight, palette: Palette, shading: Shading
-) -> tuple[Soup, NDArray[np.bool_]]:
+) -> tuple[Soup, Flags]:
     colors = [_vertex_colors(item, palette, shading) for item in items]
     tinted = np.array([own is not None for own in colors])
     return gather([item.mesh for item in items], colors, sight), tinted
@@ -238,7 +238,7 @@ def _colors_of(
     seen: Fragments,
     soup: Soup,
     items: Sequence[Shaded],
-    tinted: NDArray[np.bool_],
+    tinted: Flags,
     sight: Sight,
     palette: Palette,
     shading: Shading,

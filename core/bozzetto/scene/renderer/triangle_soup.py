@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Floats
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.renderer.normals import corner_normals
 from bozzetto.scene.renderer.view_transform import Sight
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int32]
+Triples = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +37,13 @@ class Soup:
     """
 
     places: Array
-    faces: Index
-    normals: NDArray[np.float32]
-    corners: Index
-    colors: NDArray[np.float32]
-    part: Index
+    faces: Triples
+    normals: Floats
+    corners: Triples
+    colors: Floats
+    part: Triples
 
-    def only(self, keep: NDArray[np.bool_]) -> Soup:
+    def only(self, keep: Flags) -> Soup:
         """The soup without some of its triangles."""
         return Soup(
             self.places,
@@ -127,7 +127,7 @@ def _clipped(soup: Soup, near: float) -> Soup:
     return _merged(pieces)
 
 
-def _cut(soup: Soup, faces: Index, corners: Index, near: float, *, keep_first: bool) -> Soup:
+def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_first: bool) -> Soup:
     """One or two triangles for each whose first corner lies alone on its side."""
     a, depth = faces[:, 0], soup.places[:, 2]
     count = len(faces)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Floats
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
 
 NEAR = 1e-4
 """Nearest depth shown in perspective, as a part of the distance to the target."""
@@ -72,7 +71,7 @@ class Sight:
         result[:, 1] = self.middle[1] - seen[:, 1] * scale
         return result
 
-    def backed(self, nearness: NDArray[np.float32], pixels: float) -> NDArray[np.float32]:
+    def backed(self, nearness: Floats, pixels: float) -> Floats:
         """Nearness moved away from the eye by as much as so many pixels measure there."""
         mm = np.float32(pixels / self.focal)
         if self.perspective:  # d q = −q² dz / reference, and a pixel measures z / focal

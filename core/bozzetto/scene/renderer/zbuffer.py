@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Flags, Floats
 
 NOTHING = np.int32(-1)
 """Stands for no triangle."""
@@ -42,7 +42,7 @@ class Buffer:
 
     width: int
     height: int
-    nearness: NDArray[np.float32]
+    nearness: Floats
     triangle: NDArray[np.int32]
 
 
@@ -57,7 +57,7 @@ def blank(width: int, height: int) -> Buffer:
 
 
 def rasterize(
-    buffer: Buffer, places: Array, faces: NDArray[np.int32], first: NDArray[np.bool_] | None = None
+    buffer: Buffer, places: Array, faces: NDArray[np.int32], first: Flags | None = None
 ) -> None:
     """Draw triangles into a buffer.
 
@@ -83,7 +83,7 @@ def rasterize(
     _draw(buffer, places, faces[others], names[others])
 
 
-def _may_be_seen(buffer: Buffer, places: Array, faces: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _may_be_seen(buffer: Buffer, places: Array, faces: NDArray[np.int32]) -> Flags:
     """Which triangles are not surely behind everything drawn where they lie."""
     across, down = -(-buffer.width // TILE), -(-buffer.height // TILE)
     full = np.full((down * TILE, across * TILE), np.inf, np.float32)

@@ -18,11 +18,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.palette import Color
 from bozzetto.scene.renderer.shading import Fragments
 from bozzetto.scene.renderer.view_transform import Sight
-
-Floats = NDArray[np.float32]
 
 TUBES: Final = 24
 """Tubes from the nadir to the zenith; the gaps between them are as wide."""
@@ -42,8 +41,8 @@ def mirroring(
     seen: Fragments,
     part: NDArray[np.int32],
     colors: Sequence[Color],
-    tinted: NDArray[np.bool_],
-    polished: NDArray[np.bool_],
+    tinted: Flags,
+    polished: Flags,
     sight: Sight,
 ) -> Fragments:
     """What is seen, with the colours of stripes on polished parts.
@@ -118,7 +117,7 @@ def _integral(height: Floats) -> Floats:
     return np.asarray(np.float32(0.5) * whole + np.minimum(height - whole, np.float32(0.5)))
 
 
-def _over_pixel(values: Floats, pixel: NDArray[np.intp], sight: Sight) -> Floats:
+def _over_pixel(values: Floats, pixel: Index, sight: Sight) -> Floats:
     """By how much values change over their pixels, (n,).
 
     On each axis the smaller of the steps to both neighbours: across a crease or a contour the

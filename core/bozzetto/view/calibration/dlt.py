@@ -14,11 +14,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-
-Array = NDArray[np.float64]
 
 FEWEST: Final = 6
 """Marks that eleven unknowns need, with two equations each."""

@@ -11,15 +11,13 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.dlt import FEWEST, direct_linear_transform
 from bozzetto.view.calibration.pose import PERSPECTIVITIES, SCALES, Poses, rotations
 from bozzetto.view.rotations import unit
 from bozzetto.view.standard_views import CUBE_DIRECTIONS
-
-Array = NDArray[np.float64]
 
 STRENGTHS: Final = (0.3, 1.0)
 """Perspectivities to start from, in reciprocal diagonals: a long and a usual lens."""

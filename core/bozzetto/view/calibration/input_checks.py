@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.normalization import Framing
-
-Array = NDArray[np.float64]
 
 FEWEST: Final = 6
 """Marks of different points from which a camera is looked for. Four would do for seven

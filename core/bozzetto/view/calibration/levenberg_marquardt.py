@@ -11,12 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, PERSPECTIVITIES, Poses, Seen
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 HAND: Final = 0.002
 """Standard deviation of a mark set by hand, per coordinate, in diagonals of the picture: 3 px
@@ -67,7 +64,7 @@ class Adjusted:
     costs: Array
     residuals: Array
 
-    def __getitem__(self, rows: NDArray[np.intp] | list[int] | slice) -> Adjusted:
+    def __getitem__(self, rows: Index | list[int] | slice) -> Adjusted:
         """Some of the rows."""
         return Adjusted(self.poses[rows], self.costs[rows], self.residuals[rows])
 

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
-
-Array = NDArray[np.float64]
 
 ASIDE: Final = 4.0
 """Distance of an orthographic camera's eye from its target, in root mean square radii of the

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
     Adjusted,
@@ -22,8 +22,6 @@ from bozzetto.view.calibration.levenberg_marquardt import (
     freedom,
     variance,
 )
-
-Array = NDArray[np.float64]
 
 ALARM: Final = 50.0
 """Squared leave-one-out residual, in its own variances, from which a mark is set aside: seven

@@ -20,10 +20,8 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from bozzetto.arrays import Array, Flags, Index
 
 PARAMETERS: Final = 9
 """Steps of a pose: a small turn (3), of the logarithm of the scale, of the offset (2), of the
@@ -92,7 +90,7 @@ class Poses:
     def __len__(self) -> int:
         return len(self.log_scale)
 
-    def __getitem__(self, rows: NDArray[np.intp] | Flags | list[int] | slice) -> Poses:
+    def __getitem__(self, rows: Index | Flags | list[int] | slice) -> Poses:
         """Some of the poses."""
         return Poses(*(values[rows] for values in self._columns()))
 

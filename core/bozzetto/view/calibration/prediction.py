@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.input_checks import REACH
 from bozzetto.view.calibration.resection import Resection
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +116,7 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
     return Help(int(np.argmin(after)), size * float(np.sqrt(now)), after)
 
 
-def _seen(found: Resection, points: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _seen(found: Resection, points: ArrayLike) -> tuple[Array, Array, Flags]:
     """Derivatives (m, 2, 9) of places by the camera, the places, and which of them there are."""
     world = np.reshape(np.asarray(points, float), (-1, 3))
     sensible = np.asarray((np.abs(world) <= REACH).all(axis=1))

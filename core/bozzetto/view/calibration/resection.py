@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.initial_guesses import resumed, starts
 from bozzetto.view.calibration.input_checks import framed
@@ -31,8 +32,6 @@ from bozzetto.view.calibration.normalization import Framing
 from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, scrutinised
 from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
-
-Array = NDArray[np.float64]
 
 Kind = Literal["perspective", "orthographic"]
 
@@ -235,7 +234,7 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
     return None
 
 
-def _cheapest(costs: Array, allowed: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
+def _cheapest(costs: Array, allowed: Flags, count: int) -> Index:
     """Rows with the least costs among those allowed."""
     return np.argsort(np.where(allowed, costs, np.inf), kind="stable")[: min(count, allowed.sum())]
 
