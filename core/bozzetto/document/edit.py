@@ -122,17 +122,6 @@ def add_view(document: Document, name: str, camera: Camera) -> Edit:
     return Edit(replace(document, views=(*views, view)), f"Keep view “{view.name}”")
 
 
-def rename_view(document: Document, name: str, new_name: str) -> Edit:
-    """Call a view something else."""
-    wish = new_name.strip()
-    if wish != name and any(view.name == wish for view in document.views):
-        raise UserError(f"There is a view “{wish}” already. Choose another name.")
-    place = _view_place(document, name)
-    views = list(document.views)
-    views[place] = NamedView(wish, views[place].camera)
-    return Edit(replace(document, views=tuple(views)), f"Rename view to “{wish}”")
-
-
 def delete_view(document: Document, name: str) -> Edit:
     """Forget a view."""
     place = _view_place(document, name)

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Index
-from bozzetto.ink.stroke import COLUMNS, Stroke
 
 
 def arc_length(points: ArrayLike) -> Array:
@@ -98,54 +97,6 @@ def _stations(length: float, spacing: float | None, count: int | None, closed: b
     if count < 1:
         raise ValueError("resampling needs at least one point")
     return np.linspace(0.0, length, count, endpoint=not closed)
-
-
-def resample_stroke(
-    stroke: Stroke, *, spacing: float | None = None, count: int | None = None
-) -> Stroke:
-    """Resample all columns of a stroke at equal steps along its path on the canvas.
-
-    Where the pen rested, the samples of the rest melt into one; its time is kept at both
-    ends of the stroke. Twist turns the short way round.
-
-    Parameters
-    ----------
-    stroke : Stroke
-    spacing, count
-        As in `resample`; pixels.
-
-    Returns
-    -------
-    Stroke
-        With the camera, tool, colour and group of the given one.
-    """
-    kept = distinct(stroke.points)
-    along = arc_length(stroke.points[kept])
-    stations = _stations(float(along[-1]), spacing, count, closed=False)
-
-    def at_stations(name: str) -> Array:
-        column = np.asarray(getattr(stroke, name), float)
-        if name == "twist":
-            column = np.unwrap(column, period=360.0)
-        values = np.interp(stations, along, column[kept])
-        if name == "t" and len(values) > 1:
-            values[-1] = column[-1]
-        return np.asarray(np.mod(values, 360.0) if name == "twist" else values)
-
-    columns = {name: at_stations(name) for name in COLUMNS}
-    return Stroke(
-        columns["x"],
-        columns["y"],
-        stroke.camera,
-        pressure=columns["pressure"] if stroke.has_pressure else None,
-        t=columns["t"] if stroke.has_time else None,
-        tilt_x=columns["tilt_x"],
-        tilt_y=columns["tilt_y"],
-        twist=columns["twist"],
-        tool=stroke.tool,
-        color=stroke.color,
-        group=stroke.group,
-    )
 
 
 def steps_along(points: ArrayLike, step: float, most: int) -> Array:
