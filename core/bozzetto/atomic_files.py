@@ -106,18 +106,18 @@ class Disk:
     """The calls to the operating system that saving needs."""
 
     def resolve(self, path: Path) -> Path:
-        """The file that a path means, links followed."""
+        """Return the file that a path means, links followed."""
         return Path(os.path.realpath(path))
 
     def facts(self, path: Path) -> os.stat_result | None:
-        """What the system says of a file, or None where there is no file."""
+        """Return the system's facts on a file, or None where there is no file."""
         try:
             return os.stat(path)
         except FileNotFoundError:
             return None
 
     def create(self, path: Path, mode: int) -> BinaryIO:
-        """A new file, open for writing and locked; fails if there is one."""
+        """Create a file, open for writing and locked; fail if there is one."""
         file = open(path, "x+b", opener=lambda name, flags: os.open(name, flags, mode))
         take(file.fileno())  # not a leftover, then
         return file
@@ -184,7 +184,7 @@ DISK = Disk()
 
 
 def backup_path(path: Path, number: int) -> Path:
-    """The name of the n-th backup of a file; 1 is the newest."""
+    """Return the name of the n-th backup of a file; 1 is the newest."""
     return path.with_name(f"{path.name}~{number}")
 
 
@@ -293,7 +293,7 @@ def read_stamped(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, 
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
-    """A file's content, read-only; its length is looked at first.
+    """Return a file's content, read-only; its length is looked at first.
 
     The memory is numpy's, which comes in large pages: reading 40 MB takes a third of the
     time that it takes into ``bytes``.
@@ -365,7 +365,7 @@ def _keep_backups(target: Path, count: int, disk: Disk) -> None:
 
 
 def explain(problem: OSError, name: str) -> str:
-    """What a failed call of the operating system means for the person who saves."""
+    """Explain to the person who saves what a failed call of the operating system means."""
     untouched = "Nothing was changed."
     if problem.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return (

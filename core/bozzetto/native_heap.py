@@ -56,7 +56,7 @@ def give_back() -> bool:
 
 
 def _glibc() -> Any | None:
-    """The C library, if it is the one that knows these calls."""
+    """Return the C library, if it is the one that knows these calls."""
     if not sys.platform.startswith("linux"):
         return None
     library = ctypes.CDLL(None)

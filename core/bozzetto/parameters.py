@@ -132,7 +132,7 @@ class Field:
 
 
 def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
-    """The parameters of a state type, in the order of its fields; remembered."""
+    """Return the parameters of a state type, in the order of its fields; remembered."""
     return _parameter_fields(state_type)  # type: ignore[arg-type]  # types are hashable
 
 
@@ -226,7 +226,7 @@ def parse_parameter(field: Field, text: str) -> object:
 
 
 def _written_color(text: str) -> object:
-    """The parts of a colour written as ``#rrggbb``, or the text itself."""
+    """Return the parts of a colour written as ``#rrggbb``, or the text itself."""
     digits = text.strip().removeprefix("#")
     try:
         return tuple(bytes.fromhex(digits)) if len(digits) == 6 else text

@@ -15,7 +15,7 @@ RANDOM_NODE: Final = 1 << 40
 
 @lru_cache(maxsize=1)
 def machine_id() -> str:
-    """A name of this machine that stays when its host name changes."""
+    """Return a name of this machine that stays when its host name changes."""
     for place in MACHINE_FILES:
         try:
             content = Path(place).read_text().strip()

@@ -22,7 +22,7 @@ NAME: Final = re.compile(r"\.bozzetto-([0-9a-f]{8})-(\d{1,10})-[0-9a-f]{12}\.tmp
 
 
 def temporary_path(target: Path) -> Path:
-    """An unused name in the folder of the file that is to be written."""
+    """Return an unused name in the folder of the file that is to be written."""
     return target.with_name(f".bozzetto-{_machine()}-{os.getpid()}-{os.urandom(6).hex()}.tmp")
 
 

@@ -78,6 +78,7 @@ def _build_one(
 
     picture = read_picture(source, trusted=options.trust_file) if is_picture(source) else None
     drawing = read_drawing(source, trusted=options.trust_file) if picture is None else None
+    warn(() if drawing is None else drawing.left_out)
     try:
         if picture is not None:
             model = bench.sources.from_picture(modeler_id, picture, values)
@@ -100,7 +101,7 @@ def _build_one(
 
 
 def _places(problem: UserError, drawing: Any) -> str:
-    """Where a mistake lies, in the coordinates of the drawing's file: nothing lights up here."""
+    """Return where a mistake lies, in the coordinates of the drawing's file."""
     if not problem.places or drawing is None:
         return ""
     import numpy as np
@@ -116,7 +117,7 @@ def _places(problem: UserError, drawing: Any) -> str:
 
 
 def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
-    """What ``--set`` says: parameters of the modeler, of its parts, and of one part by name."""
+    """Return the values of ``--set``: of the modeler, of all its parts, or of a named part."""
     from bozzetto.parameters import parameter_fields, parse_parameter
     from bozzetto.plugin.parts import HasParts
 

@@ -1,4 +1,4 @@
-"""What a file holds, told without building anything."""
+"""Facts about files, told without building anything."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh
 
 
 def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
-    """What a document, drawing, mesh or picture holds, in plain JSON values.
+    """Return facts about a document, drawing, mesh or picture, as plain JSON values.
 
     Parameters
     ----------
@@ -50,6 +50,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
                 f"{name}, {picture.width} × {picture.height} px"
                 for name, picture in drawing.pictures.items()
             ],
+            "left_out": list(drawing.left_out),
         }
     parts = list(read_mesh(path, trusted=trusted).meshes())
     bounds = np.array([part.mesh.bounds for part in parts])

@@ -200,7 +200,7 @@ def _render(options: argparse.Namespace) -> int:
 def _picture_of(
     bench: Any, document: Any, view: str | None, size: tuple[int, int] = (1200, 900), **style: Any
 ) -> Any:
-    """A document as the window shows it; `style` as in `scene.picture`.
+    """Return a document as the window shows it; `style` as in `scene.picture`.
 
     Without a name of a view it is the document's own if all lies in it, else the three-quarter
     view.
@@ -218,7 +218,7 @@ def _picture_of(
 
 
 def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
-    """A document, or one made from a mesh file."""
+    """Return a document, or one made from a mesh file."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.import_file import read_mesh
 

@@ -1,4 +1,4 @@
-"""What the commands share: how they say what went wrong, and how they write what they made."""
+"""Messages and files of the commands."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def warn(messages: Iterable[str]) -> None:
 
 
 def words_of_fault(fault: Exception) -> str:
-    """A plugin's fault in one line."""
+    """Return a plugin's fault in one line."""
     return f"{fault} Its author can find the place with “bozzetto -v …”."
 
 
 def workbench() -> Any:
-    """A workbench with all plugins but those that the person switched off."""
+    """Return a workbench with all plugins but those that the person switched off."""
     from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.host.switched_off import switched_off
     from bozzetto.workbench.workbench import Workbench

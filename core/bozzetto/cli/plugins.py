@@ -82,7 +82,7 @@ def _switch(name: str, on: bool) -> None:
 
 
 def _named(name: str, found: tuple[PluginInfo, ...]) -> PluginInfo | None:
-    """The plugin that a person means: by its id, its package, or the last part of its id."""
+    """Return the plugin that a person means: by its id, its package, or the last part of its id."""
     for meant in (
         [info for info in found if info.id == name],
         [info for info in found if info.package == name],

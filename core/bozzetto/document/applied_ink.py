@@ -1,4 +1,4 @@
-"""How a model that came of waiting ink gets into the history."""
+"""Models that come of waiting ink, and their place in the history."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()
 
 
 def _place_lifted(history: History, used: Sequence[Stroke]) -> int | None:
-    """The step with which the last of some strokes was lifted, if this is its first answer.
+    """Return the step that lifted the last of some strokes, if this is its first answer.
 
     None as well where the shapes have changed since: the outcome is a step of its own then.
     """

@@ -1,4 +1,4 @@
-"""What a person can do to the objects, views and underlays of a document.
+"""Edits of the objects, views and underlays of a document.
 
 Every function takes a document and gives an `Edit`: the new document, and the label under
 which the history keeps it. None of them changes anything; a locked object refuses.

@@ -75,22 +75,22 @@ class History:
 
     @property
     def entries(self) -> tuple[str, ...]:
-        """What the history panel lists: the origin, then one label per step."""
+        """Labels for the history panel: the origin, then one per step."""
         return tuple(step.label for step in self._steps)
 
     @property
     def position(self) -> int:
-        """Which of the `entries` is the present one."""
+        """Index of the present one among the `entries`."""
         return self._position
 
     @property
     def undo_label(self) -> str | None:
-        """What `undo` would take back, or None."""
+        """Label of the step that `undo` would take back, or None."""
         return self._steps[self._position].label if self._position else None
 
     @property
     def redo_label(self) -> str | None:
-        """What `redo` would do again, or None."""
+        """Label of the step that `redo` would do again, or None."""
         after = self._steps[self._position + 1 :]
         return after[0].label if after else None
 
@@ -189,7 +189,7 @@ class History:
         self._open = False
 
     def place_where(self, holds: Callable[[Document], bool]) -> int | None:
-        """The place of the first step behind which, up to the present, something always holds."""
+        """Return the first step from which, up to the present, something always holds."""
         found = None
         for place in range(self._position, 0, -1):
             if not holds(self._steps[place].document):

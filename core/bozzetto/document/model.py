@@ -30,7 +30,7 @@ STANDING: Final = Placement()
 
 
 def new_id() -> str:
-    """A fresh identifier for a model or an underlay."""
+    """Return a fresh identifier for a model or an underlay."""
     return os.urandom(8).hex()
 
 
@@ -171,7 +171,7 @@ class Document:
         return len(self.models)
 
     def place_of(self, model_id: str) -> int:
-        """Where a model stands in the object list.
+        """Return the place of a model in the object list.
 
         Raises
         ------
@@ -184,7 +184,7 @@ class Document:
         raise UserError("That object is no longer in the document. Choose another one.")
 
     def model(self, model_id: str) -> Model:
-        """The model of that id.
+        """Return the model of that id.
 
         Raises
         ------

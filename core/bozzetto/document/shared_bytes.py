@@ -1,4 +1,4 @@
-"""How many bytes two snapshots do not share, found by identity."""
+"""Bytes that two snapshots do not share, found by identity."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def difference(before: Any, after: Any) -> tuple[int, int]:
 
 
 def _apart(before: Iterable[Any], after: Iterable[Any]) -> tuple[list[Any], list[Any]]:
-    """What is in one row and not in the other, in order."""
+    """Return what is in one row and not in the other, in order."""
     before, after = tuple(before), tuple(after)
     shared = {id(item) for item in before} & {id(item) for item in after}
     return (

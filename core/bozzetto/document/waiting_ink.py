@@ -73,12 +73,12 @@ Waiting = tuple[WaitingStroke, ...]
 
 
 def strokes_of(waiting: Iterable[WaitingStroke]) -> tuple[Stroke, ...]:
-    """The strokes themselves."""
+    """Return the strokes themselves."""
     return tuple(one.stroke for one in waiting)
 
 
 def without(waiting: Waiting, strokes: Iterable[Stroke]) -> Waiting:
-    """What is left when some strokes are taken, compared by identity."""
+    """Return what is left when some strokes are taken, compared by identity."""
     taken = set(map(id, strokes))
     left = tuple(one for one in waiting if id(one.stroke) not in taken)
     return waiting if len(left) == len(waiting) else left
@@ -94,7 +94,7 @@ def marked(
     reason: str = "",
     places: Sequence[tuple[float, float]] = (),
 ) -> Waiting:
-    """What became of some strokes; the places belong to the last of them."""
+    """Return the ink with what became of some strokes; the places belong to the last of them."""
     meant = set(map(id, strokes))
     if not any(id(one.stroke) in meant for one in waiting):
         return waiting
@@ -115,7 +115,7 @@ def marked(
 
 
 def touched(waiting: Waiting, eraser: Stroke, reach: float) -> tuple[Stroke, ...]:
-    """The strokes that an eraser ran over.
+    """Return the strokes that an eraser met.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class CameraRecord(msgspec.Struct, omit_defaults=True):
 
 
 def camera_record(camera: Camera) -> dict[str, Any]:
-    """A camera as a JSON object."""
+    """Return a camera as a JSON object."""
     return {
         "kind": camera.kind,
         "eye": camera.eye,
@@ -46,12 +46,12 @@ def camera_record(camera: Camera) -> dict[str, Any]:
 
 
 def canvas_record(camera: Camera) -> dict[str, float]:
-    """A camera's canvas as a JSON object."""
+    """Return a camera's canvas as a JSON object."""
     return {"width": camera.viewport[0], "height": camera.viewport[1]}
 
 
 def camera_from(record: CameraRecord, canvas: CanvasRecord) -> Camera:
-    """The camera that a record describes.
+    """Return the camera that a record describes.
 
     Raises
     ------

@@ -41,7 +41,7 @@ class Exported:
     left_out: tuple[LeftOut, ...]
 
     def warnings(self) -> tuple[str, ...]:
-        """What a person must know of it, a sentence each."""
+        """Warnings for the person, a sentence each."""
         file = f"{self.format.short} file"
         return tuple(part.sentence(file) for part in self.left_out if part.is_content)
 
@@ -93,7 +93,7 @@ def export(
 
 
 def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> bytes:
-    """The bytes that `export` would write.
+    """Return the bytes that `export` would write.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | No
 def prepared(
     shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
 ) -> Exported:
-    """What `export` would write, without touching the disk.
+    """Return what `export` would write, without touching the disk.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
 
 
 def _kinds_in(shapes: Shapes) -> set[Kind]:
-    """What shapes can be handed over as."""
+    """Return the kinds of content that shapes hold."""
     has: dict[Kind, bool] = {
         "mesh": bool(shapes.patchworks) or any(len(part.mesh.faces) for part in shapes.meshes()),
         "surfaces": bool(shapes.patchworks),

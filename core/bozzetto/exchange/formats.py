@@ -67,7 +67,7 @@ class Format:
 
     @property
     def short(self) -> str:
-        """What people call its files, such as "STEP"."""
+        """Short name for people, such as "STEP"."""
         return self.endings[0].removeprefix(".").upper()
 
 
@@ -135,17 +135,17 @@ FORMATS: Final[tuple[Format, ...]] = (
 
 
 def writers(*kinds: Kind) -> tuple[Format, ...]:
-    """Formats that can be written; only those that hold one of the kinds, where given."""
+    """Return formats that can be written; only those that hold one of the kinds, where given."""
     return tuple(f for f in FORMATS if f.writes and (not kinds or set(kinds) & set(f.holds)))
 
 
 def readers(*kinds: Kind) -> tuple[Format, ...]:
-    """Formats that can be read; only those that hold one of the kinds, where given."""
+    """Return formats that can be read; only those that hold one of the kinds, where given."""
     return tuple(f for f in FORMATS if f.reads and (not kinds or set(kinds) & set(f.holds)))
 
 
 def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
-    """The format that a file's ending names.
+    """Find the format that a file's ending names.
 
     Raises
     ------
@@ -163,5 +163,5 @@ def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
 
 
 def function(format: Format, name: str) -> Any:
-    """A function of a format's module, imported now."""
+    """Import a function of a format's module."""
     return getattr(import_module(format.module), name)

@@ -71,7 +71,7 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
 
 
 def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:
-    """The values of a picture of one channel, some rows at a time."""
+    """Yield the values of a picture of one channel, some rows at a time."""
     width, height = picture.size
     for first in range(0, height, ROWS_AT_ONCE):
         strip = picture.crop((0, first, width, min(first + ROWS_AT_ONCE, height)))
@@ -79,7 +79,7 @@ def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:
 
 
 def _top(picture: Image.Image) -> float:
-    """The value of white, where there are more than eight bits; of floats the largest."""
+    """Return the value of white, where there are more than eight bits; of floats the largest."""
     if picture.mode.startswith("I"):
         return 65535.0
     if not picture.mode.startswith("F"):

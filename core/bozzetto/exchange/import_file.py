@@ -202,7 +202,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
 
 
 def _with_solids(shapes: Shapes, stem: str) -> Shapes:
-    """What is closed as solids; what has no name called like the file."""
+    """Turn closed surfaces into solids; parts without a name are called like the file."""
     solids, surfaces = list(shapes.solids), []
     for part in shapes.surfaces:
         closed = _as_closed(part.mesh)
@@ -226,7 +226,7 @@ def _as_closed(mesh: Mesh) -> Mesh | None:
 
 
 def _chosen(kind: str, path: str | os.PathLike[str]) -> tuple[Format, int]:
-    """The format of a file to be read, and how large it may be; a folder has none."""
+    """Return the format of a file to be read, and how large it may be; refuse a folder."""
     if os.path.isdir(path):
         raise UserError(f"“{os.fspath(path)}” is a folder. Choose a file inside it.")
     held: Kind = {"mesh": "mesh", "drawing": "ink"}.get(kind, "image")  # type: ignore[assignment]

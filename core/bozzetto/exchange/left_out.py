@@ -1,4 +1,4 @@
-"""What a file of some format has no place for, in words that a person can act on."""
+"""Content for which a format has no place, in words that a person can act on."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class LeftOut:
 
 
 def with_place(shapes: Shapes, chosen: Format) -> Shapes:
-    """The parts that a format has a place for; exact surfaces may become triangles there."""
+    """Return the parts that a format has a place for; exact surfaces may become triangles there."""
     holds = chosen.holds
     mesh = "mesh" in holds
     return Shapes(
@@ -64,7 +64,7 @@ def with_place(shapes: Shapes, chosen: Format) -> Shapes:
 
 
 def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
-    """What of some shapes does not come into a file of a format.
+    """Return what of some shapes is left out of a file of a format.
 
     Parts, and of the parts that are written their painted colours and their bones.
     """
@@ -94,7 +94,7 @@ def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
 
 
 def _properties_left_out(solids: Sequence[Solid], chosen: Format) -> list[LeftOut]:
-    """What solids lose that are written."""
+    """Return which properties the written solids lose."""
     found = []
     painted = [s for s in solids if s.mesh.colors is not None or s.texture is not None]
     if painted and "colors" not in chosen.keeps:

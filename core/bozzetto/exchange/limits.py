@@ -1,4 +1,4 @@
-"""How much a file from outside may ask of us, and one of ours of others."""
+"""Limits of files from outside, and of ours for other programs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ USUAL_BYTES: Final = 64 << 20
 
 @dataclass(frozen=True)
 class Budget:
-    """What reading one file may cost; beyond it the reading process is ended.
+    """Cost allowed for reading one file; beyond it the reading process is ended.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Budget:
 
 
 def budget_for(size: int) -> Budget:
-    """The budget of a file of so many bytes."""
+    """Return the budget of a file of so many bytes."""
     usual = Budget()
     share = max(1.0, size / USUAL_BYTES)
     return Budget(

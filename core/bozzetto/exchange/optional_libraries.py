@@ -9,7 +9,7 @@ from bozzetto.errors import UserError
 
 
 def library(name: str, extra: str) -> Any:
-    """A library that comes with an extra, imported now.
+    """Import a library that comes with an extra.
 
     Parameters
     ----------

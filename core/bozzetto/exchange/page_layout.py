@@ -43,7 +43,7 @@ class Sheet:
 
     @classmethod
     def around(cls, lines: Sequence[Array], margin: float = 0.0) -> Sheet:
-        """The smallest sheet that holds all points, with a share of its size around it."""
+        """Return the smallest sheet that holds all points, with a share of its size around it."""
         points = np.concatenate(lines)
         low, high = points.min(0), points.max(0)
         rim = max(margin * float((high - low).max()), LEAST)
@@ -53,7 +53,7 @@ class Sheet:
 
     @classmethod
     def of_front_view(cls, camera: Camera) -> Sheet | None:
-        """The sheet that a parallel front view shows; None for any other camera."""
+        """Return the sheet that a parallel front view shows; None for any other camera."""
         front = np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
         if camera.kind != "orthographic" or np.abs(camera.axes - front).max() > LEVEL:
             return None
@@ -62,7 +62,7 @@ class Sheet:
         return cls(x, -z, width, camera.height)
 
     def camera(self) -> Camera:
-        """The front view on which one pixel is one unit."""
+        """Return the front view on which one pixel is one unit."""
         x, z = self.x + self.width / 2, -(self.y + self.height / 2)
         return Camera(
             kind="orthographic",
@@ -84,7 +84,7 @@ def sheet_drawing(
     *,
     colors: Sequence[Color | None],
 ) -> Drawing:
-    """Imported lines as strokes.
+    """Make strokes of imported lines.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ NOT_WAITING: Final = (
 
 
 def file_size(path: str | os.PathLike[str], limit: int) -> int:
-    """The size of a file that can be read, bytes; raises as `read_bytes`, and reads nothing."""
+    """Return the size of a file that can be read, bytes; raises as `read_bytes`, reads nothing."""
     with _opened(os.fspath(path)) as file:
         return _checked_size(os.fstat(file.fileno()).st_size, os.fspath(path), limit)
 
@@ -50,7 +50,7 @@ def _checked_size(size: int, name: str, limit: int) -> int:
 
 
 def _opened(name: str) -> BinaryIO:
-    """A file open for reading; a pipe or a device is not waited for."""
+    """Open a file for reading; a pipe or a device is not waited for."""
     try:
         handle = os.open(name, os.O_RDONLY | NOT_WAITING)
     except FileNotFoundError:

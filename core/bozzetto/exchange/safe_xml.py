@@ -18,7 +18,7 @@ NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ff
 
 
 def writable(text: str) -> str:
-    """The text without the characters that XML 1.0 has no way to write."""
+    """Remove the characters that XML 1.0 has no way to write."""
     return NOT_XML.sub("", text)
 
 
@@ -46,7 +46,7 @@ class Element:
 
 
 def parsed(data: bytes) -> Element:
-    """The root element of an XML file.
+    """Parse an XML file and return its root element.
 
     A document type may be named, as many programs do; what it refers to is not fetched.
     One that defines something is refused before that is looked at, and with it every

@@ -74,7 +74,7 @@ class Mesh:
         return sum(array.nbytes for array in arrays if array is not None)
 
     def placed(self, placement: Placement) -> Mesh:
-        """The mesh moved by a placement; turned over if the placement mirrors."""
+        """Return the mesh moved by a placement; turned inside out where the placement mirrors."""
         if placement.is_identity:
             return self
         faces = self.faces[:, ::-1] if placement.mirrors else self.faces
@@ -96,7 +96,7 @@ class Mesh:
         return np.asarray(np.rint(under + share * (self.colors - under)), np.uint8)
 
     def vertex_normals(self) -> NDArray[np.float32]:
-        """Unit normals: the given ones, or the area-weighted mean of the faces around."""
+        """Return unit normals: the given ones, or the area-weighted mean of the faces around."""
         if self.normals is not None:
             return self.normals
         corners = self.vertices[self.faces].astype(np.float64)

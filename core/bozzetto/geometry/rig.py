@@ -1,4 +1,4 @@
-"""What lets a shape move: rigs and skins."""
+"""Rigs and skins: joints, and the vertices that follow them."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Rig:
                 raise ValueError("a cut names a joint that does not exist")
 
     def placed(self, placement: Placement) -> Rig:
-        """The rig moved by a placement; a mirror turns the other way round."""
+        """Return the rig moved by a placement; a mirror turns the other way round."""
         turns = self.turns
         if turns is not None:
             # The axis of a turn is an axial vector: a mirror reverses it.
@@ -75,7 +75,7 @@ class Rig:
         return Rig(placement.points(self.joints), self.parents, self.names, turns, self.cuts)
 
     def posed(self) -> tuple[Array, Array]:
-        """Where the turns take the joints.
+        """Return where the turns take the joints.
 
         Returns
         -------
@@ -98,7 +98,7 @@ class Rig:
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """How the vertices of a mesh follow the joints of a rig.
+    """Weights by which the vertices of a mesh follow the joints of a rig.
 
     Parameters
     ----------
@@ -138,12 +138,12 @@ class Skin:
             raise ValueError("a skin belongs to a mesh of as many vertices")
 
     def placed(self, placement: Placement) -> Skin:
-        """The skin moved by a placement, rig and all."""
+        """Return the skin moved by a placement, rig and all."""
         rest = None if self.rest is None else self.rest.placed(placement)
         return Skin(self.rig.placed(placement), self.joints, self.weights, rest)
 
     def posed(self, mesh: Mesh) -> Mesh:
-        """A mesh at rest as the rig's turns have it: linear blend skinning, as in glTF.
+        """Return the rest mesh posed by the rig's turns: linear blend skinning, as in glTF.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What a modeler hands over to downstream programs: exact where they want it exact."""
+"""Shapes for downstream programs: meshes, and exact curves and surfaces where there are any."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Solid:
             raise ValueError("a skin belongs to a mesh of as many vertices")
 
     def placed(self, placement: Placement) -> Solid:
-        """The solid moved by a placement."""
+        """Return the solid moved by a placement."""
         texture = self.texture
         if texture is not None and placement.mirrors:
             texture = texture.turned_over()

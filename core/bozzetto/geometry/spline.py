@@ -74,7 +74,7 @@ class Spline:
 
     @classmethod
     def uniform(cls, control_points: ArrayLike, *, closed: bool = False) -> Spline:
-        """A spline over the range 0 … 1 with knots at equal steps.
+        """Return a spline over the range 0 … 1 with knots at equal steps.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ class Spline:
         return self.derivative(parameters, 0)
 
     def derivative(self, parameters: ArrayLike, order: int = 1) -> Array:
-        """Derivatives by the parameter, shape (n, d); parameters as in `value`."""
+        """Return derivatives by the parameter, shape (n, d); parameters as in `value`."""
         from scipy.interpolate import BSpline
 
         knots, points, degree = self.knots, self.control_points, DEGREE
@@ -219,12 +219,12 @@ class Spline:
     # -- other forms of the same curve -----------------------------------------------------
 
     def reversed(self) -> Spline:
-        """The same places in the opposite sense, over the same range."""
+        """Return the same places in the opposite sense, over the same range."""
         begin, end = self.range
         return Spline((begin + end) - self.knots[::-1], self.control_points[::-1], self.closed)
 
     def mirrored(self, normal: ArrayLike, offset: float = 0.0) -> Spline:
-        """The mirror image about the plane (in 2D: the line) ``normal · x = offset``.
+        """Return the mirror image about the plane (in 2D: the line) ``normal · x = offset``.
 
         For a normal along an axis and no offset the coordinate only changes its sign: the
         image is exact to the last bit.
@@ -243,7 +243,7 @@ class Spline:
         return Spline(self.knots, image, self.closed)
 
     def refined(self, parameters: ArrayLike) -> Spline:
-        """The same curve with more knots, so that it can be changed in places.
+        """Return the same curve with more knots, so that it can be changed in places.
 
         Parameters
         ----------
@@ -291,7 +291,7 @@ class Spline:
         return tuple(unrolled._between(low, high) for low, high in pairs)
 
     def beziers(self) -> Array:
-        """The curve as exact cubic Bezier pieces.
+        """Return the curve as exact cubic Bezier pieces.
 
         Returns
         -------

@@ -32,7 +32,7 @@ BEST_EFFORT: Final = 6
 
 
 def png_bytes(pixels: NDArray[np.uint8], effort: int = BEST_EFFORT) -> bytes:
-    """A picture as the content of a PNG file.
+    """Encode a picture as the content of a PNG file.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def png_bytes(pixels: NDArray[np.uint8], effort: int = BEST_EFFORT) -> bytes:
 
 
 def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.uint8]:
-    """The pixels of a picture that a document holds.
+    """Decode a picture that a document holds.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.u
 def rgba_pixels(
     image: Image, prepared: Callable[[Image], Image] = lambda strip: strip
 ) -> NDArray[np.uint8]:
-    """The pixels of a decoded picture, converted strip by strip: it is in memory only twice.
+    """Return the pixels of a decoded picture, converted strip by strip to spare memory.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def rgba_pixels(
 
 
 def pixel_count(content: bytes) -> int:
-    """How many pixels a PNG file says that it has; 0 for what is none."""
+    """Return the number of pixels that a PNG file announces; 0 for other files."""
     if len(content) < PNG_SIZE.size or not content.startswith(PNG_SIGN):
         return 0
     _, width, height = PNG_SIZE.unpack_from(content)

@@ -128,7 +128,7 @@ class Picture:
 
     @cached_property
     def pixels(self) -> NDArray[np.uint8]:
-        """What the picture shows, (h, w, 4) RGBA, straight alpha; unpacked once and read-only.
+        """Pixels, (h, w, 4) RGBA, straight alpha; unpacked once and read-only.
 
         Raises
         ------

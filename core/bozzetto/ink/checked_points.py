@@ -43,7 +43,7 @@ def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
 
 
 def seen_through(points: ArrayLike, drawn: Camera, camera: Camera) -> NDArray[np.float64]:
-    """Where places on the sheet of one view are seen in another, canvas pixels, shape (n, 2).
+    """Return places on the sheet of one view as seen in another, canvas pixels, shape (n, 2).
 
     Ink lies on the sheet: the plane through the target of its camera that faced the eye.
     What lies behind the other eye is not finite.
@@ -55,6 +55,6 @@ def seen_through(points: ArrayLike, drawn: Camera, camera: Camera) -> NDArray[np
 
 
 def is_seen(points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which places, shape (n, 2), are finite and not beyond all bounds."""
+    """Return which places, shape (n, 2), are finite and not beyond all bounds."""
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(points) <= FARTHEST).all(axis=1))

@@ -31,6 +31,8 @@ class Drawing:
         How the strokes were used, where the file says so; they name strokes that there are.
     pictures : mapping of str to Picture
         The pictures that `extra` names, by the names of their files as they stand there.
+    left_out : tuple of str
+        What the file holds besides and was not read, a sentence each that says what to do.
     """
 
     strokes: Strokes
@@ -39,3 +41,4 @@ class Drawing:
     extra: dict[str, Any] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()

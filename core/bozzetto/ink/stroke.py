@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
+from bozzetto.ink.checked_points import FARTHEST, is_on_sheet
 from bozzetto.view.camera import Camera
 
 StrokeTool = Literal["pen", "eraser", "mouse", "imported"]
@@ -60,8 +61,9 @@ class Stroke:
     Raises
     ------
     UserError
-        If columns differ in length, are empty, too long or not finite; or if the tool, the
-        colour or the group is none that a document could keep.
+        If columns differ in length, are empty, too long or not finite; if a place is farther
+        away than `FARTHEST`; or if the tool, the colour or the group is none that a document
+        could keep.
     """
 
     __slots__ = (
@@ -137,6 +139,11 @@ class Stroke:
             if not np.isfinite(column).all():
                 raise UserError(f"A stroke's {name} holds a value that is not a finite number.")
             object.__setattr__(self, name, column)
+        if not is_on_sheet((self.x, self.y)):
+            raise UserError(
+                f"A stroke holds a place more than {FARTHEST:,.0f} pixels away. Scale the drawing "
+                "down in the program that made it."
+            )
         if tool not in get_args(StrokeTool):
             raise UserError(f"A stroke is drawn by {', '.join(get_args(StrokeTool))}; not {tool}.")
         if color is not None and not (len(color) == 3 and all(0 <= c <= 255 for c in color)):
@@ -161,7 +168,7 @@ class Stroke:
         has_pressure: bool,
         has_time: bool,
     ) -> Stroke:
-        """A stroke over columns already checked: one length, finite, backed by ``bytes``.
+        """Make a stroke of columns already checked: one length, finite, backed by ``bytes``.
 
         For readers of files that hold thousands of strokes in common columns and have
         checked these as a whole; everyone else calls the class.
@@ -184,7 +191,7 @@ class Stroke:
         return made
 
     def moved(self, placement: Placement) -> Stroke:
-        """The stroke as drawn through its camera carried along by a placement.
+        """Return the stroke as drawn through its camera carried along by a placement.
 
         The rays of the ink move with the world. A mirrored world is seen as in a mirror:
         the ink's x is flipped within the canvas, and so are tilt and twist.

@@ -50,7 +50,7 @@ class Memory(Generic[Answer]):
         self._lock = threading.Lock()
 
     def recall(self, question: Hashable, work: Callable[[], Answer]) -> Answer:
-        """The remembered answer, or the one that `work` gives now.
+        """Return the remembered answer, or compute and remember it.
 
         Who asks while another thread works on the same question waits for its answer: to work
         on it twice at a time would take both twice as long.
@@ -86,7 +86,7 @@ class Memory(Generic[Answer]):
             mine.done.set()
 
     def known(self, question: Hashable) -> Answer | None:
-        """The remembered answer, if there is one."""
+        """Return the remembered answer, if there is one."""
         with self._lock:
             known = self._answers.get(question)
         return None if known is None else known.answer

@@ -19,7 +19,7 @@ def _never() -> bool:
 
 @dataclass(frozen=True)
 class Job:
-    """What a solve may know about the one who asked.
+    """Request for a solve: its quality, its progress, and whether anybody still waits for it.
 
     Parameters
     ----------

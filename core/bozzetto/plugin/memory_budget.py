@@ -56,12 +56,12 @@ class MemoryBudget:
 
     @property
     def most(self) -> int:
-        """What all entries may take together, bytes."""
+        """Limit for all entries together, bytes."""
         return self._most
 
     @property
     def held(self) -> int:
-        """What all entries take together now, bytes."""
+        """Current size of all entries together, bytes."""
         return self._held
 
     def limit_to(self, most: int) -> None:

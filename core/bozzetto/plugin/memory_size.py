@@ -1,4 +1,4 @@
-"""What things take in memory, measured by a walk through what they refer to."""
+"""Memory that objects take, measured by a walk through their references."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ROWS: Final = frozenset({tuple, dict})
 
 @dataclass(frozen=True, eq=False)
 class Size:
-    """What something takes in memory.
+    """Memory that an object takes.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Size:
 
 
 def size_of(*things: object) -> Size:
-    """The size of things with everything that they refer to.
+    """Measure objects with everything that they refer to.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""What a plugin's own panel may know of the program, and ask of it."""
+"""Host of a plugin's own panel: what it may know of the program, and ask of it."""
 
 from __future__ import annotations
 

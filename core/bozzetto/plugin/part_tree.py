@@ -41,7 +41,7 @@ class PartTree:
     # -- reading --
 
     def part(self, part_id: str) -> Any:
-        """The part of that id."""
+        """Return the part of that id."""
         for part in self.parts:
             if part.id == part_id:
                 return part
@@ -58,7 +58,7 @@ class PartTree:
         raise UserError(f"There is no part “{name}”; there are: {known}.")
 
     def within(self, group_id: str) -> tuple[Any, ...]:
-        """The parts right in a group, in order; of "" those that are in none."""
+        """Return the parts directly in a group, in order; of "" those that are in none."""
         return tuple(part for part in self.parts if part.within == group_id)
 
     def rows(self, group_id: str = "", depth: int = 0) -> Iterator[tuple[Any, int]]:
@@ -69,7 +69,7 @@ class PartTree:
                 yield from self.rows(part.id, depth + 1)
 
     def family(self, part_id: str) -> tuple[Any, ...]:
-        """A part and all that is in it."""
+        """Return a part and all that is in it."""
         return (self.part(part_id), *(part for part, _ in self.rows(part_id)))
 
     # -- changing --
@@ -219,7 +219,7 @@ class PartTree:
         return next(self._first(lambda k: f"n{k}", taken))
 
     def _unused_name(self, name: str) -> str:
-        """The name with the next number behind it that makes it one of its own."""
+        """Return the name with the least number behind it that no other part has."""
         stem = re.sub(r" \d+$", "", name)[:LONGEST_STEM]
         return next(self._first(lambda k: f"{stem} {k}", {part.name for part in self.parts}, 2))
 

@@ -51,13 +51,13 @@ def with_part(parts: Iterable[Kind], part: Kind) -> tuple[Kind, ...]:
 
 
 def unused_id(parts: Iterable[Part]) -> str:
-    """An id that no part has, such as n1."""
+    """Return an id that no part has, such as n1."""
     taken = {part.id for part in parts}
     return next(f"n{k}" for k in range(1, len(taken) + 2) if f"n{k}" not in taken)
 
 
 def unused_name(parts: Iterable[Part], stem: str) -> str:
-    """A name that no part has: the stem and a number."""
+    """Return a name that no part has: the stem and a number."""
     taken = {part.name for part in parts}
     return next(f"{stem} {k}" for k in range(1, len(taken) + 2) if f"{stem} {k}" not in taken)
 
@@ -102,7 +102,7 @@ class HasParts(Protocol):
         ...
 
     def with_parts(self, state: Any, parts: tuple[Any, ...], selected: str) -> Any:
-        """A state with another row of parts.
+        """Return a state with another row of parts.
 
         Raises
         ------
@@ -112,7 +112,7 @@ class HasParts(Protocol):
         ...
 
     def new_group(self, state: Any) -> Any:
-        """An empty group with an unused id and name; None where there are no groups."""
+        """Return an empty group with an unused id and name; None where there are no groups."""
         ...
 
 
@@ -121,7 +121,7 @@ class ReleasesParts(Protocol):
     """A modeler whose groups do more than hold: they move what is in them, for example."""
 
     def released(self, part: Any, group: Any) -> Any:
-        """A part as it must be when the group right around it is dissolved.
+        """Return a part as it must be when the group directly around it is dissolved.
 
         Its `within` and its visibility are the host's work.
         """

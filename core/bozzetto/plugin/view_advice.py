@@ -11,7 +11,7 @@ from bozzetto.view.camera import Camera
 
 @dataclass(frozen=True)
 class ViewAdvice:
-    """How good a view is to draw in, and which one is better.
+    """Advice on a view: how well one can draw in it, and which one is better.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class AdvisesView(Protocol):
     """A modeler for which it matters from where one draws."""
 
     def view_advice(self, state: Any, camera: Camera) -> ViewAdvice:
-        """What to say of a view; asked up to ten times a second while the view turns."""
+        """Return advice on a view; asked up to ten times a second while the view turns."""
         ...
 
 
@@ -55,7 +55,7 @@ class MovesView(Protocol):
     """A modeler of which pictures get another camera when the model changes."""
 
     def view_after(self, seen: Any, state: Any, camera: Camera) -> Camera | None:
-        """The view that shows of a state what another view showed of an earlier one.
+        """Return the view that shows of a state what another view showed of an earlier one.
 
         Asked while a view is pinned (`ViewAdvice.pinned`) and the model has changed since.
 

@@ -65,7 +65,7 @@ _trees: weakref.WeakKeyDictionary[Mesh, BoundingTree] = weakref.WeakKeyDictionar
 
 
 def tree_of(mesh: Mesh) -> BoundingTree:
-    """The tree of a mesh, built on first use and kept as long as the mesh lives."""
+    """Return the tree of a mesh, built on first use and kept as long as the mesh lives."""
     tree = _trees.get(mesh)
     if tree is None:
         tree = _trees[mesh] = _build(mesh)

@@ -103,7 +103,7 @@ class Lines:
                 raise ValueError("lines need one width, or one per point")
 
     def pieces(self) -> Iterator[slice]:
-        """The index range of every polyline."""
+        """Yield the index range of every polyline."""
         begins = [0] if self.starts is None else [int(i) for i in self.starts]
         ends = [*begins[1:], len(self.points)]
         for begin, end in zip(begins, ends, strict=False):  # no beginning, no polyline
@@ -234,11 +234,11 @@ class Scene:
                 yield layer, item
 
     def owned(self, owner: str) -> Scene:
-        """The same layers, marked as one model's."""
+        """Return the same layers, marked as one model's."""
         return Scene(tuple(replace(layer, owner=owner) for layer in self.layers))
 
     def placed(self, placement: Placement) -> Scene:
-        """The scene moved by a placement; itself where nothing moves."""
+        """Return the scene moved by a placement; itself where nothing moves."""
         if placement.is_identity:
             return self
         return Scene(
@@ -268,7 +268,7 @@ class Scene:
         return np.stack((low, high))
 
     def points(self) -> NDArray[np.float64]:
-        """What has to be in the picture when the scene is framed, shape (n, 3), mm.
+        """Return the points to be shown when the scene is framed, shape (n, 3), mm.
 
         The vertices of meshes, the points of lines and marks; of a scene that has neither, the
         corners of images. What belongs to a tool does not count, for it comes and goes with it.

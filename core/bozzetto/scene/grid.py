@@ -52,7 +52,7 @@ def ground_height(bounds: NDArray[np.float64]) -> float:
 
 
 def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
-    """The ground plane's grid around the place the camera looks at.
+    """Return the ground plane's grid around the place the camera looks at.
 
     Parameters
     ----------

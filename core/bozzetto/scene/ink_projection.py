@@ -157,7 +157,7 @@ def _stations(along: Array) -> Array:
 
 
 def _to_subdivide(way: Array, hits: Hits, camera: Camera) -> Index:
-    """Samples after which something happens that is not yet located."""
+    """Return the samples after which something happens that is not yet located."""
     hit = hits.hit
     rim = hit[1:] != hit[:-1]
     both = hit[1:] & hit[:-1]
@@ -193,7 +193,7 @@ def _breaks(hits: Hits, camera: Camera) -> Flags:
 
 
 def _merged(one: Hits, other: Hits, order: Index) -> Hits:
-    """The hits of both, put in order."""
+    """Return the hits of both, put in order."""
     owners, items = one.owners + other.owners, one.items + other.items
     numbers = order.tolist()
     return Hits(

@@ -1,4 +1,4 @@
-"""What lies under the pen: ray casting on the CPU, for every backend alike."""
+"""Ray casting on the CPU, for every backend alike."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Hits:
 
     @property
     def hit(self) -> Flags:
-        """Which rays met a surface."""
+        """Return which rays met a surface."""
         return np.isfinite(self.distance)
 
 

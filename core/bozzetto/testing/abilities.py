@@ -152,7 +152,7 @@ def check_pictures(subject: Subject) -> None:
 
 
 def _pictures() -> tuple[Picture, ...]:
-    """A sketch, one that is a single pixel, a strip, and one of which nothing is to be seen."""
+    """Return a sketch, a single pixel, a strip, and a picture that is wholly transparent."""
     paper = np.full((120, 160, 4), 240, np.uint8)
     paper[..., 3] = 255
     paper[40:80, 30:130, :3] = 60
@@ -181,7 +181,7 @@ def check_aims(subject: Subject) -> None:
 
 
 def _given() -> tuple[Shapes, ...]:
-    """A solid, a straight curve, a rational circle and a skeleton, each alone."""
+    """Return a solid, a straight curve, a rational circle and a skeleton, each alone."""
     corners = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], np.float32)
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
     straight = Curve(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([[0.0, 0, 0], [30.0, 5, 9]]))

@@ -41,7 +41,7 @@ CANCELLATIONS = (1, 2, 4)
 
 
 def check_announced(subject: Subject) -> None:
-    """The modeler is what its manifest announces, and its files are there."""
+    """Check that the modeler is as its manifest announces, and that its files exist."""
     with subject.shell() as shell:
         info = shell.registry.info(subject.modeler)
         modeler = shell.registry.modeler(subject.modeler)
@@ -57,7 +57,7 @@ def check_announced(subject: Subject) -> None:
 
 
 def check_empty(subject: Subject) -> None:
-    """An empty state can be stored, solved, shown and handed over."""
+    """Check that an empty state can be stored, solved, shown and exported."""
     with subject.shell() as shell:
         bench = shell.workbench
         bench.model_scene(shell.model, None)
@@ -68,7 +68,7 @@ def check_empty(subject: Subject) -> None:
 
 
 def check_drawing(subject: Subject) -> None:
-    """A drawing can be solved in both qualities, shown before and after, and handed over."""
+    """Check that a drawing can be solved in both qualities, shown and exported."""
     with subject.drawn() as shell:
         bench = shell.workbench
         bench.model_scene(shell.model, None)
@@ -108,7 +108,7 @@ def check_samples(subject: Subject) -> None:
 
 
 def check_storage(subject: Subject) -> None:
-    """A state comes back from a file as it was, and gives the same shapes."""
+    """Check that a state comes back from a file as it was, and gives the same shapes."""
     with subject.drawn() as shell:
         shapes = shell.shapes()
         _check_reopened(shell)
@@ -154,7 +154,7 @@ def _is_empty(subject: Subject, shell: Shell) -> bool:
 
 
 def check_cancelling(subject: Subject) -> None:
-    """A solve that nobody waits for any more ends with `Cancelled` and leaves nothing behind."""
+    """Check that a cancelled solve ends with `Cancelled` and leaves nothing behind."""
     for seed, question in enumerate(CANCELLATIONS, 1):
         # Every time another drawing: a modeler may remember what it solved.
         with subject.drawn(seed) as shell:
@@ -280,7 +280,7 @@ def check_ranges(subject: Subject) -> None:
 
 
 def _all_parameters(shell: Shell) -> tuple[Field, ...]:
-    """The parameters of the state, and those that its parts have."""
+    """Return the parameters of the state, and those of its parts."""
     tree = shell.workbench.parts.of(shell.model)
     parts = () if tree is None else tree.parts
     kinds = dict.fromkeys([type(shell.state), *map(type, parts)])
@@ -299,7 +299,7 @@ def _check_default(field: Field) -> None:
 
 
 def _allowed(field: Field) -> list[object]:
-    """The ends of a parameter's range and its default, or all that it can be."""
+    """Return the ends of a parameter's range and its default, or all its values."""
     if field.kind == "switch":
         return [False, True]
     if field.kind == "choice":
@@ -356,7 +356,7 @@ def _solve_or_refuse(shell: Shell, model: Model) -> None:
 
 
 def check_preview_time(subject: Subject) -> None:
-    """A solve in preview quality answers in time."""
+    """Check that a solve in preview quality answers in time."""
     with subject.drawn() as shell:
         watchdog = Watchdog(shell.registry.guard, PREVIEW_TIME)
         modeler = shell.registry.modeler(subject.modeler)
@@ -382,7 +382,7 @@ print(*sorted({name.partition(".")[0] for name in sys.modules}
 
 
 def check_elsewhere(subject: Subject) -> None:
-    """A document gives the same shapes in another process, and without Qt."""
+    """Check that a document gives the same shapes in another process, and without Qt."""
     with subject.drawn() as shell:
         path = shell.save()
         done = subprocess.run(

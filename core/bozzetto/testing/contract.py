@@ -47,7 +47,7 @@ class ModelerContract:
 
     @property
     def subject(self) -> Subject:
-        """What the checks are run on."""
+        """Return the modeler on which the checks run."""
         return Subject(self.modeler, self.packages, self.sketch)
 
     @pytest.mark.parametrize("check", [_marked(check) for check in CHECKS])

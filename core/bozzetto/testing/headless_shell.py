@@ -70,26 +70,26 @@ class Shell:
         return self.model.state
 
     def context(self) -> Context:
-        """The world around a gesture made now, with every model's scene and curves in it."""
+        """Return the world around a gesture made now, with every model's scene and curves in it."""
         scene = self.workbench.scene(self.document, Job())
         return Context(
             camera=self.camera, scene=scene, curves=self.workbench.curves.of(self.document)
         )
 
     def commands(self) -> tuple[Command, ...]:
-        """The commands of the model's modeler; empty where it has none."""
+        """Return the commands of the model's modeler; empty where it has none."""
         return self.workbench.commands.of(self.model.modeler)
 
     def advice(self, camera: Camera | None = None) -> ViewAdvice | None:
-        """What the modeler says of a view, by default of `camera`; None where it says nothing."""
+        """Return the modeler's advice on a view, by default `camera`; None where it gives none."""
         return self.workbench.view_advice(self.model, camera or self.camera)
 
     def tools(self) -> tuple[Tool[Any], ...]:
-        """The tools of the model's modeler."""
+        """Return the tools of the model's modeler."""
         return self.workbench.tools(self.model.modeler)
 
     def tool(self, wish: str | None, gesture: Literal["ink", "tap", "drag"]) -> Tool[Any]:
-        """The tool of that id, or the first one for a kind of gesture.
+        """Return the tool of that id, or the first one for a kind of gesture.
 
         A tap goes to a tool for drags where there is none for taps.
 
@@ -108,7 +108,7 @@ class Shell:
         raise UserError(f"The modeler {self.model.modeler} has no tool for {gesture}.")
 
     def handles(self) -> tuple[Handle, ...]:
-        """The handles that the model shows."""
+        """Return the handles that the model shows."""
         return tuple(item for _, item in self.scene().items() if isinstance(item, Handle))
 
     # -- what the hand does ------------------------------------------------------------
@@ -143,7 +143,7 @@ class Shell:
         return self._keep(tool.title, self.workbench.apply(self.model, tool, gesture, context))
 
     def preview(self, gesture: Gesture, *, tool: Tool[Any]) -> Scene:
-        """What is shown while the pen is down."""
+        """Return what is shown while the pen is down."""
         return self.workbench.preview(self.model, tool, gesture, self.context())
 
     def run(self, command: str) -> Model:
@@ -187,15 +187,15 @@ class Shell:
     # -- what comes out ------------------------------------------------------------
 
     def solve(self, job: Job | None = None) -> Any:
-        """The model's result; `job` is by default a final one that nobody cancels."""
+        """Solve the model; `job` is by default a final one that nobody cancels."""
         return self.workbench.solve(self.model, job or Job())
 
     def scene(self) -> Scene:
-        """What the model shows when it is solved."""
+        """Return the scene of the solved model."""
         return self.workbench.model_scene(self.model, self.solve())
 
     def shapes(self) -> Shapes:
-        """What the model hands over."""
+        """Return the shapes for export."""
         return self.workbench.shapes([self.model], Job())
 
     def save(self) -> Path:

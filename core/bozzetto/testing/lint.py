@@ -93,7 +93,7 @@ def _check_icons(folder: Path, icons: Iterable[str]) -> list[Finding]:
 
 
 def icon_fault(path: Path) -> str:
-    """What is wrong with an icon, or "".
+    """Return the fault of an icon, or "".
 
     An icon must be an SVG without scripts, entities, event handlers and outside content:
     it is drawn wherever the list of modelers is, before its plugin is trusted to run.
@@ -169,12 +169,12 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
 
 
 def _few(names: list[str]) -> str:
-    """The first two names, and how many more there are."""
+    """Return the first two names, and how many more there are."""
     return ", ".join(names[:2]) + (f" and {len(names) - 2} more" if len(names) > 2 else "")
 
 
 def _with_place(problem: BaseException, folder: Path) -> str:
-    """What went wrong, and the line of the plugin where it did.
+    """Return the message of a problem, and the line of the plugin where it arose.
 
     A fault is told in its own words whatever check met it, so that the same fault is told once.
     """

@@ -59,7 +59,7 @@ def check_fresh_process(subject: Subject) -> None:
 
 
 def _asked(bench: Workbench, model: Model) -> dict[str, str]:
-    """The answers; those to the same questions, asked at once again, are the same."""
+    """Return the answers; the same questions, asked again at once, must give the same."""
     row = questions(bench, model)
     first = answers(bench, row)
     _compare(first, answers(bench, row), "the second time")
@@ -87,7 +87,7 @@ def _compare(first: dict[str, str], again: dict[str, str], how: str) -> None:
 
 
 def _elsewhere(document: os.PathLike[str], packages: tuple[str, ...]) -> dict[str, str]:
-    """The answers of a fresh process, asked in the opposite order."""
+    """Return the answers of a fresh process, asked in the opposite order."""
     path = os.pathsep.join(path for path in sys.path if path)
     done = subprocess.run(
         [sys.executable, "-c", _ELSEWHERE, document, *packages],

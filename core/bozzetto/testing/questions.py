@@ -61,7 +61,7 @@ def questions(bench: Workbench, model: Model) -> list[Question]:
 
 
 def answers(bench: Workbench, row: list[Question]) -> dict[str, str]:
-    """What is answered, as fingerprints, by the name of the question."""
+    """Return fingerprints of the answers, by the name of the question."""
     return {question.name: fingerprint(question.ask(bench)) for question in row}
 
 
@@ -145,7 +145,7 @@ def _apply(
 
 
 def _context(bench: Workbench, model: Model) -> Context:
-    """The world as it is for the first question, for all of them."""
+    """Return one context for all questions, made for the first one."""
     try:
         scene = bench.model_scene(model, bench.solve(model, Job()))
     except UserError:
@@ -185,7 +185,7 @@ def _gestures(bench: Workbench, model: Model, tool: Tool[Any]) -> Iterator[Gestu
 
 
 def _begun(stroke: Stroke) -> Stroke:
-    """The first half of a stroke, as while it is drawn."""
+    """Return the first half of a stroke, as while it is drawn."""
     half = slice(0, max(len(stroke) // 2, 1))
     return Stroke(
         stroke.x[half],

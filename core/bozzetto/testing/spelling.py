@@ -70,7 +70,7 @@ def _misspelt(owner: object, known: frozenset[str]) -> Iterator[str]:
 
 
 def meant_by(name: str, known: frozenset[str]) -> str:
-    """The known name that another one is a misspelling of; "" for none."""
+    """Return the known name that another one is a misspelling of; "" for none."""
     plain = _plain(name)
     for other in sorted(known):
         most = MOST_EDITS if len(other) > SHORTEST else 1
@@ -84,7 +84,7 @@ def _plain(name: str) -> str:
 
 
 def _edits(one: str, other: str, most: int) -> int:
-    """How many letters must be put in, left out, changed or swapped with the next one.
+    """Count the letters that must be inserted, left out, changed or swapped with the next one.
 
     The distance of Damerau (1964) with non-overlapping swaps; more than `most` is only told
     as more.

@@ -1,4 +1,4 @@
-"""What is put to the test: one modeler, and how to draw something with it."""
+"""Subject of the tests: one modeler, and a way to draw something with it."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Subject:
 
     @contextmanager
     def shell(self) -> Iterator[Shell]:
-        """A fresh program with an empty model of the modeler in it."""
+        """Open a fresh program with an empty model of the modeler in it."""
         registry = Registry(extra=self.packages)
         with tempfile.TemporaryDirectory() as folder:
             shell = Shell(registry, Path(folder))
@@ -63,7 +63,7 @@ class Subject:
 
     @contextmanager
     def drawn(self, seed: int = 0) -> Iterator[Shell]:
-        """A fresh program in which something has been drawn."""
+        """Open a fresh program in which something has been drawn."""
         with self.shell() as shell:
             (self.sketch or plain_sketch)(shell, Pen(tremor=0.4, seed=seed))
             yield shell
@@ -121,7 +121,7 @@ def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gestur
 
 
 def odd_cameras() -> tuple[Camera, ...]:
-    """Views from which nobody would draw everything, and the usual one."""
+    """Return views from which nobody would draw everything, and the usual one."""
     return (
         Camera(),
         Camera("orthographic", eye=(0.0, 0.0, 800.0), up=(0.0, 0.0, 1.0)),

@@ -216,11 +216,11 @@ class Camera:
         return origins + along[:, None] * directions
 
     def with_viewport(self, width: float, height: float) -> Camera:
-        """The same view on a canvas of another size."""
+        """Return the same view on a canvas of another size."""
         return replace(self, viewport=(width, height))
 
     def moved(self, placement: Placement) -> Camera:
-        """The camera carried along with the world that it looks at.
+        """Return the camera carried along with the world that it looks at.
 
         What it sees of a moved thing is what it saw of the thing before. A placement that
         mirrors exchanges left and right: (x, y) becomes (width − x, y), see `Stroke.moved`.

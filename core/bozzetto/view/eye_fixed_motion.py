@@ -70,7 +70,7 @@ def aimed(camera: Camera, direction: ArrayLike, pixel: tuple[float, float]) -> C
 
 
 def enlarged(camera: Camera, factor: float) -> Camera:
-    """A perspective camera whose picture is enlarged about its middle, within `FOV_LIMITS`."""
+    """Return a perspective camera with its picture enlarged about the middle (`FOV_LIMITS`)."""
     slope = np.tan(np.radians(camera.fov_y) / 2.0) / factor
     fov = float(np.degrees(2.0 * np.arctan(slope)))
     least, most = FOV_LIMITS

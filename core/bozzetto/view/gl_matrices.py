@@ -1,4 +1,4 @@
-"""What a graphics card needs: the range of depth worth resolving, and two matrices."""
+"""Matrices for a graphics card, and the range of depth that is worth resolving."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def pan(
 
 
 def clamp_scale(camera: Camera, factor: float) -> float:
-    """The factor by which the view may be enlarged without leaving the limits."""
+    """Return the factor by which the view may be enlarged without leaving the limits."""
     seen = camera.visible_height
     least, most = min(seen / MAX_VISIBLE, 1.0), max(seen / MIN_VISIBLE, 1.0)
     return float(np.clip(factor, least, most))
@@ -297,7 +297,7 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
 
 
 def with_kind(camera: Camera, kind: Literal["perspective", "orthographic"]) -> Camera:
-    """The same view as the other kind of camera; the scale at the target stays."""
+    """Return the same view as the other kind of camera; the scale at the target stays."""
     if kind == camera.kind:
         return camera
     visible = camera.visible_height
@@ -310,7 +310,7 @@ def with_kind(camera: Camera, kind: Literal["perspective", "orthographic"]) -> C
 
 
 def interpolate(begin: Camera, end: Camera, t: float) -> Camera:
-    """The view on the way from one camera to another.
+    """Return the view on the way from one camera to another.
 
     Parameters
     ----------
@@ -354,7 +354,7 @@ def interpolate(begin: Camera, end: Camera, t: float) -> Camera:
 
 
 def _from_eye(camera: Camera, place: ArrayLike) -> tuple[Array, tuple[float, float]]:
-    """The direction to a place, and where on the canvas it is; the target's if it is not seen."""
+    """Return the direction to a place and its pixel; those of the target if it is not seen."""
     (pixel,), (depth,) = camera.project(place)
     if not depth > 0.0 or not np.isfinite(pixel).all():
         (pixel,), _ = camera.project(camera.target)
@@ -364,13 +364,13 @@ def _from_eye(camera: Camera, place: ArrayLike) -> tuple[Array, tuple[float, flo
 
 
 def _stood(camera: Camera, target: Array, distance: float) -> Camera:
-    """The camera on its line of sight at a distance before a target."""
+    """Return the camera on its line of sight at a distance before a target."""
     eye = target - distance * camera.axes[2]
     return replace(camera, eye=triple(eye), target=triple(target))
 
 
 def _about(frame: Array, axis: Array, angle: float) -> Array:
-    """A frame turned about a unit axis (Rodrigues' formula)."""
+    """Return a frame turned about a unit axis (Rodrigues' formula)."""
     along = (frame @ axis)[:, None] * axis
     return np.asarray(
         along + np.cos(angle) * (frame - along) + np.sin(angle) * np.cross(axis, frame), np.float64

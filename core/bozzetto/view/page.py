@@ -44,7 +44,7 @@ def framing(
     *,
     plans: bool = False,
 ) -> Camera:
-    """A standard view that frames points.
+    """Return a standard view that frames points.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def page_view(
     *,
     whole: bool = True,
 ) -> Camera:
-    """A person's own view if it shows the points, else the three-quarter view of them.
+    """Return a person's own view if it shows the points, else the three-quarter view of them.
 
     Parameters
     ----------

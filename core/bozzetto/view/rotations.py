@@ -18,13 +18,13 @@ SAME_TURN = 1e-9
 
 
 def triple(values: ArrayLike) -> Point:
-    """A point as three plain floats."""
+    """Return a point as three plain floats."""
     x, y, z = (float(v) for v in np.ravel(np.asarray(values, float)))
     return x, y, z
 
 
 def unit(vector: ArrayLike) -> Array:
-    """The vector at unit length; it must not be zero."""
+    """Return the vector at unit length; it must not be zero."""
     values = np.asarray(vector, float)
     values = values / np.abs(values).max()  # no overflow, no underflow
     return np.asarray(values / np.linalg.norm(values), np.float64)
@@ -55,13 +55,13 @@ def upright(azimuth: float, elevation: float) -> Array:
 
 
 def placed(camera: Camera, forward: Array, up: Array) -> Camera:
-    """The camera at its distance from its target, looking along `forward`."""
+    """Return the camera at its distance from its target, looking along `forward`."""
     eye = np.asarray(camera.target) - camera.distance * forward
     return replace(camera, eye=triple(eye), up=triple(up))
 
 
 def _quaternion(axes: Array) -> Array:
-    """Unit quaternion (w, x, y, z) of a right-handed frame whose rows are its axes.
+    """Return the unit quaternion (w, x, y, z) of a right-handed frame whose rows are its axes.
 
     Shepperd, "Quaternion from rotation matrix", 1978: divides by the largest of the four
     components, so it has no weak places.
@@ -94,7 +94,7 @@ def _rotation(turn: ArrayLike) -> Array:
 
 
 def slerp(begin: Array, end: Array, t: float) -> Array:
-    """The view frame at t between two, the short way round at constant speed.
+    """Interpolate between two view frames, the short way round at constant speed.
 
     Rows are right, up, forward, which is left-handed; backwards makes it a rotation.
     Shoemake, "Animating rotation with quaternion curves", 1985.

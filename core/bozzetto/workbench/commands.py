@@ -13,7 +13,7 @@ from bozzetto.plugin.host.registry import Registry
 
 
 class ModelCommands:
-    """What modelers can do to a model at one word; see `bozzetto.plugin.Command`.
+    """Commands of modelers, run on models; see `bozzetto.plugin.Command`.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class ModelCommands:
         return self._registry.guard.check_commands(modeler_id, made)
 
     def find(self, modeler_id: str, command_id: str) -> Command:
-        """A command by its id.
+        """Return a command by its id.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class ModelCommands:
         )
 
     def run(self, model: Model, command: Command, context: Context) -> Model:
-        """The model after a command.
+        """Return the model after a command.
 
         Parameters
         ----------

@@ -48,7 +48,7 @@ ABSENT = {
 
 @dataclass(frozen=True)
 class ObjectShapes:
-    """What objects hand over, and what a person must know of it.
+    """Shapes of objects for export, and what a person must know of them.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class ObjectShapes:
     cautions: tuple[tuple[str, Caution], ...] = ()
 
     def warnings(self, *, baseless_only: bool = False) -> tuple[str, ...]:
-        """The cautions in words; with the objects' names where there are several objects."""
+        """Return the cautions as sentences, with objects' names where there are several objects."""
         several = len({name for name, _ in self.cautions}) > 1
         return tuple(
             f"{name}: {caution.message}" if several else caution.message
@@ -76,7 +76,7 @@ class ObjectShapes:
 def chosen_models(
     document: Document, names: Sequence[str] | None
 ) -> tuple[list[Model], list[LeftOut]]:
-    """The objects to hand over, and those that stay behind because they are hidden.
+    """Return the objects to export, and those that stay behind because they are hidden.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def unusable(bench: Workbench, model: Model) -> LeftOut | None:
 
 
 def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> ObjectShapes:
-    """What objects hand over, in the world.
+    """Return the shapes of objects, in the world.
 
     Objects whose plugin cannot be used and empty ones do not keep the others back.
 
@@ -153,7 +153,7 @@ def prepared_file(
     view: str | None = None,
     whole: bool = True,
 ) -> Exported:
-    """The file of some objects, in the format that its ending names.
+    """Return the file of some objects, in the format that its ending names.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ class PartEdit(NamedTuple):
 
 
 class PartEdits:
-    """What a person can do to the parts of a model.
+    """Edits of the parts of a model.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class PartEdits:
     # -- reading --
 
     def of(self, model: Model) -> PartTree | None:
-        """The parts of a model; None where its modeler knows of none, or is not here.
+        """Return the parts of a model; None where its modeler knows of none, or is absent.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class PartEdits:
         return isinstance(self._registry.modeler(model.modeler), HasParts)
 
     def remembered(self, model: Model) -> PartTree | None:
-        """The parts of a model where they have been asked for; asks no plugin."""
+        """Return the parts of a model where they have been asked for; asks no plugin."""
         known = self._known.get(id(model.state))
         return known[1] if known is not None and known[0]() is model.state else None
 
@@ -90,7 +90,7 @@ class PartEdits:
     # -- changing --
 
     def select(self, model: Model, part_id: str) -> Model:
-        """The model with another part chosen, "" for none; locked ones too."""
+        """Return the model with another part chosen, "" for none; also where it is locked."""
         return self._changed(model, lambda tree: tree.chosen(part_id))
 
     def rename(self, model: Model, part_id: str, name: str) -> PartEdit:
@@ -145,7 +145,7 @@ class PartEdits:
         return PartEdit(changed, f"Ungroup “{self._name(model, group_id)}”")
 
     def only(self, model: Model, part_ids: Iterable[str]) -> Model:
-        """The model with nothing but some of its parts and the groups around them."""
+        """Return the model with nothing but some of its parts and the groups around them."""
         ids = tuple(part_ids)
         return self._changed(model, lambda tree: tree.only(ids))
 
@@ -155,7 +155,7 @@ class PartEdits:
         return PartEdit(changed, f"Change “{self._name(model, part_id)}”")
 
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
-        """The model with parameters of its own changed, or else of its parts.
+        """Return the model with parameters of its own changed, or else of its parts.
 
         “Part 2.blend” names a part's; a name that the state does not know means the chosen
         part, or all parts that have it where the chosen one has not.
@@ -210,7 +210,7 @@ class PartEdits:
         return modeler
 
     def _names_of(self, model: Model, part_ids: tuple[str, ...]) -> str:
-        """In a label: the one part's name, or how many there are."""
+        """Return words for a label: the one part's name, or how many there are."""
         if len(part_ids) == 1:
             return f"“{self._name(model, part_ids[0])}”"
         return f"{len(part_ids)} parts"
@@ -228,7 +228,7 @@ def _tree_of(modeler: HasParts, state: Any) -> PartTree:
 def _with_values(
     modeler: Modeler[Any, Any], state: Any, tree: PartTree | None, values: dict[str, object]
 ) -> Any:
-    """A state with parameters of its own, or else of its parts, changed."""
+    """Return a state with parameters of its own, or else of its parts, changed."""
     own = {field.name for field in parameter_fields(type(state))}
     inner = {name: value for name, value in values.items() if name not in own}
     if tree is None or not inner or not isinstance(modeler, HasParts):

@@ -39,7 +39,7 @@ MOST_SEEN: Final = 32
 
 
 def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context) -> Model:
-    """The model after all steps of a drawing.
+    """Return the model after all steps of a drawing.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def _after(bench: Workbench, model: Model, step: Step, drawing: Drawing, context
 
 
 def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
-    """A function from a part's name ("" is the chosen one) to its id."""
+    """Return a function from a part's name ("" is the chosen one) to its id."""
 
     def find(name: str) -> str:
         tree = bench.parts.of(model)
@@ -134,7 +134,7 @@ def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
 
 
 def _scene(bench: Workbench, model: Model) -> Scene:
-    """What the model shows; without its shape where that has no solution yet."""
+    """Return the model's scene; without its shape where that has no solution yet."""
     try:
         result = bench.solve(model, Job(quality="preview"))
         bench.curves.try_to_learn(model, result)  # the next step may snap to them

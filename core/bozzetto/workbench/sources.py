@@ -1,4 +1,4 @@
-"""Where models come from: drawings, the shapes of others, and pictures."""
+"""Sources of models: drawings, the shapes of others, and pictures."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ModelSources:
         values: Mapping[str, object],
         context: Context | None = None,
     ) -> Model:
-        """A model made from a whole drawing, as if it had been drawn by hand.
+        """Make a model of a whole drawing, as if it had been drawn by hand.
 
         Where the drawing says in which steps it was made, these are taken one by one. What it
         says beyond its strokes is in the context all the way (`Context.facts`), and so are the
@@ -72,7 +72,7 @@ class ModelSources:
         return self._bench.set_parameters(model, values) if values else model
 
     def from_shapes(self, modeler_id: str, shapes: Shapes, name: str) -> Model:
-        """A model that starts from what another program made.
+        """Make a model of shapes from another program.
 
         Raises
         ------
@@ -93,7 +93,7 @@ class ModelSources:
     def from_models(
         self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
     ) -> Model:
-        """A model that starts from what others hand over, where they stand; see `from_shapes`.
+        """Make a model of the shapes of other models, where they stand; see `from_shapes`.
 
         Parameters
         ----------
@@ -117,7 +117,7 @@ class ModelSources:
         return isinstance(self._bench.registry.modeler(modeler_id), TakesPictures)
 
     def with_picture(self, model: Model, picture: Picture, context: Context) -> Model:
-        """The model with one more picture to work on.
+        """Return the model with one more picture to work on.
 
         Raises
         ------
@@ -144,7 +144,7 @@ class ModelSources:
         values: Mapping[str, object],
         context: Context | None = None,
     ) -> Model:
-        """A new model that works on a picture; see `with_picture`."""
+        """Make a model that works on a picture; see `with_picture`."""
         context = context or Context()
         model = self._bench.create(modeler_id, context, name=picture.name)
         model = self.with_picture(model, picture, context)

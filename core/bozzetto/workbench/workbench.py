@@ -81,7 +81,7 @@ class Workbench:
     # -- making and changing models --
 
     def create(self, modeler_id: str, context: Context, *, name: str | None = None) -> Model:
-        """A new, empty model of a modeler."""
+        """Make an empty model of a modeler."""
         modeler = self.registry.modeler(modeler_id)
         state = self.registry.guard.call(modeler_id, "create", modeler.create, context)
         self.registry.guard.check_state(modeler_id, modeler.state_type, state)
@@ -94,7 +94,7 @@ class Workbench:
         )
 
     def tool(self, modeler_id: str, tool_id: str) -> Tool[Any]:
-        """A tool of a modeler by its id.
+        """Return a tool of a modeler by its id.
 
         Raises
         ------
@@ -113,7 +113,7 @@ class Workbench:
         return self.registry.guard.check_tools(modeler_id, made)
 
     def apply(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Model:
-        """The model after a gesture with one of its tools.
+        """Return the model after a gesture with one of its tools.
 
         Gesture and context are in the world; the tool gets them in the model's own frame.
 
@@ -156,7 +156,7 @@ class Workbench:
         return not same
 
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
-        """What to show while the pen is down, in the world, marked as the model's own.
+        """Return what to show while the pen is down, in the world, marked as the model's own.
 
         A layer stands in for the model's layer of the same name; see `Scene.under`.
         """
@@ -167,7 +167,7 @@ class Workbench:
         return scene_in_world(self.registry.guard.check_scene(model.modeler, scene), model)
 
     def next_hint(self, model: Model, tool: Tool[Any]) -> str:
-        """What is to be done next with a tool, as the model is now."""
+        """Say what to do next with a tool, as the model is now."""
         if not isinstance(tool, TellsNext):
             return tool.hint
         guard = self.registry.guard
@@ -177,7 +177,7 @@ class Workbench:
     def _in_frame_of(
         self, model: Model, gesture: Gesture, context: Context
     ) -> tuple[Gesture, Context]:
-        """A gesture and its world as they are in a model's own frame.
+        """Return a gesture and its world as they are in a model's own frame.
 
         The newest moved scene is kept: moving one takes longer than a preview may.
         """
@@ -191,7 +191,7 @@ class Workbench:
         return gesture.moved(inverse), replace(rest, scene=known[2])
 
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
-        """The model with parameters changed.
+        """Return the model with parameters changed.
 
         Names that the state does not know are parameters of its parts; see
         `PartEdits.set_parameters`.
@@ -211,7 +211,7 @@ class Workbench:
     def view_advice(
         self, model: Model, camera: Camera, seen: Iterable[Model] = ()
     ) -> ViewAdvice | None:
-        """What a model's modeler says of a view of it; None where it gives no advice.
+        """Return the modeler's advice on a view of a model; None where it gives none.
 
         The camera is in the world, and so is what comes back.
 
@@ -244,7 +244,7 @@ class Workbench:
     def _view_after(
         self, model: Model, modeler: object, camera: Camera, seen: Iterable[Model]
     ) -> Camera | None:
-        """Where a pinned view goes along to, in the model's own frame."""
+        """Return the view that a pinned view becomes, in the model's own frame."""
         if not isinstance(modeler, MovesView):
             return None
         for before in seen:
@@ -259,7 +259,7 @@ class Workbench:
         return None
 
     def advice_scene(self, document: Document, camera: Camera) -> Scene:
-        """What hangs on a view of the models that can be seen; lay it over their scene."""
+        """Return what depends on the view of the visible models; lay it over their scene."""
         layers: list[Layer] = []
         for model in document:
             if model.visible and not self.is_foreign(model):
@@ -270,7 +270,7 @@ class Workbench:
     # -- solving --
 
     def solve(self, model: Model, job: Job) -> Any:
-        """The result of a model's recipe: remembered, or solved now."""
+        """Return the result of a model's recipe: remembered, or solved now."""
         known = self.result(model, job.quality)
         if known is not None:
             return known
@@ -286,7 +286,7 @@ class Workbench:
         return result
 
     def result(self, model: Model, quality: str = "final") -> Any | None:
-        """The remembered result of exactly this state, or None."""
+        """Return the remembered result of exactly this state, or None."""
         with self._lock:
             entry = self._results.get((id(model.state), quality))
             if entry is None or entry[0] is not model.state:
@@ -301,7 +301,7 @@ class Workbench:
         forget_all()
 
     def best_result(self, model: Model) -> Any | None:
-        """The final result where it is known, else the preview's, else None."""
+        """Return the final result where it is known, else the preview's, else None."""
         final = self.result(model, "final")
         return final if final is not None else self.result(model, "preview")
 
@@ -331,7 +331,7 @@ class Workbench:
 
     @staticmethod
     def underlay_layers(document: Document) -> Iterator[Layer]:
-        """The visible underlays, each as a layer."""
+        """Yield the visible underlays, each as a layer."""
         for underlay in document.underlays:
             if underlay.visible:
                 image = Image(
@@ -349,7 +349,7 @@ class Workbench:
         return isinstance(model.state, OpaqueState)
 
     def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
-        """What models hand over, in the world, named and coloured as in the document."""
+        """Return the shapes of models, in the world, named and coloured as in the document."""
         total = Shapes()
         for model in models:
             if self.is_foreign(model):
@@ -364,7 +364,7 @@ class Workbench:
         return total
 
     def report(self, model: Model, job: Job) -> dict[str, Any]:
-        """How good a model's result is, in plain JSON values; empty if it does not say."""
+        """Return figures on a model's quality, as JSON values; empty if its modeler has none."""
         modeler = self._modeler_of(model)
         result = self.solve(model, job)
         if not isinstance(modeler, Reports):
@@ -376,7 +376,7 @@ class Workbench:
         return {str(key): plain(value) for key, value in said.items()}
 
     def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
-        """What a person must know of a model's result; empty where all is well."""
+        """Return what a person must know of a model's result; empty where all is well."""
         modeler = self._modeler_of(model)
         if not isinstance(modeler, Warns):
             return ()

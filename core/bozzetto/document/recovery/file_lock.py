@@ -38,7 +38,7 @@ READ_WRITE: Final = os.O_RDWR | getattr(os, "O_BINARY", 0)
 
 
 class Holder(msgspec.Struct, frozen=True):
-    """Who holds a lock.
+    """Holder of a lock.
 
     Attributes
     ----------
@@ -165,13 +165,13 @@ class FileLock:
 
 
 def document_lock_path(document: str | os.PathLike[str]) -> Path:
-    """Where the lock file of a document lies."""
+    """Return where the lock file of a document lies."""
     path = Path(os.path.realpath(document))
     return path.with_name(f".~lock.{path.name}#")
 
 
 def holder(path: str | os.PathLike[str]) -> Holder | None:
-    """Who is named in a lock file; None if nobody is, or the file makes no sense."""
+    """Return the holder that a lock file names; None if nobody is, or the file makes no sense."""
     try:
         with open(path, "rb") as file:
             return _named(file.read(LARGEST))
@@ -180,7 +180,7 @@ def holder(path: str | os.PathLike[str]) -> Holder | None:
 
 
 def left_by(path: str | os.PathLike[str]) -> Holder | None:
-    """Who left a lock file and is gone, or may be so on another machine; None if it is held.
+    """Return a holder who is gone, or may be so on another machine; None if the lock is held.
 
     A lock file that does not exist, or makes no sense, was left by nobody in particular.
     """

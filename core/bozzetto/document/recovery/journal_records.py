@@ -125,7 +125,7 @@ class ChangeWriter:
             self._arrays.add(underlay.pixels)
 
     def record(self, document: Document, pending: Sequence[Stroke], time: float) -> bytes | None:
-        """What to append to the journal, or None if nothing changed.
+        """Return what to append to the journal, or None if nothing changed.
 
         Parameters
         ----------
@@ -278,7 +278,7 @@ def _one(arrays: Sequence[NDArray[Any]], number: int) -> NDArray[Any]:
 
 
 def _named(strokes: Sequence[Stroke], pairs: Runs) -> tuple[Stroke, ...]:
-    """The strokes that (first, count) pairs name."""
+    """Return the strokes that (first, count) pairs name."""
     total = sum(count for _, count in pairs)
     if total > MAX_NAMED * len(strokes) or any(
         first < 0 or count < 1 or first + count > len(strokes) for first, count in pairs

@@ -1,4 +1,4 @@
-"""What survives a crash: one folder per open document, with a base and a journal.
+"""Recovery after a crash: one folder per open document, with a base and a journal.
 
 ::
 
@@ -219,13 +219,13 @@ class RecoveryStore:
                 raise
 
     def keep(self, session: CrashedSession) -> None:
-        """The person said: not now. The session is offered again next time."""
+        """Release a session whose recovery the person put off; it is offered again next time."""
         claim = self._claims.pop(session.id, None)
         if claim is not None:
             claim.release()
 
     def discard(self, session: CrashedSession) -> None:
-        """The person said: away with it, or has the document open again.
+        """Discard a session that the person gave up, or whose document is open again.
 
         Raises
         ------
@@ -328,7 +328,7 @@ def _recovered(
 
 
 def _read_facts(folder: Path) -> Facts:
-    """What a session says of itself; a drawing without a name where that cannot be read."""
+    """Read the facts of a session; a drawing without a name where they cannot be read."""
     try:
         return decode_json((folder / FACTS).read_bytes(), Facts)
     except (OSError, DocumentError):

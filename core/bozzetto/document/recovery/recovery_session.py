@@ -32,7 +32,7 @@ DISCARDED: Final = ".discarded-"
 
 
 class Facts(msgspec.Struct):
-    """What a session says of its document."""
+    """Facts about the document of a session."""
 
     name: str
     path: str | None
@@ -41,7 +41,7 @@ class Facts(msgspec.Struct):
     stamp: FileStamp | None = None
 
     def file(self) -> Path | None:
-        """Where the document was saved last, byte for byte."""
+        """Path at which the document was saved last, byte for byte."""
         if self.raw_path is not None:
             return Path(os.fsdecode(self.raw_path))
         return None if self.path is None else Path(self.path)
@@ -113,7 +113,7 @@ class RecoverySession:
             self._rebase(document)
 
     def close(self) -> None:
-        """The person closed the document and knows what happened to it: forget all this.
+        """Delete the recovery data: the person closed the document and knows what happened to it.
 
         Calls that come later, from a thread that has not heard of it, do nothing.
         """

@@ -125,7 +125,7 @@ class _Views(msgspec.Struct):
 
 @dataclass(frozen=True)
 class LoadReport:
-    """What there is to say about a document that could be opened.
+    """Messages about a document that could be opened.
 
     Attributes
     ----------
@@ -194,7 +194,7 @@ def write_document(
 
 
 def encode_document(document: Document, thumbnail: bytes | None = None) -> bytes:
-    """The content of a document's file."""
+    """Return the content of a document's file."""
     file = io.BytesIO()
     _packed(document, thumbnail).write(file)
     return file.getvalue()
@@ -284,7 +284,7 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
 
 
 def decode_document(content: bytes | memoryview, states: StateTypes) -> tuple[Document, LoadReport]:
-    """As `read_document`, from the content of a file."""
+    """Read a document, as `read_document`, from the content of a file."""
     with told_as_format_error(DocumentError):
         return open_document(parse_document(content), states)
 
@@ -333,7 +333,7 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
 
 
 def _underlays(headers: Sequence[UnderlayHeader], reader: ContainerReader) -> tuple[Underlay, ...]:
-    """The underlays; their sizes are added up before the first one is unpacked."""
+    """Read the underlays; their sizes are added up before the first one is unpacked."""
     files = [reader.read(_png_name(header.id)) for header in headers]
     if sum(map(pixel_count, files)) > MAX_UNDERLAY_PIXELS:
         raise DocumentError("The pictures under this document's sheet are too large together.")
@@ -346,7 +346,7 @@ def _underlays(headers: Sequence[UnderlayHeader], reader: ContainerReader) -> tu
 def take_strokes(
     reader: ContainerReader, meta: bytes, folder: str = STROKE_COLUMNS
 ) -> list[Stroke]:
-    """The strokes that `put_strokes` added to a container."""
+    """Read the strokes that `put_strokes` added to a container."""
     names = {"offsets": f"{folder}offsets.u4"}
     names |= {name: f"{folder}{name}.f4" for name in COLUMNS}
     columns = {name: reader.array(entry) for name, entry in names.items() if entry in reader}
@@ -354,7 +354,7 @@ def take_strokes(
 
 
 def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a document's file says of itself, as plain JSON values; no plugin is asked.
+    """Return facts about a document's file, as plain JSON values; no plugin is asked.
 
     Raises
     ------
@@ -392,7 +392,7 @@ def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
-    """The JSON of the core in today's shape, and the version it was written in."""
+    """Return the JSON of the core in today's shape, and the version it was written in."""
     promise = decode_json(reader.json(MANIFEST), _Promise)
     if promise.format != FORMAT or reader.read("mimetype", len(MIMETYPE)) != MIMETYPE:
         raise DocumentError("This is not a Bozzetto document.")
@@ -418,7 +418,7 @@ def _models(
     strokes: Sequence[Stroke],
     reader: ContainerReader,
 ) -> tuple[StoredModel, ...]:
-    """The models; each owns the strokes that follow those of the one before."""
+    """Read the models; each owns the strokes that follow those of the one before."""
     if len({entry.header.id for entry in entries}) < len(entries):
         raise DocumentError("This document has two objects with one id.")
     models = []
@@ -449,7 +449,7 @@ def _models(
 
 
 def _waiting(entries: Sequence[WaitingHeader], reader: ContainerReader) -> Waiting:
-    """The ink that waits."""
+    """Read the waiting ink."""
     if not entries:
         return ()
     strokes = take_strokes(reader, reader.json(WAITING_STROKES), WAITING_COLUMNS)

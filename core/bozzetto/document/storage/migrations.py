@@ -19,7 +19,7 @@ WAITING: Final = "core/waiting.json"
 
 
 def _no_ink_waited(trees: Trees) -> Trees:
-    """From version 1 to 2: ink that waits is part of the document; before, it was never kept."""
+    """Migrate version 1 to 2: waiting ink is part of the document; before, it was never kept."""
     return {**trees, WAITING: []}
 
 

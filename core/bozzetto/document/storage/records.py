@@ -44,7 +44,7 @@ class ModelHeader(msgspec.Struct, frozen=True):
 
     @property
     def folder(self) -> str:
-        """Where the file keeps the state."""
+        """Folder of the state in the file."""
         return f"plugins/{self.modeler}/{self.id}"
 
 
@@ -60,7 +60,7 @@ class UnderlayHeader(msgspec.Struct, frozen=True):
     visible: bool
 
     def with_pixels(self, pixels: NDArray[np.uint8]) -> Underlay:
-        """The underlay; raises `DocumentError` where these are no pixels."""
+        """Return the underlay; raises `DocumentError` where the array holds no pixels."""
         if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or not pixels.size:
             raise DocumentError(f"The underlay “{self.name}” has no picture.")
         return Underlay(
@@ -85,7 +85,7 @@ class WaitingHeader(msgspec.Struct, frozen=True):
     places: list[tuple[float, float]]
 
     def with_stroke(self, stroke: Stroke) -> WaitingStroke:
-        """The waiting stroke."""
+        """Return the waiting stroke."""
         return WaitingStroke(
             stroke, self.modeler, self.tool, self.status, self.reason, tuple(self.places)
         )
@@ -116,7 +116,7 @@ def store_model(model: Model) -> StoredModel:
 
 
 def store_underlay(underlay: Underlay) -> UnderlayHeader:
-    """What is written of an underlay beside its pixels."""
+    """Return the record of an underlay beside its pixels."""
     return UnderlayHeader(
         underlay.id,
         underlay.name,
@@ -129,7 +129,7 @@ def store_underlay(underlay: Underlay) -> UnderlayHeader:
 
 
 def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
-    """What is written of ink that waits beside its strokes."""
+    """Return the records of waiting ink beside its strokes."""
     return [
         WaitingHeader(
             _writable(one.modeler),
@@ -143,7 +143,7 @@ def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
 
 
 def _writable(text: str) -> str:
-    """A text without halves of characters: plugins may say anything, and JSON cannot hold it."""
+    """Remove halves of characters: plugins may say anything, and JSON cannot hold them."""
     return text.encode("utf-8", "replace").decode()
 
 

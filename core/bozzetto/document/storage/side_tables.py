@@ -1,4 +1,4 @@
-"""What a state's JSON cannot hold, put aside: strokes and arrays, referred to by number."""
+"""Tables beside a state's JSON: strokes and arrays, referred to by number."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Aside:
     numbers: dict[int, int] = field(default_factory=dict)
 
     def put(self, shelf: list[Any], item: object) -> int:
-        """Number of an item on its shelf; the same object gets the same number."""
+        """Return the number of an item in its table; the same object gets the same number."""
         number = self.numbers.setdefault(id(item), len(shelf))
         if number == len(shelf):
             shelf.append(item)
@@ -55,7 +55,7 @@ class Aside:
 
     @staticmethod
     def get(shelf: list[Any], number: object) -> Any:
-        """The item of a number found in a file."""
+        """Return the item of a number found in a file."""
         if type(number) is not int or not 0 <= number < len(shelf):
             raise Refusal(f"refers to number {number!r} of {len(shelf)} strokes or arrays")
         return shelf[number]

@@ -26,14 +26,14 @@ MAX_STATE_JSON: Final = 16 << 20
 
 
 class StateTypes(Protocol):
-    """Who knows the modelers' state types; `bozzetto.plugin.host.registry.Registry` does."""
+    """Source of modelers' state types, such as `bozzetto.plugin.host.registry.Registry`."""
 
     def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
         """State type and version of a modeler, or None if it is absent or broken."""
         ...
 
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """The stored form of an older version's state in today's shape."""
+        """Return the stored form of an older version's state in today's shape."""
         ...
 
 

@@ -24,7 +24,7 @@ JOINED_AT_ONCE: Final = 256
 
 
 class _Row(msgspec.Struct, array_like=True, forbid_unknown_fields=True):
-    """What is known of a stroke beside its samples."""
+    """Facts about a stroke beside its samples."""
 
     camera: int
     tool: StrokeTool
@@ -179,7 +179,7 @@ class _Constant:
 
 
 def _starts(columns: Mapping[str, NDArray[Any]], count: int) -> list[int]:
-    """Where each stroke starts in the columns, and where the last one ends."""
+    """Return where each stroke starts in the columns, and where the last one ends."""
     offsets = columns.get("offsets")
     if offsets is None or offsets.dtype != DTYPES["u4"] or offsets.shape != (count + 1,):
         raise DocumentError("This document's strokes have no usable list of lengths.")

@@ -19,7 +19,7 @@ _encoded: dict[int, tuple[weakref.ref[Any], bytes]] = {}
 
 
 def encode_png(pixels: NDArray[np.uint8]) -> bytes:
-    """A picture of shape (h, w, 4), RGBA, as PNG; remembered while the array lives."""
+    """Encode a picture of shape (h, w, 4), RGBA, as PNG; remembered while the array lives."""
     key = id(pixels)
     if key not in _encoded:
         _remember(pixels, png_bytes(pixels, PNG_EFFORT))
@@ -27,7 +27,7 @@ def encode_png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def decode_png(content: bytes) -> NDArray[np.uint8]:
-    """The pixels of a PNG, shape (h, w, 4), RGBA.
+    """Decode a PNG to pixels of shape (h, w, 4), RGBA.
 
     Raises
     ------

@@ -73,7 +73,7 @@ Content = bytes | memoryview
 
 
 class Part(msgspec.Struct):
-    """What the manifest says of an array."""
+    """Declaration of an array in the manifest."""
 
     name: str
     dtype: str
@@ -82,7 +82,7 @@ class Part(msgspec.Struct):
 
 
 def dtype_name(array: NDArray[Any]) -> str | None:
-    """The name by which files call an array's element type, or None if they cannot."""
+    """Return the name by which files call an array's element type, or None if they cannot."""
     return next((name for name, dtype in DTYPES.items() if array.dtype == dtype), None)
 
 
@@ -273,7 +273,7 @@ class ContainerReader:
             raise DocumentError("This document lists an array twice.")
 
     def read(self, name: str, limit: int = MAX_CONTENT_BYTES) -> bytes:
-        """An entry's content.
+        """Return an entry's content.
 
         Raises
         ------
@@ -285,11 +285,11 @@ class ContainerReader:
         return bytes(self._content(name))
 
     def json(self, name: str) -> bytes:
-        """A JSON entry's text, of bounded length."""
+        """Return a JSON entry's text, of bounded length."""
         return self.read(name, MAX_JSON_BYTES)
 
     def array(self, name: str) -> NDArray[Any]:
-        """A read-only array that was declared; finite if it is of floats."""
+        """Return a read-only array that was declared; finite if it is of floats."""
         part = self._parts.get(name)
         if part is None:
             raise DocumentError(f"This document's array {name} is of an unknown kind.")
@@ -331,7 +331,7 @@ class ContainerReader:
 
 
 def _directory(data: Content) -> dict[str, _Entry]:
-    """The entries of a file, none of which overlaps another or promises too much."""
+    """Read the entries of a file, none of which overlaps another or promises too much."""
     end = len(data) - END.size
     if not 0 <= end <= MAX_FILE_BYTES:
         raise DocumentError("This is not a Bozzetto document, or it was cut short.")
@@ -388,7 +388,7 @@ def _central(data: Content, place: int, end: int) -> tuple[str, _Entry, int, int
 
 
 def _local(data: Content, place: int, name: str, entry: _Entry, end: int) -> int:
-    """Where an entry's content begins; its own header must agree with the directory."""
+    """Return where an entry's content begins; its own header must agree with the directory."""
     begins = place + LOCAL.size
     if begins > end:
         raise DocumentError("This document's directory is damaged. Open a backup of it.")

@@ -48,7 +48,7 @@ UNSPEAKABLE: Final = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
 def checked_curves(shapes: Shapes, *, corners: bool = True) -> tuple[Curve, ...]:
-    """The curves of shapes as they can be written.
+    """Return the curves of shapes as they can be written.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def checked_curves(shapes: Shapes, *, corners: bool = True) -> tuple[Curve, ...]
 
 
 def readable(name: str) -> str:
-    """A name as readers take it: without control characters and halves of surrogate pairs."""
+    """Return a name without control characters and halves of surrogate pairs."""
     return UNSPEAKABLE.sub(" ", name).strip()
 
 
@@ -122,7 +122,7 @@ def bezier_pieces(curve: Curve) -> Array:
 
 
 def points_on(curve: Curve) -> Array:
-    """Some points (n, 3) of every span of a curve, its ends among them, mm; to frame it by."""
+    """Return points (n, 3) of every span of a curve, its ends among them, mm; to frame it by."""
     found = []
     for piece in checked_curves(Shapes(curves=(curve,))):
         row = bezier_pieces(piece)[None]
@@ -213,7 +213,7 @@ def _refuse_unwritable(curve: Curve) -> None:
 
 
 def _common_weights(weights: Array | None) -> Array | None:
-    """The weights, by a power of two if they are of odd size; None where they are all equal."""
+    """Return the weights, scaled by a power of two if of odd size; None where all are equal."""
     if weights is None or (weights == weights[0]).all():
         return None
     largest = float(weights.max())
@@ -223,7 +223,7 @@ def _common_weights(weights: Array | None) -> Array | None:
 
 
 def _common_knots(curve: Curve) -> Array:
-    """The knots with those that are as good as one made one, over a range of common size."""
+    """Return the knots over a range of common size, with those that nearly agree made one."""
     knots = curve.knots
     close = SAME_KNOT * np.spacing(np.abs(knots).max())
     apart = np.append(True, np.diff(knots / 2) > close / 2)  # halved, so as not to overflow
@@ -238,7 +238,7 @@ def _common_knots(curve: Curve) -> Array:
 
 
 def _with_knot(curve: Curve, knot: float) -> Curve:
-    """The same curve with one knot more (Boehm 1980, knot insertion), by convex combinations.
+    """Return the same curve with one more knot (Boehm 1980), by convex combinations.
 
     Both shares are divided out alike: of a curve that mirrors itself, both ends round alike.
     """

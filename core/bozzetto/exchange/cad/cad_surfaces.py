@@ -20,7 +20,7 @@ CUBIC_KNOTS: Final = frozen((0.0,) * 4 + (1.0,) * 4, np.float64)
 
 
 def checked_patchworks(shapes: Shapes) -> tuple[Patchwork, ...]:
-    """The patchworks of shapes as they can be written.
+    """Return the patchworks of shapes as they can be written.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def _refuse_unwritable(patchwork: Patchwork) -> None:
 
 
 def names_of_patches(patchwork: Patchwork) -> tuple[str, ...]:
-    """A name for each patch: its own, or that of the whole."""
+    """Return a name for each patch: its own, or that of the whole."""
     return patchwork.patch_names or (patchwork.name,) * len(patchwork.nets)
 
 

@@ -32,7 +32,7 @@ DEFAULT_LAYER: Final = "0"
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A DXF file of the curves; DXF knows no names of curves, so each names its layer.
+    """Write the curves as DXF; DXF knows no names of curves, so each names its layer.
 
     Raises
     ------

@@ -26,7 +26,7 @@ BRACKETS: Final = ("(", "[", "{", ")", "]", "}")
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A 3dm file of the patchworks and curves, with names and colours.
+    """Write the patchworks and curves as 3dm, with names and colours.
 
     Raises
     ------

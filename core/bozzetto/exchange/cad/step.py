@@ -27,7 +27,7 @@ LINE_WIDTH: Final = 0.25
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A STEP file of the patchworks and curves, with names and colours.
+    """Write the patchworks and curves as STEP, with names and colours.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def write_shapes(shapes: Shapes) -> bytes:
 
 
 def _product(file: Part21, name: str) -> str:
-    """A product, down to the definition of its shape."""
+    """Add a product, down to the definition of its shape."""
     label = string(name)
     application = file.add(
         "APPLICATION_CONTEXT('core data for automotive mechanical design processes')"
@@ -86,7 +86,7 @@ def _product(file: Part21, name: str) -> str:
 
 
 def _millimetres(file: Part21) -> str:
-    """The context of the geometry: three dimensions, millimetres, radians."""
+    """Add the context of the geometry: three dimensions, millimetres, radians."""
     length = file.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
     angle = file.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
     solid_angle = file.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
@@ -103,7 +103,7 @@ def _millimetres(file: Part21) -> str:
 
 
 def _frame(file: Part21) -> str:
-    """The axes of the world."""
+    """Add the axes of the world."""
     origin = file.add("CARTESIAN_POINT('',(0.,0.,0.))")
     up = file.add("DIRECTION('',(0.,0.,1.))")
     right = file.add("DIRECTION('',(1.,0.,0.))")
@@ -144,7 +144,7 @@ def _faces(file: Part21, patchwork: Patchwork) -> list[str]:
 
 
 def _shells(file: Part21, patchwork: Patchwork, faces: list[str]) -> str:
-    """A surface model with one shell for every piece of a patchwork."""
+    """Add a surface model with one shell for every piece of a patchwork."""
     shells = []
     for piece in patchwork.pieces:
         is_open = np.isin(edge_numbers(patchwork.sides[piece]), patchwork.rim).any()

@@ -31,7 +31,7 @@ class Part21:
         return f"#{len(self._lines)}"
 
     def encoded(self, schema: str, title: str) -> bytes:
-        """The whole file.
+        """Return the whole file.
 
         Parameters
         ----------
@@ -51,7 +51,7 @@ class Part21:
 
 
 def real(value: float) -> str:
-    """A number with all its digits (17 where it takes so many), and the dot that reals need.
+    """Write a number with all its digits (17 where it takes so many), and the dot that reals need.
 
     Parameters
     ----------
@@ -65,13 +65,13 @@ def real(value: float) -> str:
 
 
 def string(text: str) -> str:
-    """A string literal; characters beyond ASCII by their code points (6.4.3.3)."""
+    """Write a string literal; characters beyond ASCII by their code points (6.4.3.3)."""
     text = ENDING.sub(lambda _: APOSTROPHE, text.replace("\\", "\\\\")).replace("'", "''")
     return f"'{PLAIN.sub(_code_points, text)}'"
 
 
 def _code_points(match: re.Match[str]) -> str:
-    """A run of characters, those of the first plane in 16 bits, others in 32."""
+    """Write a run of characters, those of the first plane in 16 bits, others in 32."""
     pieces = []
     for run in re.findall("[\x00-\uffff]+|[^\x00-\uffff]+", match[0]):
         wide = run[0] > "\uffff"
@@ -81,5 +81,5 @@ def _code_points(match: re.Match[str]) -> str:
 
 
 def many(values: Iterable[str]) -> str:
-    """A list."""
+    """Write a list."""
     return f"({','.join(values)})"

@@ -184,5 +184,5 @@ def _record(stroke: Stroke, camera: Camera) -> dict[str, Any]:
 
 
 def _shortest(column: NDArray[np.float32]) -> list[float]:
-    """The shortest decimals that give the same float32."""
+    """Return the shortest decimals that give the same float32."""
     return [float(str(value)) for value in column]

@@ -78,7 +78,7 @@ def read_steps(text: msgspec.Raw, canvas: CanvasRecord, stroke_count: int) -> tu
 
 
 def step_record(step: Step) -> dict[str, Any]:
-    """A step as a JSON object, without what goes without saying."""
+    """Return a step as a JSON object, without its default values."""
     record: dict[str, Any] = {}
     for field in fields(step):
         value = getattr(step, field.name)

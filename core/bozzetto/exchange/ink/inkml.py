@@ -81,7 +81,7 @@ class _Trace:
 
 @dataclass
 class _Ink:
-    """What was found on the way through the file."""
+    """Definitions and traces found so far."""
 
     formats: dict[str, list[_Channel]] = field(default_factory=dict)
     traces: list[_Trace] = field(default_factory=list)
@@ -208,7 +208,7 @@ def _walk(element: Element, context: str, ink: _Ink) -> None:
 
 
 def _columns(text: str, channels: list[_Channel], number: int) -> dict[str, NDArray[np.float64]]:
-    """The samples of one trace as columns, in our units but for pressure without a top."""
+    """Read the samples of one trace, in our units but for pressure without a top."""
     at_most(text.count(",") + 1, 2 * MAX_STROKE, "samples in one trace")
     rows = [row for row in text.split(",") if row.strip()]
     if not rows:
@@ -247,7 +247,7 @@ class _Running:
         self.value = self.step = 0.0
 
     def take(self, sign: str, word: str) -> float:
-        """The next value, from the file's word and the sign before it."""
+        """Return the next value, from the file's word and the sign before it."""
         if word in ("*", "?"):
             return self.value
         if word in ("T", "F"):

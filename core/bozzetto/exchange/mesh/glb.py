@@ -230,7 +230,7 @@ def _check_sum(gltf: Gltf) -> None:
 
 
 def _sizes(gltf: Gltf, primitive: Primitive) -> tuple[int, int]:
-    """How many vertices and corners a primitive names."""
+    """Return how many vertices and corners a primitive names."""
     if "POSITION" not in primitive.attributes:
         return 0, 0
     vertices: int = item(gltf.accessors, primitive.attributes["POSITION"], "accessor").count
@@ -240,7 +240,7 @@ def _sizes(gltf: Gltf, primitive: Primitive) -> tuple[int, int]:
 
 
 def _opened(data: bytes) -> tuple[Gltf, bytes]:
-    """The JSON chunk, understood, and the binary one."""
+    """Return the decoded JSON chunk and the binary one."""
     if data[:4] != MAGIC or len(data) < 20:
         raise FormatError("This is not a GLB file.")
     version, length, size, kind = (int(v) for v in np.frombuffer(data, "<u4", 4, 4))
@@ -306,7 +306,7 @@ def _surface(
 def _normals(
     gltf: Gltf, blob: bytes, primitive: Primitive, to_world: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Unit normals in our axes; None where there are none, or they are of no use."""
+    """Return unit normals in our axes; None where the file has none that can be used."""
     if "NORMAL" not in primitive.attributes:
         return None
     local = _values(gltf, blob, primitive.attributes["NORMAL"], 3)
@@ -331,7 +331,7 @@ def _faces(order: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
 
 
 def _values(gltf: Gltf, blob: bytes, index: int, width: int | None) -> NDArray[np.float64]:
-    """The values of an accessor, shape (n, width); whole numbers only scaled if normalised."""
+    """Return the values of an accessor, (n, width); integers are scaled only if normalised."""
     accessor: Accessor = item(gltf.accessors, index, "accessor")
     kind = COMPONENTS.get(accessor.component_type)
     columns = WIDTHS.get(accessor.type)

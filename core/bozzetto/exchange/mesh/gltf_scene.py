@@ -1,4 +1,4 @@
-"""What we understand of a glTF description, and where its nodes stand."""
+"""glTF description: the parts that we understand, and the placements of its nodes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class View(Record):
 
 
 class Accessor(Record):
-    """How numbers lie in a view."""
+    """Layout of numbers in a buffer view."""
 
     component_type: int
     count: int

@@ -14,7 +14,7 @@ FEW = 256
 
 
 def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
-    """The nodes of a rig: one that holds all roots, as joints need a common one, then the joints.
+    """Return the nodes of a rig: one that holds all roots, as glTF demands, then the joints.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
 
 
 def inverse_binds(rig: Rig) -> NDArray[np.float32]:
-    """From the mesh at rest to every joint, (n, 16), columns first: only moved, not turned."""
+    """Return the inverse bind matrices, (n, 16), columns first: only moved, not turned."""
     matrices = np.tile(np.eye(4, dtype="<f4"), (len(rig.joints), 1, 1))
     matrices[:, 3, :3] = -rig.joints
     return matrices.reshape(-1, 16)

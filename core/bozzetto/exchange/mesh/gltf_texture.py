@@ -25,7 +25,7 @@ SAMPLER: Final = {
 
 
 class Corners(NamedTuple):
-    """What a file's vertices are made of.
+    """Origin of each vertex of the file.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Corners(NamedTuple):
 
 
 def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
-    """The vertices of a mesh, split where the texture is torn: there corners differ in place."""
+    """Return the vertices of a mesh, split where the texture has a seam."""
     proper = ~is_degenerate(mesh.faces)
     faces = mesh.faces[proper].astype(np.int64)
     if texture is None:

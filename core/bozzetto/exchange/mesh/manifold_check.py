@@ -13,7 +13,7 @@ from bozzetto.geometry.shapes import Solid
 
 @dataclass(frozen=True)
 class SolidFacts:
-    """What a checked solid is like.
+    """Facts about a checked solid.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class SolidFacts:
 
 
 def _unpaired_edges(mesh: Mesh) -> int:
-    """How many directed edges lack exactly one partner that runs the other way."""
+    """Return how many directed edges lack exactly one partner of the opposite direction."""
     forth = np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)]).astype(np.int64)
     count = np.int64(len(mesh.vertices))
     keys, times = np.unique(forth[:, 0] * count + forth[:, 1], return_counts=True)

@@ -163,7 +163,7 @@ def _short() -> FormatError:
 
 
 def _binary(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
-    """The columns of one element from byte `at` on, and where the next one begins."""
+    """Read the columns of one element from byte `at` on; return where the next one begins, too."""
     if not element.has_lists:
         return _table(element, body, at, order, ())
     # Nearly always all lists are of one length: then the rows are a table, too.
@@ -261,7 +261,7 @@ def _length(value: float) -> int:
 
 
 def _text(element: _Element, words: list[bytes], at: int) -> tuple[Columns, int]:
-    """The columns of one element of a text file, and where the next one begins."""
+    """Read the columns of one element of a text file; return where the next one begins, too."""
     if element.count > len(words) - at and element.properties:
         raise _short()
     try:
@@ -297,7 +297,7 @@ def _text(element: _Element, words: list[bytes], at: int) -> tuple[Columns, int]
 
 
 def _typed(words: list[bytes], kind: str) -> NDArray[Any]:
-    """A column of text as numbers; whole ones where the header says so."""
+    """Convert a column of text to numbers; to integers where the header says so."""
     values = np.array([float(word) for word in words])
     if kind[0] == "f":
         return values

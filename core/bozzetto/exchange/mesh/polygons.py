@@ -54,7 +54,7 @@ def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.
 
 
 def is_degenerate(faces: Faces) -> NDArray[np.bool_]:
-    """Which triangles name a vertex twice."""
+    """Return which triangles name a vertex twice."""
     a, b, c = faces.T
     return np.asarray((a == b) | (b == c) | (c == a))
 
@@ -128,7 +128,7 @@ def _turned_quads(vertices: NDArray[np.float64], rings: NDArray[np.int64]) -> ND
 
 
 def _convex(rings: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which polygons, shape (p, k, 3), turn the same way at every corner."""
+    """Return which polygons, shape (p, k, 3), turn the same way at every corner."""
     edges = np.roll(rings, -1, axis=1) - rings
     turns = np.cross(edges, np.roll(edges, -1, axis=1))
     fans = np.cross(rings[:, 1:-1] - rings[:, :1], rings[:, 2:] - rings[:, :1])
@@ -173,7 +173,7 @@ def checked_mesh(
     normals: NDArray[np.floating] | None = None,
     colors: NDArray[np.uint8] | None = None,
 ) -> Mesh:
-    """A mesh out of a file's arrays, if they can be trusted.
+    """Make a mesh of a file's arrays, if they can be trusted.
 
     Raises
     ------

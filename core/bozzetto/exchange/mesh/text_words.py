@@ -16,7 +16,7 @@ BLANK: Final = 0x20
 
 
 def word_count(text: bytes) -> int:
-    """How many words ``text.split()`` finds; a few more where control characters stand."""
+    """Count the words that ``text.split()`` finds; a few more where control characters stand."""
     count = 0
     after_blank = True
     for first in range(0, len(text), PIECE):

@@ -47,7 +47,7 @@ COMPRESSION: Final = 4
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A 3MF package with one object per part."""
+    """Write a 3MF package with one object per part."""
     parts = [part for part in shapes.meshes() if len(part.mesh.faces)]
     colored = any(vertex_colors(part) is not None for part in parts)
     resources: list[str] = []
@@ -76,7 +76,7 @@ def write_shapes(shapes: Shapes) -> bytes:
 
 
 def _object(part: Solid | Surface, color_id: int, object_id: int) -> str:
-    """The XML of one object, its colours before it."""
+    """Return the XML of one object, its colours before it."""
     faces = without_degenerate(part.mesh.faces)  # the schema forbids them
     colors = vertex_colors(part)
     group, default, line = "", "", '<triangle v1="%d" v2="%d" v3="%d"/>'

@@ -1,4 +1,4 @@
-"""What readers answer, taken apart into plain values and raw arrays, and put together again.
+"""Answers of readers, taken apart into plain values and raw arrays, and put together again.
 
 This is what crosses from the process that reads a file to the one that asked for it. Nothing
 in it can run code: the values are msgpack of declared types, the arrays are bytes of a declared
@@ -48,6 +48,7 @@ class _Drawing(msgspec.Struct, tag=True):
     columns: list[str]
     extra: bytes
     steps: list[tuple[str, bytes]]
+    left_out: tuple[str, ...]
 
 
 class _Picture(msgspec.Struct, tag=True):
@@ -118,6 +119,7 @@ def _drawing_record(drawing: Drawing) -> tuple[_Record, Arrays]:
         list(columns),
         msgspec.json.encode(drawing.extra),
         steps,
+        drawing.left_out,
     )
     return record, list(columns.values())
 
@@ -163,4 +165,6 @@ def _drawing_of(told: _Drawing, arrays: Sequence[NDArray[Any]]) -> Drawing:
         msgspec.msgpack.decode(text, type=VERBS[verb]) for verb, text in told.steps
     ]
     extra: dict[str, Any] = msgspec.json.decode(told.extra)
-    return Drawing(Strokes(strokes), told.camera, told.name, extra, tuple(steps))
+    return Drawing(
+        Strokes(strokes), told.camera, told.name, extra, tuple(steps), left_out=told.left_out
+    )

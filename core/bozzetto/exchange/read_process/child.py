@@ -55,7 +55,7 @@ class Request(msgspec.Struct):
 
 
 class Reply(msgspec.Struct):
-    """What came of a request.
+    """Outcome of a request.
 
     Attributes
     ----------

@@ -93,7 +93,7 @@ class _Process:
         return code
 
     def ended_by(self) -> int:
-        """How it ended by itself."""
+        """Return the exit code with which it ended by itself."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._popen.wait(1.0)
         return self.end()
@@ -154,7 +154,7 @@ def _end_idle() -> None:
 
 
 def _taken() -> _Process | None:
-    """The process that waits, if there is one and it is ours: a fork's is not."""
+    """Return the waiting process, if there is one of this process; a fork's does not count."""
     with _lock:
         process = _idle.pop() if _idle else None
     return process if process is not None and process.owner == os.getpid() else None

@@ -34,7 +34,7 @@ FRONT.flags.writeable = False
 
 
 def camera_matrix(camera: Camera) -> Array:
-    """The matrix from homogeneous points, mm, to homogeneous pixels.
+    """Return the matrix from homogeneous points, mm, to homogeneous pixels.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def camera_matrix(camera: Camera) -> Array:
 
 
 def picture(curve: Curve, matrix: Array, tolerance: float) -> list[Subpath]:
-    """What is seen of a curve.
+    """Return the visible part of a curve.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _cubics(flat: Array, ahead: Array, tolerance: float) -> tuple[Array, Array, 
 
 
 def _fitted(pieces: Array) -> tuple[Array, Array]:
-    """The cubics with the ends and end derivatives of rational pieces, and how far they stray.
+    """Fit cubics to the ends and end derivatives of rational pieces; return their errors, too.
 
     With the piece n / w and the cubic c, the polynomial c w − n lies within its Bézier
     coefficients (Farin, "Curves and Surfaces for CAGD", on products and the convex hull); their

@@ -160,7 +160,7 @@ def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
 
 
 def _sides(ring: Array) -> NDArray[np.object_]:
-    """The sides of a ring, as lines of two points."""
+    """Return the sides of a ring, as lines of two points."""
     import shapely
 
     sides: NDArray[np.object_] = shapely.linestrings(np.stack((ring[:-1], ring[1:]), axis=1))
@@ -188,7 +188,7 @@ def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
 
 
 def _crossings(rings: Sequence[Array]) -> int:
-    """How often the sides of some rings cross.
+    """Count how often the sides of some rings cross.
 
     Raises `_TooMany` where there are more than `MAX_CROSSINGS`, or it takes too long to tell.
     """
@@ -250,7 +250,7 @@ def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
 
 
 def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]:
-    """The outline of everything that the rings of some elements paint. Raises `_TooMany`."""
+    """Return the outline of all that the rings of some elements paint. Raises `_TooMany`."""
     from manifold3d import CrossSection, FillRule, JoinType, OpType
 
     _crossings(rings)

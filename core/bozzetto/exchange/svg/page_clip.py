@@ -24,7 +24,7 @@ some. A crossing too many only cuts a piece in two."""
 
 
 def clipped(path: Subpath, low: Array, high: Array) -> list[Subpath]:
-    """The stretches of a path that lie on a page.
+    """Return the stretches of a path that lie on a page.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def _is_within(point: Array, low: Array, high: Array) -> bool:
 
 
 def _crossings(cubic: Array, low: Array, high: Array) -> list[float]:
-    """Where a cubic meets the lines of the page's border, with 0 and 1, ascending."""
+    """Return where a cubic meets the lines of the page's border, with 0 and 1, ascending."""
     found = [0.0, 1.0]
     p0, p1, p2, p3 = cubic
     powers = np.array([p3 - 3 * p2 + 3 * p1 - p0, 3 * (p2 - 2 * p1 + p0), 3 * (p1 - p0), p0])
@@ -114,7 +114,7 @@ def _point(cubic: Array, t: float) -> Array:
 
 
 def _between(cubic: Array, begin: float, end: float) -> Array:
-    """The part of a cubic between two parameters, by its blossom."""
+    """Return the part of a cubic between two parameters, by its blossom."""
 
     def blossom(*at: float) -> Array:
         row = cubic

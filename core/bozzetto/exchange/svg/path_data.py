@@ -61,7 +61,7 @@ def polyline(points: Array, *, closed: bool) -> Subpath:
 
 
 def ellipse(center: Point, radii: Point) -> Subpath:
-    """A whole ellipse, from its rightmost point clockwise on the canvas."""
+    """Return a whole ellipse, from its rightmost point clockwise on the canvas."""
     unit = _arc_pieces(0.0, 2 * math.pi)
     cubics = np.stack(
         (center.real + radii.real * unit.real, center.imag + radii.imag * unit.imag), axis=-1
@@ -71,7 +71,7 @@ def ellipse(center: Point, radii: Point) -> Subpath:
 
 
 def chord_counts(subpath: Subpath, tolerance: float) -> NDArray[np.int64]:
-    """How many chords `flattened` gives to each cubic of a subpath."""
+    """Return how many chords `flattened` gives to each cubic of a subpath."""
     bend = np.linalg.norm(np.diff(subpath.cubics, n=2, axis=1), axis=2).max(axis=1)
     return np.asarray(np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1), np.int64)
 
@@ -163,7 +163,7 @@ def _broken(data: str, at: int) -> FormatError:
 
 
 class _Pen:
-    """Where the path has got to."""
+    """Current state while path data are read."""
 
     def __init__(self) -> None:
         self.at: Point = 0j
@@ -235,7 +235,7 @@ class _Pen:
         self.handle, self.at = one, end
 
     def _arc(self, radii: Point, degrees: float, large: bool, sweep: bool, end: Point) -> None:
-        """An elliptical arc from its end points (SVG 1.1, appendix F.6.5)."""
+        """Add an elliptical arc from its end points (SVG 1.1, appendix F.6.5)."""
         begin = self.at
         rx, ry = abs(radii.real), abs(radii.imag)
         if begin == end:

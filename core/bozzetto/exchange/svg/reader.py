@@ -7,7 +7,8 @@ One user unit is one millimetre, and the point (x, y) of the file is the world p
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -47,6 +48,9 @@ FLATTENING: Final = 2e-4
 GROUPS: Final = {"svg", "g", "a", "switch"}
 """Elements that merely hold others."""
 
+UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded page"}
+"""Elements that show something other than lines, and what people call it."""
+
 FRAME: Final = ("x", "y", "width", "height", "viewBox")
 """Attributes that say where a viewport is."""
 
@@ -67,7 +71,7 @@ class _Line:
 
 
 class _Own:
-    """What one element says, apart from where it stands.
+    """Properties of one element, apart from where it stands.
 
     Attributes
     ----------
@@ -89,7 +93,7 @@ class _Own:
 
 
 class _Reader:
-    """On its way through a document, collecting lines."""
+    """Traversal of a document that collects lines."""
 
     def __init__(self, root: Element) -> None:
         self.sheets = Sheets(root)
@@ -101,6 +105,7 @@ class _Reader:
         self.clones = 0
         self.repeating = 0
         self.known: dict[Element, _Own] = {}
+        self.unread: Counter[str] = Counter()
         waiting = [root]
         while waiting:
             element = waiting.pop()
@@ -110,7 +115,7 @@ class _Reader:
         self.collect(root, np.eye(3), Look(), outermost=True)
 
     def own(self, element: Element) -> _Own:
-        """What an element says: understood once, however often it is repeated."""
+        """Return the properties of an element: read once, however often it is repeated."""
         if not self.repeating:
             return _Own(element, self.sheets)
         if element not in self.known:
@@ -153,8 +158,22 @@ class _Reader:
                 matrix = matrix @ _nested_viewport(frame or element)
             for child in element.children:
                 self.collect(child, matrix, look, depth=depth + 1)
+        elif element.tag in UNREAD:
+            self.unread[UNREAD[element.tag]] += look.visible
         else:
             self.take(own, element, matrix, look)
+
+    def left_out(self) -> tuple[str, ...]:
+        """Return a sentence about what the file shows and is not read; none where nothing is."""
+        kinds = [(what, count) for what, count in sorted(self.unread.items()) if count]
+        if not kinds:
+            return ()
+        total = sum(count for _, count in kinds)
+        said = " and ".join(f"{count} {what}{'s' * (count > 1)}" for what, count in kinds)
+        return (
+            f"Only lines are read; {said} of this drawing {'is' if total == 1 else 'are'} "
+            "left out. Turn text into paths, and trace pictures, in the program that made it.",
+        )
 
     def take(self, own: _Own, element: Element, matrix: Array, look: Look) -> None:
         """Take the lines of a shape."""
@@ -189,7 +208,7 @@ class _Reader:
         self.repeating -= 1
 
     def frame(self, use: Element, target: Element) -> Element:
-        """Where a ``use`` shows a symbol: a viewport without content."""
+        """Return the viewport, without content, in which a ``use`` shows a symbol."""
         sizes = {side: use.attributes.get(side) for side in ("width", "height")}
         if self.canvas is not None:
             whole = {"width": f"{self.canvas.width!r}", "height": f"{self.canvas.height!r}"}
@@ -206,7 +225,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 
     Paths and basic shapes under nested transforms are read; a closed one repeats its first
     point at the end. Painted areas that overlap become one outline (`without_overlaps`).
-    Text, images, clips and what is not to be seen are passed over.
+    Text and pictures are left out, and named (`Drawing.left_out`); clips and what is not to be
+    seen are passed over.
 
     Parameters
     ----------
@@ -226,7 +246,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     # Where nothing at all is painted, the lines themselves are meant.
     found = [line for line in reader.found if line.look.painted] or reader.found
     if not found:
-        raise FormatError("There are no lines in this drawing.")
+        raise FormatError(" ".join(("There are no lines in this drawing.", *reader.left_out())))
     corners = np.concatenate([line.path.cubics.reshape(-1, 2) for line in found])
     if not (np.abs(corners) <= MAX_COORDINATE).all():
         raise FormatError("A point lies further away than a drawing can reach.")
@@ -243,11 +263,12 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     if not joined:
         raise FormatError("The areas of this drawing cancel each other out.")
     colors = [found[k].look.color for k, _ in joined]
-    return sheet_drawing([points for _, points in joined], reader.canvas, name, colors=colors)
+    drawing = sheet_drawing([points for _, points in joined], reader.canvas, name, colors=colors)
+    return replace(drawing, left_out=reader.left_out())
 
 
 def _canvas(root: Element) -> Sheet | None:
-    """The view box, else width and height, else None."""
+    """Return the view box, else width and height, else None."""
     text = root.attributes.get("viewBox", "")
     box = NUMBER.findall(text) if len(text) <= LONGEST_LENGTH else []
     if len(box) == 4:
@@ -262,7 +283,7 @@ def _canvas(root: Element) -> Sheet | None:
 
 
 def _nested_viewport(element: Element) -> Array:
-    """Where an inner ``svg`` puts its own units."""
+    """Return the matrix from the units of an inner ``svg`` to those around it."""
     matrix = shift(length(element, "x", 0.0), length(element, "y", 0.0))
     inner = _canvas(element) if "viewBox" in element.attributes else None
     width, height = (length(element, side, 0.0) for side in ("width", "height"))

@@ -34,7 +34,7 @@ MOST_TRANSFORMS: Final = 10_000
 
 
 def length(element: Element, name: str, default: float) -> float:
-    """A length in user units; the default where it is absent or relative.
+    """Return a length in user units; the default where it is absent or relative.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def length(element: Element, name: str, default: float) -> float:
 
 
 def outline(element: Element) -> list[Subpath]:
-    """The subpaths of one shape; none for what is no shape.
+    """Return the subpaths of one shape; none for what is no shape.
 
     Raises
     ------
@@ -104,12 +104,12 @@ def _rectangle(element: Element) -> list[Subpath]:
 
 
 def shift(x: float, y: float) -> Array:
-    """A translation as a matrix (3, 3)."""
+    """Return a translation as a matrix (3, 3)."""
     return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
 
 
 def transform(text: str) -> Array:
-    """A transform list as one matrix (3, 3).
+    """Return a transform list as one matrix (3, 3).
 
     Raises
     ------

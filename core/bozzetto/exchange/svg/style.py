@@ -1,4 +1,4 @@
-"""How the elements of an SVG are painted: attributes, style sheets and inheritance.
+"""Style of SVG elements: attributes, style sheets and inheritance.
 
 Of style sheets the rules for a type, a class or an id are understood, which is what drawing
 programs write; others are passed over.
@@ -31,7 +31,7 @@ UNPAINTED: Final = ("none", "transparent")
 
 @dataclass(frozen=True)
 class Look:
-    """What an element shows and hands on to the elements inside it.
+    """Painting of an element, handed on to the elements inside it.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Sheets:
                         known.update((name, (order, value)) for name, value in said.items())
 
     def said(self, element: Element) -> Said:
-        """What is said of one element: its attributes, its rules, and above all its style."""
+        """Return the properties of an element: attributes, then rules, above all its own style."""
         attributes = element.attributes
         said: Said = {name: attributes[name] for name in PROPERTIES if name in attributes}
         if self._rules:
@@ -100,7 +100,7 @@ class Sheets:
         return said
 
     def look(self, said: Said, inherited: Look) -> Look:
-        """How an element is painted of which this is said."""
+        """Return the look of an element that has these properties."""
         if not said:
             return inherited
         told = {name: value for name, value in said.items() if value != "inherit"}
@@ -124,7 +124,7 @@ def _rules(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _without_comments(text: str) -> str:
-    """The text without its comments; one that does not end goes on to the end."""
+    """Return the text without its comments; one that does not end goes on to the end."""
     kept: list[str] = []
     at = 0
     while (begin := text.find("/*", at)) >= 0:

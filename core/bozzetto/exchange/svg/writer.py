@@ -38,7 +38,7 @@ BOUNDS: Final = 1e-3
 
 
 def write_drawing(drawing: Drawing) -> bytes:
-    """The strokes as paths of straight lines.
+    """Write the strokes as paths of straight lines.
 
     A drawing on the front view is written in millimetres of the world, so that it comes
     back to its place; every other one in pixels of its canvas.
@@ -58,7 +58,7 @@ def write_drawing(drawing: Drawing) -> bytes:
 
 
 def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
-    """The curves of shapes as a camera sees them; on the front view without one.
+    """Write the curves of shapes as a camera sees them; on the front view without one.
 
     Parallel views of polylines and of curves up to degree three without weights are exact, and
     so are polylines in perspective. All else is right within `STRAY`. Front views are in

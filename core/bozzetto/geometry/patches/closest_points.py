@@ -32,7 +32,7 @@ DAMPING: Final = 1e-3
 
 
 def foot_points(nets: ArrayLike, points: ArrayLike, near: Places | None = None) -> Places:
-    """The closest places of patches to points.
+    """Find the closest points on patches to given points.
 
     Newton's method on the squared distance within the unit square of each patch, damped where
     a step leads away (Levenberg 1944); parameters that would leave the square stay on its
@@ -81,7 +81,7 @@ def _squared_distances(points: Array, places: Array) -> Array:
 
 
 def _descended(nets: Array, points: Array, start: Places) -> Places:
-    """The bottom of the valley of the squared distance that each place lies in."""
+    """Minimise the squared distance from each start, within the valley that it lies in."""
     at = np.clip(start.parameters, 0.0, 1.0)
     offset = points_at(nets, Places(start.patches, at)) - points
     damping = np.zeros(len(points))
@@ -104,7 +104,7 @@ def _descended(nets: Array, points: Array, start: Places) -> Places:
 
 
 def _step(nets: Array, here: Places, offset: Array, damping: Array) -> Array:
-    """A damped Newton step in u and v, (n, 2), along the border where it would lead out."""
+    """Return a damped Newton step in u and v, (n, 2), along the border where it would lead out."""
     xu, xv = points_at(nets, here, du=1), points_at(nets, here, dv=1)
     slope = np.stack(((xu * offset).sum(1), (xv * offset).sum(1)), axis=1)
     at = here.parameters
@@ -131,5 +131,5 @@ def _step(nets: Array, here: Places, offset: Array, damping: Array) -> Array:
 
 
 def _determinant(matrix: Array) -> Array:
-    """Of symmetric 2 × 2 matrices given by their three numbers, (n, 3)."""
+    """Return determinants of symmetric 2 × 2 matrices given by their three numbers, (n, 3)."""
     return np.asarray(matrix[:, 0] * matrix[:, 2] - matrix[:, 1] ** 2)

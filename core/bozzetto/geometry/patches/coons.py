@@ -30,13 +30,13 @@ from bozzetto.arrays import Array, Index
 
 
 def edge_numbers(sides: ArrayLike) -> Index:
-    """The edges of sides without their sense: e for e and for ``~e``."""
+    """Return the edges of sides without their sense: e for e and for ``~e``."""
     signed = np.asarray(sides, np.intp)
     return np.asarray(np.where(signed < 0, ~signed, signed))
 
 
 def boundaries(edges: ArrayLike, sides: ArrayLike) -> Array:
-    """The curves round patches, each the way that it is run through.
+    """Return the curves round patches, each in the sense in which it is followed.
 
     Parameters
     ----------
@@ -94,6 +94,6 @@ def with_boundaries(nets: ArrayLike, edges: ArrayLike, sides: ArrayLike) -> Arra
 
 
 def sides_of(nets: ArrayLike) -> Array:
-    """The curves round control nets in the order of their sides, (k, 4, 4, 3)."""
+    """Return the curves round control nets in the order of their sides, (k, 4, 4, 3)."""
     nets = np.asarray(nets, float)
     return np.stack((nets[:, :, 0], nets[:, 3], nets[:, ::-1, 3], nets[:, 0, ::-1]), axis=1)

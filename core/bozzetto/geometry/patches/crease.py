@@ -1,4 +1,4 @@
-"""How smoothly patches meet: the crease along an edge, and the lock that takes it away.
+"""Creases between patches: the angle along an edge, and tangents that make it smooth.
 
 Over an edge with two patches the derivatives across it are blended from those in its two ends.
 Where the tangents in each end are opposite, as in smooth lines that cross the edge, the patches
@@ -32,7 +32,7 @@ smooth line there."""
 
 
 def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
-    """The largest angle between the tangent planes of both patches along each edge.
+    """Return the largest angle between the tangent planes of both patches along each edge.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
 
 
 def joints_of_chain(chain: ArrayLike, *, closed: bool = False) -> tuple[Joint, ...]:
-    """The joints of edges that follow each other.
+    """Return the joints of edges that follow each other.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def locked(
 
 
 def _firmness(firm: Array, joint: Joint) -> tuple[float, float]:
-    """Of the two edges of a joint."""
+    """Return the firmness of the two edges of a joint."""
     one, other = (float(firm[max(end, ~end)]) for end in joint)
     return one, other
 
@@ -175,7 +175,7 @@ def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]
 
 
 def _links(sides: Index, joints: tuple[Joint, ...]) -> dict[int, list[tuple[int, float]]]:
-    """For each joint those in the other ends of the edges between its lines.
+    """Return for each joint those in the other ends of the edges between its lines.
 
     The sign says whether both name the two sides of the edge in the same order.
     """

@@ -1,4 +1,4 @@
-"""How bicubic patches bend: principal, mean and Gaussian curvature in closed form."""
+"""Curvature of bicubic patches: principal, mean and Gaussian, in closed form."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def grid_curvatures(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Curvatures:
 
 
 def _bent(by_u: Array, by_v: Array, by_uu: Array, by_uv: Array, by_vv: Array) -> Curvatures:
-    """From first and second derivatives (do Carmo 1976, section 3-3).
+    """Compute curvatures from first and second derivatives (do Carmo 1976, section 3-3).
 
     The second fundamental form is written in a frame of two unit tangents, one along x_u. There
     the first form is the identity, and what is left is the eigenvalues of a symmetric matrix;

@@ -111,7 +111,7 @@ def grid(nets: ArrayLike, u: ArrayLike, v: ArrayLike, *, du: int = 0, dv: int = 
 
 
 def _columns(nets: ArrayLike, u: ArrayLike, v: ArrayLike, du: int, dv: int) -> Array:
-    """As `grid`, each coordinate by itself, (3, k, a, b): quicker to go on with."""
+    """Evaluate like `grid`, each coordinate by itself, (3, k, a, b): quicker to go on with."""
     nets = np.asarray(nets, float)
     rows, columns = bernstein(u, du), bernstein(v, dv)
     both = (rows.T[:, None, :, None] * columns.T[None, :, None, :]).reshape(
@@ -124,7 +124,7 @@ def _columns(nets: ArrayLike, u: ArrayLike, v: ArrayLike, du: int, dv: int) -> A
 
 
 def grid_normals(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
-    """Unit normals of all patches on one grid of parameters, along x_u × x_v.
+    """Return unit normals of all patches on one grid of parameters, along x_u × x_v.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def points_at(nets: ArrayLike, places: Places, *, du: int = 0, dv: int = 0) -> A
 
 
 def normals_at(nets: ArrayLike, places: Places) -> Array:
-    """Unit normals at places, (n, 3), as `grid_normals` gives them."""
+    """Return unit normals at places, (n, 3), as `grid_normals` gives them."""
     across, sound = _unit_across(points_at(nets, places, du=1).T, points_at(nets, places, dv=1).T)
     normals = np.ascontiguousarray(across.T)
     if not sound.all():
@@ -182,7 +182,7 @@ def normals_at(nets: ArrayLike, places: Places) -> Array:
 
 
 def _unit_across(a: Array, b: Array) -> tuple[Array, Flags]:
-    """The unit vector across two, 0 where they are parallel, (3, …); and where they are not."""
+    """Return unit vectors across two, (3, …), 0 where they are parallel, and where they are not."""
     across = np.stack(
         (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
     )
@@ -230,7 +230,7 @@ def halved(nets: Array) -> Array:
 
 
 def turned_over(nets: ArrayLike) -> Array:
-    """The same patches with u run the other way, so that their normals point the other way."""
+    """Return the same patches with u reversed, so that their normals point the other way."""
     return np.asarray(nets, float)[:, ::-1].copy()
 
 
@@ -254,7 +254,7 @@ def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
 
 
 def extent(nets: ArrayLike) -> Array:
-    """The bounding box of the very surface; that of the control points is larger.
+    """Return the bounding box of the surface itself; that of the control points is larger.
 
     Branch and bound: a patch lies within its control points, and its corners lie on it. What
     cannot reach further than a corner does is dropped, the rest is cut in quarters.
@@ -278,7 +278,7 @@ def extent(nets: ArrayLike) -> Array:
 
 
 def _highest(heights: Array, slack: float) -> Array:
-    """For each row of polynomials (r, k, 4, 4) the largest value, from below, within slack."""
+    """Return upper bounds, tight within slack, of each row of polynomials (r, k, 4, 4)."""
     rows, patches = heights.shape[:2]
     row, pieces = np.repeat(np.arange(rows), patches), heights.reshape(-1, 4, 4)
     best = np.full(rows, -np.inf)

@@ -84,7 +84,7 @@ class Patchwork:
         color: tuple[int, int, int] | None = None,
         patch_names: tuple[str, ...] = (),
     ) -> Patchwork:
-        """The Coons patches between edges (`coons_nets`)."""
+        """Return the Coons patches between edges (`coons_nets`)."""
         nets = coons_nets(edges, sides)
         return cls(nets, np.asarray(edges, float), np.asarray(sides), name, color, patch_names)
 
@@ -124,7 +124,7 @@ class Patchwork:
         return places, np.asarray(ends, np.intp).reshape(-1, 2)
 
     def placed(self, placement: Placement) -> Patchwork:
-        """The patchwork moved by a placement; turned over if the placement mirrors."""
+        """Return the patchwork moved by a placement; inside out where the placement mirrors."""
         if placement.is_identity:
             return self
         edges = placement.points(self.edges).reshape(self.edges.shape)

@@ -1,4 +1,4 @@
-"""Where rays meet patches: lines of sight on a surface, whole and exact."""
+"""Intersections of rays with patches, exact and over the whole surface."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ between two patches."""
 
 
 def ray_hits(nets: ArrayLike, origins: ArrayLike, directions: ArrayLike) -> tuple[Places, Array]:
-    """The first places in which rays meet patches.
+    """Return the first places in which rays meet patches.
 
     Seen along a ray a patch is flat, and the ray a point. Pieces whose control points leave the
     point outside their box are dropped, the others cut in quarters (Nishita, Sederberg & Kakimoto

@@ -71,7 +71,7 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
 
 
 def _divisions(patchwork: Patchwork, tolerance: float) -> Index:
-    """Steps along each edge, (m,).
+    """Return the number of steps along each edge, (m,).
 
     A triangle with legs of a and b in u and v is nowhere further from the surface than
     (a² M_uu + 2 a b M_uv + b² M_vv) / 8, where M bound the second derivatives (Filip,
@@ -98,7 +98,7 @@ def _longest(vectors: Array) -> Array:
 
 
 def _strips(numbers: Index, count: int) -> Index:
-    """The least edge in the strip of each edge: edges across each other's patches are in one."""
+    """Return the least edge in the strip of each edge: opposite edges of a patch share a strip."""
     least = np.arange(count)
     pairs = np.vstack((numbers[:, [0, 2]], numbers[:, [1, 3]]))
     while True:
@@ -157,7 +157,7 @@ def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
 
 
 def shaded_parameters(divisions: int = 12) -> Array:
-    """The values of u, and those of v, at the vertices that `shaded` makes, (divisions + 1,)."""
+    """Return the parameters u and v of the vertices that `shaded` makes, (divisions + 1,)."""
     return np.linspace(0.0, 1.0, divisions + 1)
 
 

@@ -23,7 +23,7 @@ the curve need not shear."""
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """Where a skin is held.
+    """Points that hold a shrunk surface.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flag
 
 
 def _changes(*columns: Index) -> Flags:
-    """Where any of some columns differs from its row before, from the second row on."""
+    """Return where a column differs from its predecessor, from the second one on."""
     return np.asarray(np.any([np.diff(column) != 0 for column in columns], axis=0), bool)
 
 
@@ -105,7 +105,7 @@ def _evened(at: Array, fixed: Flags) -> Array:
 
 
 def _owners(sphere: Icosphere, vertices: Array, frame: Wireframe) -> tuple[Array, Index]:
-    """The distance of each place from the vertex that is nearest to it, and that vertex."""
+    """Return the distance of each place from its nearest vertex, and that vertex."""
     from scipy.spatial import cKDTree
 
     found = cKDTree(vertices).query(frame.places)
@@ -122,7 +122,7 @@ def _owners(sphere: Icosphere, vertices: Array, frame: Wireframe) -> tuple[Array
 def _rows(
     sphere: Icosphere, owner: Index, distance: Array, frame: Wireframe, reached: Flags
 ) -> list[Row]:
-    """The straightened row of vertices along each piece."""
+    """Return the straightened row of vertices along each piece."""
     gap = np.where(frame.sharp, -1.0, distance)
     kept = np.flatnonzero(reached)
     starts = np.flatnonzero(np.append(True, _changes(owner[kept], frame.piece[kept])))[: len(kept)]

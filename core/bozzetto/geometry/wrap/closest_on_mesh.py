@@ -35,7 +35,7 @@ class Feet:
         return np.asarray(self.corners[row, np.argmax(self.weights, axis=1)])
 
     def taken(self, kept: Flags) -> Feet:
-        """Some of them."""
+        """Return some of the rows."""
         return Feet(self.corners[kept], self.weights[kept], self.distances[kept])
 
     def outside(self, vertices: Array, points: Array) -> Flags:
@@ -45,7 +45,7 @@ class Feet:
 
 
 def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
-    """The nearest place of the triangles round the vertex that is nearest to each point.
+    """Find the nearest place on the triangles round the vertex that is nearest to each point.
 
     On a mesh of even triangles that is the nearest place of all.
 

@@ -62,7 +62,7 @@ class Icosphere:
 
 @lru_cache(maxsize=8)
 def icosphere(level: int) -> Icosphere:
-    """The icosahedron subdivided `level` times, ``level >= 0``."""
+    """Return the icosahedron subdivided `level` times, ``level >= 0``."""
     if level == 0:
         places, faces, parents = *_icosahedron(), np.zeros((0, 2), np.intp)
     else:
@@ -78,7 +78,7 @@ def icosphere(level: int) -> Icosphere:
 
 
 def edges_of(faces: Index) -> tuple[Index, Index]:
-    """The edges of a closed mesh.
+    """Return the edges of a closed mesh.
 
     Returns
     -------

@@ -135,7 +135,7 @@ def shrink_wrap(
 
 
 def curve_distances(curves: Sequence[ArrayLike], mesh: Mesh) -> Array:
-    """How far places at even steps along curves are from a skin.
+    """Return how far places at even steps along curves are from a surface.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def curve_distances(curves: Sequence[ArrayLike], mesh: Mesh) -> Array:
 
 
 def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoint) -> Array:
-    """A skin of the wanted level near the curves, drawn there level by level."""
+    """Return a surface of the wanted level near the curves, shrunk towards them level by level."""
     start = START if level > START + 1 else START - 1
     vertices = _around(icosphere(start), frame)
     bending = GIVE
@@ -189,7 +189,7 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
 def _anchored(
     frame: Wireframe, level: int, vertices: Array, smoothing: float, checkpoint: Checkpoint
 ) -> tuple[Array, NDArray[np.int32]]:
-    """The skin with the curves that it has reached as its edges, and smooth between."""
+    """Return the surface with the curves that it has reached as its edges, and smooth between."""
     sphere = icosphere(level)
     energy = even_energy(level, 1.0, HOLD)
     for done in range(ANCHOR_ROUNDS):
@@ -210,7 +210,7 @@ def _edge(level: int) -> float:
 
 
 def _around(sphere: Icosphere, frame: Wireframe) -> Array:
-    """The sphere shrunk until each of its tangent planes touches a curve: nearly the hull."""
+    """Return the sphere shrunk until its tangent planes touch a curve: nearly the hull."""
     points = frame.both_sides()
     half = 0.5 * np.ptp(points, axis=0)
     centre = points.mean(axis=0)
@@ -224,7 +224,7 @@ def _around(sphere: Icosphere, frame: Wireframe) -> Array:
 
 
 def _evened(sphere: Icosphere, vertices: Array, frame: Wireframe) -> Array:
-    """The mean of a skin and its mirror image, if it should be symmetric."""
+    """Return the mean of a surface and its mirror image, if it should be symmetric."""
     if not frame.symmetric:
         return vertices
     return np.asarray(0.5 * (vertices + vertices[sphere.mirrored] * MIRROR))

@@ -33,7 +33,7 @@ membrane folds, and slivers have huge ones."""
 
 
 def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array:
-    """The skin that is drawn to points by springs.
+    """Return the surface that springs draw to points.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array
 
 
 def held_at(energy: Energy, held: Index, places: Array) -> Array:
-    """The skin that is held at some of its vertices.
+    """Return the surface that is held at some of its vertices.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
 
 @lru_cache(maxsize=8)
 def _operators(level: int) -> tuple[csc_array, csc_array]:
-    """The quadratic forms of the membrane and the plate, (v, v) each."""
+    """Return the quadratic forms of the membrane and the plate, (v, v) each."""
     from scipy.sparse import coo_array, diags_array
 
     sphere = icosphere(level)

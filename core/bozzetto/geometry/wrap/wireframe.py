@@ -70,7 +70,7 @@ class Wireframe:
     size: float
 
     def every(self, step: int) -> Wireframe:
-        """A coarser row of places: every `step`-th of them, and the ends of pieces."""
+        """Return a coarser row of places: every `step`-th of them, and the ends of pieces."""
         turn = np.diff(self.piece) != 0
         ends = np.append(True, turn) | np.append(turn, True)
         kept = ends | (np.arange(len(self.places)) % step == 0)
@@ -82,7 +82,7 @@ class Wireframe:
         )
 
     def both_sides(self) -> Array:
-        """The places of the whole network, with the mirror images of a half, (m, 3)."""
+        """Return the places of the whole network, with the mirror images of a half, (m, 3)."""
         if not self.symmetric:
             return self.places
         return np.vstack((self.places, self.places[self.places[:, 1] > 0] * MIRROR))
@@ -183,7 +183,7 @@ def _steps(line: Array) -> Array:
 
 
 def _pieces(lines: list[Array]) -> list[Array]:
-    """The polylines, cut at their corners."""
+    """Return the polylines, cut at their corners."""
     turns = [_corners(line) for line in lines]
     if sum(len(turn) for turn in turns) > MOST_CORNERS:
         return lines
@@ -214,7 +214,7 @@ def _spaced(line: Array, spacing: float) -> Array:
 
 
 def _half(line: Array) -> list[Array]:
-    """The parts of a polyline on the side y ≥ 0, cut in the plane exactly."""
+    """Return the parts of a polyline on the side y ≥ 0, cut in the plane exactly."""
     line = np.where(np.abs(line) < np.array([0.0, SAME, 0.0]), 0.0, line)
     side = line[:, 1]
     cuts = np.flatnonzero(side[1:] * side[:-1] < 0)

@@ -1,4 +1,4 @@
-"""Where a curve crosses itself or another one."""
+"""Intersections of a curve with itself or with another one."""
 
 from __future__ import annotations
 

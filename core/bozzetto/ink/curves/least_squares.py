@@ -164,7 +164,7 @@ class _System:
         self.bending = self._bending()
 
     def moved(self, spline: Spline, before: Array) -> Approximation:
-        """The points at their feet on a new curve; the ends of the ink at its ends."""
+        """Return the points at their feet on a new curve, the ends of the ink at its ends."""
         parameters = spline.foot_points(self.points, before, steps=FOOT_STEPS)
         if not self.closed:
             parameters[np.argmin(before)], parameters[np.argmax(before)] = 0.0, 1.0
@@ -173,7 +173,7 @@ class _System:
         return Approximation(spline, parameters, rms, float(distance.max()))
 
     def solved(self, parameters: Array, before: Spline | None, slide: float) -> Spline:
-        """The best curve for given parameters, and tangents of the curve before."""
+        """Fit the best curve for given parameters, and tangents of the curve before."""
         basis = self._basis(parameters)
         count, size = self.count, self.points.shape[1]
         target = self.points - self.center
@@ -202,7 +202,7 @@ class _System:
         return np.asarray(basis)
 
     def _across(self, parameters: Array, before: Spline, slide: float) -> Array:
-        """What a deviation weighs, as a matrix for each point: less along the curve."""
+        """Return the weight of a deviation, a matrix for each point: less along the curve."""
         tangent = before.derivative(parameters)
         tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
         release = np.full(len(tangent), 1.0 - slide)

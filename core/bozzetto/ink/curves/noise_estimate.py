@@ -1,4 +1,4 @@
-"""How much the pen shakes and the device rounds, told from the ink alone."""
+"""Noise of ink, from the ink alone: how much the pen shakes and the device rounds."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BESIDE: Final = 2
 
 
 def sample_noise(points: ArrayLike, *, pixel: float = 1.0) -> float:
-    """Standard deviation of the samples across the curve, from one sample to the next.
+    """Estimate the standard deviation of samples across the curve, from one sample to the next.
 
     Each sample is compared with the cubic through its four neighbours (parameters are
     chord lengths), and the median of the differences is taken: bends that several samples

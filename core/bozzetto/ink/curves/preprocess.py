@@ -143,7 +143,7 @@ def prepare(
 
 
 def _width(length: float, pixel: float) -> float:
-    """Standard deviation of the widest filter for a curve of this length."""
+    """Return the standard deviation of the widest filter for a curve of this length."""
     return max(min(FILTER * pixel, FILTER_SHARE * length), 2.0 * length / MOST_POINTS)
 
 

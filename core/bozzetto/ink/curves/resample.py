@@ -26,7 +26,7 @@ def arc_length(points: ArrayLike) -> Array:
 
 
 def distinct(points: ArrayLike, *, closed: bool = False) -> Index:
-    """Indices of the points that differ from the one before.
+    """Return the indices of the points that differ from the one before.
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ def _integral(points: Array, along: Array, at: Array) -> Array:
 
 
 def _continued(means: Array, first: Array, last: Array, margin: int, closed: bool) -> Array:
-    """The cells with `margin` more at each end: round again, or reflected about the ends.
+    """Return the cells with `margin` more at each end: wrapped round, or reflected about the ends.
 
     The reflection is repeated as often as it takes.
     """

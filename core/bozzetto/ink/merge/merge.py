@@ -160,7 +160,7 @@ SLOW: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] 
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """What a strategy came to: its ordering, the scatter of the ink about it, the curve."""
+    """Result of one strategy: its ordering, the scatter of the ink about it, and the curve."""
 
     order: Ordering
     noise: float
@@ -179,7 +179,7 @@ class _Judge:
         self.weights = ink.weights / ink.weights.sum()
 
     def tried(self, name: Strategy, way: Callable[[Gathered], Ordering | None]) -> _Tried | None:
-        """The curve of one strategy, closed where its ends meet; None where it finds none."""
+        """Fit the curve of one strategy, closed where its ends meet; None where it finds none."""
         order = way(self.ink)
         if order is None:
             return None
@@ -202,7 +202,7 @@ class _Judge:
         return _Tried(order, noise, self._settled(name, order, noise, made.spline))
 
     def detailed(self, tried: _Tried) -> Settled:
-        """The same with more control points, where they bring the curve nearer to the ink.
+        """Refine a result with more control points, where they bring the curve nearer to the ink.
 
         The scatter of wide scribbles hides small curls from the first fit. Control points
         are never closer than the ink is wide, or the curve would run to and fro between
@@ -223,7 +223,7 @@ class _Judge:
         return best if best.score <= GOOD * ink.pixel else self._calmed(tried, best)
 
     def _calmed(self, tried: _Tried, best: Settled) -> Settled:
-        """The same with less say for ink far off, where that brings the curve nearer to ink.
+        """Refine a result with less weight for ink far off, where that brings the curve nearer.
 
         Reweighted least squares with Cauchy's weights: the curve runs along most strokes
         instead of between them and one that strayed.
@@ -289,7 +289,7 @@ def _refined(points: Array, ink: Gathered) -> Array:
 
 
 def _scatter(points: Array, order: Ordering, spacing: float) -> float:
-    """Standard deviation of the ink about its running mean along the ordering."""
+    """Return the standard deviation of the ink about its running mean along the ordering."""
     squares = np.unique(np.round(points / (BIN * spacing)).astype(np.int64), axis=0)
     bins = int(np.clip(len(squares), 8, max(8, len(points) // PER_BIN)))
     home = np.minimum((order.parameters * bins).astype(np.intp), bins - 1)

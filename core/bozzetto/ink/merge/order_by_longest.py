@@ -207,7 +207,7 @@ def _stations(guide: _Path, stroke: _Path, made: _Alignment) -> Array:
 
 
 def _joined(guide: _Path, strokes: list[_Path], gap: float) -> tuple[int, Array] | None:
-    """The stroke whose end is nearest to an end of the guide, carried on from there."""
+    """Extend the guide by the stroke whose end is nearest to one of its own ends."""
     ends = np.array([[stroke.points[0], stroke.points[-1]] for stroke in strokes])
     tips = guide.points[[0, -1]]
     distance = np.linalg.norm(ends[:, :, None] - tips, axis=3)
@@ -221,7 +221,7 @@ def _joined(guide: _Path, strokes: list[_Path], gap: float) -> tuple[int, Array]
 
 
 def _longer(guide: _Path, stroke: _Path, places: Array) -> _Path:
-    """The guide with what a stroke shows beyond its ends."""
+    """Return the guide with the parts of a stroke beyond its ends."""
     sense = 1.0 if places[-1] >= places[0] else -1.0
     outside = (places < guide.along[0]) | (places > guide.along[-1])
     along = np.concatenate((guide.along, places[outside]))

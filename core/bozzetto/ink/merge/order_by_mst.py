@@ -98,7 +98,7 @@ def _farthest(distance: Array) -> int:
 
 
 def _softened(path: Array) -> Array:
-    """A three-point mean; the ends stay."""
+    """Smooth a path by a three-point mean; the ends stay."""
     inner = (path[:-2] + path[1:-1] + path[2:]) / 3.0
     return np.vstack((path[:1], inner, path[-1:]))
 

@@ -62,7 +62,7 @@ class Gathered:
 
 @dataclass(frozen=True, eq=False)
 class Ordering:
-    """Where each point of the ink belongs on the curve: what a strategy finds.
+    """Place of each ink point along the curve: the result of a strategy.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
 
 
 def _one_way(points: Array) -> Array:
-    """The stroke in the sense that begins at its lesser end."""
+    """Return the stroke in the sense that begins at its lesser end."""
     return points if tuple(points[0]) <= tuple(points[-1]) else points[::-1]
 
 

@@ -1,4 +1,4 @@
-"""What a stroke counts: older ones fade, greyer ones weigh less."""
+"""Weights of strokes: older ones fade, greyer ones weigh less."""
 
 from __future__ import annotations
 

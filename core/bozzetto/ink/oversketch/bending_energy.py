@@ -1,4 +1,4 @@
-"""What holds a displaced curve together: resistance to bending, as a band matrix."""
+"""Bending energy of a displaced curve, as a band matrix."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Bending:
         self._factor = cholesky_banded(band, check_finite=False)
 
     def solve(self, pull: Array) -> Array:
-        """The displacement (n, 2) of the nodes that are pulled to `pull` (n, 2), px."""
+        """Return the displacement (n, 2) of nodes on which the forces `pull` (n, 2) act, px."""
         from scipy.linalg import cho_solve_banded
 
         right = np.zeros_like(pull)

@@ -1,4 +1,4 @@
-"""Which part of a curve a stroke speaks of: foot points that keep their order."""
+"""Closest points on a curve that keep the order of a stroke."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def ordered_feet(
 
 
 def _cheapest(cost: Array, passed: Array) -> tuple[Index, float]:
-    """The best column for each row, not decreasing, and what it costs in all.
+    """Return the best column for each row, not decreasing, and the total cost.
 
     Parameters
     ----------

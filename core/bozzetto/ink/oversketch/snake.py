@@ -208,7 +208,7 @@ def _settled(
     location: float,
     ring: float | None,
 ) -> tuple[Array, int]:
-    """Where the nodes come to rest, and after how many steps.
+    """Return the places where the nodes come to rest, and the number of steps.
 
     Every step solves for the displacement with the closest points held; weights are shares
     of the pull, ``location + pressure = 1``.
@@ -234,7 +234,7 @@ def _settled(
 
 
 def _force(places: Array, pulls: list[Pull], location: float) -> Array:
-    """From each node to where the strokes want it; zero where there is none."""
+    """Return the force from each node to where the strokes want it; zero where there is none."""
     count = len(places)
     near, near_sum = np.zeros(count), np.zeros((count, 2))
     firm, firm_sum = np.zeros(count), np.zeros((count, 2))
@@ -255,7 +255,7 @@ def _force(places: Array, pulls: list[Pull], location: float) -> Array:
 
 
 def _normal_part(force: Array, places: Array, ring: float | None) -> Array:
-    """What of a force acts across the curve; all of it where the curve has no direction."""
+    """Return the part of a force across the curve; all of it where the curve has no direction."""
     if ring is None:
         ahead, behind = np.vstack((places[1:], places[-1:])), np.vstack((places[:1], places[:-1]))
     else:

@@ -1,4 +1,4 @@
-"""How strokes pull at a curve: where along it they run, and their closest points."""
+"""Forces of strokes on a curve: the stretch along which they run, and their closest points."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def trace_of(
 
 
 def _sampled(places: Array, pressure: Array) -> tuple[Array, Array]:
-    """A stroke's own samples with others between them; fewer, where there are too many."""
+    """Return a stroke's samples with others between them; fewer, where there are too many."""
     kept = distinct(places)
     along = arc_length(places[kept])
     spans = np.diff(along)
@@ -162,7 +162,7 @@ def _foot_near(place: Array, station: float, nodes: Array, along: Array) -> floa
 
 
 def lengthened(nodes: Array, along: Array, traces: list[Trace]) -> tuple[Array, Array]:
-    """An open curve with its ends moved on along the strokes that run on beyond them.
+    """Return an open curve with its ends moved along the strokes that continue beyond them.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ class Pull:
 
 
 def pulls_of(trace: Trace, stations: Array, ring: float | None) -> Iterator[Pull]:
-    """How a stroke pulls at the nodes that lie at some stations of the curve.
+    """Yield the pulls of a stroke at the nodes that lie at some stations of the curve.
 
     Parameters
     ----------

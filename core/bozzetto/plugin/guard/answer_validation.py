@@ -1,4 +1,4 @@
-"""What the program can show and hand over: checks on what came out of a plugin."""
+"""Validation of plugins' answers: only what can be shown and exported passes."""
 
 from __future__ import annotations
 

@@ -136,7 +136,7 @@ class Guard:
         return answer
 
     def caught_in(self, thread: threading.Thread) -> tuple[str, str] | None:
-        """Which modeler's function a thread is in, as given to `call`; None if in none."""
+        """Return the modeler's function that a thread is in, as given to `call`, or None."""
         return self._inside.get(thread)
 
     def _put_back(self, plugin: str, what: str, before: Remembered) -> None:
@@ -328,7 +328,7 @@ class Guard:
         return dispose
 
     def faults(self, plugin_id: str) -> int:
-        """How often a plugin failed in this session."""
+        """Count the failures of a plugin in this session."""
         return self._faults[plugin_id]
 
     def is_off(self, plugin_id: str) -> bool:

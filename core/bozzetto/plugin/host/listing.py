@@ -1,4 +1,4 @@
-"""What is told of plugins and modelers before any of their code runs."""
+"""Descriptions of plugins and modelers, known before any of their code runs."""
 
 from __future__ import annotations
 

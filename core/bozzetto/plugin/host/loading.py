@@ -47,7 +47,7 @@ def import_plugin(plugins: pluggy.PluginManager, package: str, plugin_id: str) -
 
 
 def ask(plugins: pluggy.PluginManager, plugin_id: str, hook: str, **arguments: Any) -> list[Any]:
-    """What one plugin answers to a hook, whatever the others would do."""
+    """Call a hook of one plugin alone and return its answers."""
     others = [plugin for name, plugin in plugins.list_name_plugin() if name != plugin_id]
     answers: list[Any] = plugins.subset_hook_caller(hook, others)(**arguments)
     return answers
@@ -56,7 +56,7 @@ def ask(plugins: pluggy.PluginManager, plugin_id: str, hook: str, **arguments: A
 def look_over_modelers(
     answers: Sequence[Any], announced: Sequence[str]
 ) -> dict[str, Modeler[Any, Any]]:
-    """The modelers that a plugin delivers, by id.
+    """Check the modelers that a plugin delivers and return them by id.
 
     Parameters
     ----------

@@ -129,7 +129,7 @@ class ModelerEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a ``plugin.toml`` says.
+    """Content of a ``plugin.toml``.
 
     Attributes
     ----------

@@ -45,7 +45,7 @@ GROUP: Final = "bozzetto.plugins"
 
 @dataclass(eq=False)
 class _Plugin:
-    """What is known about one plugin."""
+    """One plugin, with its manifest and, once imported, its modelers."""
 
     package: str
     folder: Path = Path()
@@ -149,7 +149,7 @@ class Registry:
         return tuple(sorted(infos, key=lambda info: (info.id, info.package)))
 
     def modelers(self) -> tuple[ModelerInfo, ...]:
-        """The modelers of all plugins that are neither broken nor disabled, in their order."""
+        """Return the modelers of all plugins neither broken nor disabled, in their order."""
         with self._lock:
             infos = [
                 _modeler_info(plugin, entry)
@@ -160,7 +160,7 @@ class Registry:
         return tuple(sorted(infos, key=lambda info: (info.order, info.title, info.id)))
 
     def info(self, modeler_id: str) -> ModelerInfo:
-        """What a manifest says about a modeler.
+        """Return what a manifest says about a modeler.
 
         Raises
         ------
@@ -171,7 +171,7 @@ class Registry:
         return _modeler_info(plugin, entry)
 
     def resolve(self, name: str) -> str:
-        """The id of the modeler that a person means: its id, or the last part of it.
+        """Return the id of the modeler that a person means: its id, or the last part of it.
 
         Raises
         ------
@@ -189,7 +189,7 @@ class Registry:
         raise self._absent(name)
 
     def told_by(self, facts: Mapping[str, object]) -> str:
-        """The modeler whose files say such things; "" where none is, or several are."""
+        """Return the modeler that reads files with such facts; "" for none, or several."""
         ids = [info.id for info in self.modelers() if info.facts and info.facts in facts]
         return ids[0] if len(ids) == 1 else ""
 
@@ -209,7 +209,7 @@ class Registry:
     # -- modelers, imported on first use ----------------------------------------------------------
 
     def modeler(self, modeler_id: str) -> Modeler[Any, Any]:
-        """A modeler, ready to work.
+        """Return a modeler, imported and ready to work.
 
         Raises
         ------
@@ -242,7 +242,7 @@ class Registry:
         return modeler.state_type, modeler.state_version
 
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """The stored form of an older state in today's shape; as it is where nobody knows it.
+        """Return the stored form of an older state in today's shape; unchanged if nobody knows it.
 
         Raises
         ------
@@ -261,7 +261,7 @@ class Registry:
         return upgraded
 
     def panel(self, modeler_id: str, parent: object, host: PanelHost) -> object | None:
-        """The plugin's own widget for a modeler, or None.
+        """Return the plugin's own widget for a modeler, or None.
 
         Raises
         ------
@@ -289,7 +289,7 @@ class Registry:
         return made[0] if made else None
 
     def faults_in(self, file: Path) -> list[str] | None:
-        """What is wrong with a file of a plugin's own kind; None if no plugin knows its kind.
+        """Return the faults of a file of a plugin's own kind; None if no plugin knows its kind.
 
         Raises
         ------
@@ -313,7 +313,7 @@ class Registry:
     # -- inside ------------------------------------------------------------------------------------
 
     def _find(self, modeler_id: str) -> tuple[_Plugin, ModelerEntry]:
-        """The plugin that announces a modeler."""
+        """Find the plugin that announces a modeler."""
         with self._lock:
             for plugin in self._plugins.values():
                 entry = plugin.entry(modeler_id)
@@ -416,7 +416,7 @@ def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
 
 
 def _installed() -> list[str]:
-    """Packages that installed distributions announce, in an order that does not change.
+    """Return the packages that distributions announce, in an order that does not change.
 
     The bundled ones come first, so that a third party's cannot take their ids.
     """

@@ -1,4 +1,4 @@
-"""Which plugins a person switched off: one setting for the window and the command line."""
+"""Plugins that a person switched off: one setting for the window and the command line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LARGEST: Final = 1_000_000
 
 
 def settings_file() -> Path:
-    """Where the setting lies: in the person's configuration folder, beside the window's."""
+    """Return the file of the setting: in the configuration folder, beside the window's."""
     if sys.platform == "win32":
         folder = Path(os.environ.get("APPDATA") or Path.home() / "AppData/Roaming")
     else:

@@ -14,7 +14,7 @@ MARGIN: Final = 2.0
 
 
 def cut(outline: Polygon, normal: ArrayLike, least: float) -> Polygon:
-    """The part of a convex outline where normal · point ≥ least.
+    """Return the part of a convex outline where normal · point ≥ least.
 
     Sutherland & Hodgman 1974, "Reentrant polygon clipping", for one plane.
 
@@ -44,7 +44,7 @@ def cut(outline: Polygon, normal: ArrayLike, least: float) -> Polygon:
 
 
 def cut_to_window(outline: Polygon, width: int, height: int) -> Polygon:
-    """The part of a convex outline (n, 2) in a window and a margin round it, px."""
+    """Return the part of a convex outline (n, 2) in a window and a margin round it, px."""
     for axis, size in ((0, width), (1, height)):
         side = np.eye(2)[axis]
         outline = cut(outline, side, -MARGIN)

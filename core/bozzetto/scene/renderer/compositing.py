@@ -32,7 +32,7 @@ class Sheet:
     opacity: Floats
 
     def before(self, surface: Floats) -> Sheet:
-        """The part that no opaque surface (nearness at every pixel) hides."""
+        """Return the part that no opaque surface (nearness at every pixel) hides."""
         keep = self.nearness >= surface[self.pixel]
         return Sheet(self.pixel[keep], self.nearness[keep], self.color[keep], self.opacity[keep])
 
@@ -73,7 +73,7 @@ def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
 
 
 def veil_of(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
-    """The nearest sheet at each pixel: its nearness (−inf for none) and its opacity."""
+    """Return nearness (−inf for none) and opacity of the nearest sheet at each pixel."""
     nearness = np.full(count, -np.inf, np.float32)
     opacity = np.zeros(count, np.float32)
     for sheet in sheets:

@@ -1,4 +1,4 @@
-"""Where a picture on a rectangle in space is on the sheet: by the homography to the picture.
+"""Homography from a rectangle in space to the picture.
 
 From a place on the sheet a picture's own coordinates follow by one 3 × 3 matrix (Hartley &
 Zisserman, "Multiple View Geometry", 2nd ed., section 2.3), whose third row is the nearness of the
@@ -24,7 +24,7 @@ below which a picture is seen edge on."""
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where a picture is on the sheet.
+    """Place of a picture on the sheet.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Place:
 
 
 def place_of(image: Image, sight: Sight) -> Place | None:
-    """Where a picture is on a window; None where nothing of it is to be seen, or its edge only."""
+    """Return where a picture lies in a window; None where at most its edge is visible."""
     corner = sight.seen([image.corner])[0]
     across, down = (
         sight.axes @ np.asarray(side, np.float64) for side in (image.across, image.down)

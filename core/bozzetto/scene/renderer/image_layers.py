@@ -60,7 +60,7 @@ class Hung:
 
 
 def hang(image: Image, sight: Sight) -> Hung | None:
-    """A picture on the sheet; None if nothing of it is to be seen."""
+    """Place a picture on the sheet; None if nothing of it is visible."""
     height, width = image.pixels.shape[:2]
     place = place_of(image, sight) if height and width and image.opacity > 0 else None
     if place is None:
@@ -139,7 +139,7 @@ def sheet_at(
     offset: tuple[int, int] = (0, 0),
     fineness: int = 1,
 ) -> Sheet:
-    """What a picture shows at some samples.
+    """Return the colours of a picture at some samples.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def sheet_at(
 
 
 def _from_far(pictures: Sequence[Hung]) -> list[Hung] | None:
-    """The order in which to lay pictures over each other; None if there is none for all places."""
+    """Return the order in which to paint pictures; None if no order fits all places."""
     left = list(range(len(pictures)))
     order: list[Hung] = []
     while left:

@@ -33,7 +33,7 @@ LEAST_TURN: Final = 0.01
 
 
 def warped(pixels: Bytes, place: Place, box: Box) -> Bytes:
-    """A picture as it is seen in a box of the window.
+    """Return a picture as it is seen in a box of the window.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def _factors(pixels: Bytes, matrix: Array, middle: Array) -> tuple[int, int]:
 
 
 def _over(plane: Array, box: Box) -> Floats:
-    """An affine function at the middles of the pixels of a box, (h, w)."""
+    """Evaluate an affine function at the middles of the pixels of a box, (h, w)."""
     x = plane[0] * (np.arange(box[0], box[2]) + 0.5) + plane[2]
     y = plane[1] * (np.arange(box[1], box[3]) + 0.5)
     return np.asarray(x.astype(np.float32) + y.astype(np.float32)[:, None])
@@ -121,7 +121,7 @@ def _over(plane: Array, box: Box) -> Floats:
 def _interpolated(
     pixels: Bytes, factors: tuple[int, int], matrix: Array, box: Box
 ) -> NDArray[np.uint32]:
-    """A reduced picture at the middles of the pixels of a box, bilinear; 0 beside it."""
+    """Sample a reduced picture at the middles of the pixels of a box, bilinear; 0 beside it."""
     from PIL import Image
 
     left, top, right, bottom = box

@@ -42,7 +42,7 @@ def draw_label(canvas: Canvas, item: Label, palette: Palette) -> None:
 
 
 def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
-    """Where a text begins: right of its point, or left of it where there is room only there.
+    """Return where a text begins: right of its point, or left of it where only there is room.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class Canvas:
     def behind(
         self, x: NDArray[np.floating], y: NDArray[np.floating], nearness: Floats
     ) -> tuple[Flags, Flags]:
-        """Which places lie behind an opaque surface, and which behind a translucent one."""
+        """Return which places lie behind an opaque surface, and which behind a translucent one."""
         height, width = self.surface.shape
         pixel = np.clip(y, 0, height - 1).astype(np.intp) * width
         pixel += np.clip(x, 0, width - 1).astype(np.intp)
@@ -173,7 +173,7 @@ def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
 
 
 def _joined_points(batch: list[Lines]) -> tuple[Index, Index]:
-    """Indices of the ends of every segment; a lone point is a segment to itself."""
+    """Return indices of the ends of every segment; a lone point is a segment to itself."""
     pairs = []
     shift = 0
     for item in batch:
@@ -241,7 +241,7 @@ def _step_counts(begin: Array, end: Array) -> NDArray[np.int64]:
 
 
 def _reach(begin: Array, end: Array) -> tuple[Array, Array]:
-    """Where each segment begins and ends along its major axis, caps included."""
+    """Return the extent of each segment along its major axis, caps included."""
     steep = _steep(begin, end)
     a = np.where(steep, begin[:, Y], begin[:, X])
     b = np.where(steep, end[:, Y], end[:, X])

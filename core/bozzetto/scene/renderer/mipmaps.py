@@ -45,7 +45,7 @@ class Kept:
         self._lock = threading.RLock()  # frames are made beside the window's thread
 
     def get(self, pixels: Bytes, name: Hashable, make: Callable[[], Bytes]) -> Bytes:
-        """What was made of a picture under a name, or is made now."""
+        """Return what was made of a picture under a name, or make it now."""
         key = (id(pixels), name)
         with self._lock:
             found = self._known.get(key)
@@ -101,7 +101,7 @@ def rung(footprint: float, size: int) -> int:
 
 
 def level(pixels: Bytes, across: int, down: int) -> Bytes:
-    """A picture made smaller, multiplied by its opacity.
+    """Return a picture made smaller, multiplied by its opacity.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def level(pixels: Bytes, across: int, down: int) -> Bytes:
 
 
 def _reduced(pixels: Bytes, across: int, down: int) -> Bytes:
-    """From the level of a quarter of the numbers where there is one, for that is smaller."""
+    """Reduce a picture, from its quarter-size level where there is one."""
     from PIL import Image
 
     larger = _multiplied(pixels)
@@ -134,7 +134,7 @@ def _reduced(pixels: Bytes, across: int, down: int) -> Bytes:
 
 
 def _multiplied(pixels: Bytes) -> Bytes:
-    """A picture multiplied by its opacity; itself where it is opaque."""
+    """Return a picture multiplied by its opacity; itself where it is opaque."""
     clear = _levels.get(pixels, "clear", lambda: np.array([pixels[..., 3].min() < 255], np.uint8))
     if not clear[0]:
         return pixels

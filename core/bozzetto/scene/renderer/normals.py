@@ -1,4 +1,4 @@
-"""What a mesh needs for shading and no view changes: corner normals and curvature.
+"""Corner normals and curvature of a mesh, for shading; no view changes them.
 
 Both are kept as long as the mesh lives, so that turning the view costs nothing here.
 """
@@ -42,7 +42,7 @@ _curvatures: weakref.WeakKeyDictionary[Mesh, Floats] = weakref.WeakKeyDictionary
 
 
 def corner_normals(mesh: Mesh) -> CornerNormals:
-    """The mesh's own normals, or smooth ones that break at creases."""
+    """Return the mesh's own normals, or smooth ones that break at creases."""
     known = _normals.get(mesh)
     if known is None:
         known = _normals[mesh] = _corner_normals(mesh)
@@ -70,7 +70,7 @@ def _corner_normals(mesh: Mesh) -> CornerNormals:
 
 
 def _grouped_normals(vertex: NDArray[np.int32], face: Index, flat: Array, area: Array) -> Floats:
-    """For each (vertex, face): the mean of the faces there that bend gently into it."""
+    """Return the mean of the faces that bend gently into each (vertex, face)."""
     order = np.argsort(vertex, kind="stable")
     _, first, count = np.unique(vertex[order], return_index=True, return_counts=True)
     if np.square(count).sum() > MOST_PAIRS:

@@ -131,7 +131,7 @@ def render(
 
 
 def _layers(items: Sequence[Item], shading: Shading) -> int:
-    """How many values are held for each sample: the surface, and every translucent sheet."""
+    """Return how many values each sample holds: the surface, and every translucent sheet."""
     sheets = [2 if see_through(i, shading) else 0 for i in items if isinstance(i, Shaded)]
     pictures = sum(isinstance(item, Image) for item in items)
     return 1 + sum(sheets) + (pictures if any(isinstance(i, Shaded) for i in items) else 0)
@@ -167,7 +167,7 @@ def _drawn(
     fineness: int,
     checkpoint: Callable[[], None],
 ) -> Floats:
-    """A window of the picture, shape (h · w, 4): colour times opacity, opacity."""
+    """Render a window of the picture, shape (h · w, 4): colour times opacity, opacity."""
     width, height = size
     _, _, w, h = window
     paper = np.array((*palette.paper, 1.0) if background else (0.0,) * 4, np.float32)
@@ -230,7 +230,7 @@ def _corners(items: Sequence[Shaded], sight: Sight) -> Array | None:
 
 
 def _occupied(corners: Array | None, sight: Sight) -> Window | None:
-    """The part of a window that meshes can reach; None if they reach nothing."""
+    """Return the part of a window that meshes can reach; None if they reach nothing."""
     if corners is None:
         return (0, 0, sight.width, sight.height)
     if not len(corners):
@@ -244,7 +244,7 @@ def _occupied(corners: Array | None, sight: Sight) -> Window | None:
 
 
 def _reduced(samples: Floats, fineness: int) -> Floats:
-    """The mean of each pixel's samples."""
+    """Return the mean of each pixel's samples."""
     total = samples[::fineness, ::fineness].copy()
     for row, column in product(range(fineness), repeat=2):
         if row or column:

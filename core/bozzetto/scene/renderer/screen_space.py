@@ -1,4 +1,4 @@
-"""What the depth buffer alone tells: hollows that keep light out, and contour lines."""
+"""Effects from the depth buffer alone: dark hollows, and contour lines."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _depth(buffer: Buffer, sight: Sight) -> Floats:
 
 
 def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
-    """How much light hollows keep out, shape (h, w), 0 … 1.
+    """Return how much light hollows keep out, shape (h, w), 0 … 1.
 
     The depth buffer is compared with its own blurred copy: what lies deeper than its
     neighbourhood is dark (Luft, Colditz & Deussen, "Image enhancement by unsharp masking
@@ -157,7 +157,7 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
 
 
 def _widened(image: Floats) -> Floats:
-    """The greatest of each place and its four neighbours."""
+    """Return the greatest value of each pixel and its four neighbours."""
     result = image.copy()
     np.maximum(result[1:], image[:-1], out=result[1:])
     np.maximum(result[:-1], image[1:], out=result[:-1])

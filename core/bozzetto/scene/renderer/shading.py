@@ -51,7 +51,7 @@ CURVATURE_STEPS: Final = 1.6
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """What is seen, pixel by pixel.
+    """Visible surface, pixel by pixel.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ def _backs(places: Array) -> Flags:
 
 
 def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
-    """How much light matte clay sends to the eye: 1 shows its colour; shape (n,).
+    """Return how much light matte clay sends to the eye, (n,); 1 shows its colour.
 
     Parameters
     ----------

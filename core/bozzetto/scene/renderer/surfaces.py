@@ -38,7 +38,7 @@ XRAY_INK = 0.55
 
 @dataclass(frozen=True, eq=False)
 class Veil:
-    """What translucent meshes do to lines behind them.
+    """Translucent meshes before lines: nearness and opacity.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Pictures:
     offset: tuple[int, int]
 
     def in_front(self, buffer: Buffer, glass: Sequence[Sheet], fineness: int) -> Samples:
-        """Samples at which some picture is in front of some mesh."""
+        """Return the samples at which some picture is in front of some mesh."""
         if not self.hung:
             return np.zeros(0, np.intp)
         farthest = np.where(buffer.triangle >= 0, buffer.nearness, np.float32(np.inf))
@@ -105,7 +105,7 @@ class Pictures:
     def _nearness(
         self, picture: Hung, buffer: Buffer, fineness: int
     ) -> tuple[tuple[slice, slice], Floats]:
-        """The samples in a picture's box, and the nearness of its plane there."""
+        """Return the samples in a picture's box, and the nearness of its plane there."""
         ends = []
         sizes = (buffer.width, buffer.height)
         boxes = ((picture.left, picture.right), (picture.top, picture.bottom))
@@ -262,7 +262,7 @@ def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
 
 
 def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading) -> list[Sheet]:
-    """The nearest back and the nearest front of a mesh."""
+    """Return the nearest back and the nearest front of a mesh."""
     soup, tinted = _gathered([item], sight, palette, shading)
     front = soup.doubled_areas() > 0
     sheets = []

@@ -44,7 +44,7 @@ class Soup:
     part: Triples
 
     def only(self, keep: Flags) -> Soup:
-        """The soup without some of its triangles."""
+        """Return the soup without some of its triangles."""
         return Soup(
             self.places,
             self.faces[keep],
@@ -107,7 +107,7 @@ def _joined(arrays: Sequence[NDArray[np.generic]], dtype: type, columns: int) ->
 
 
 def _clipped(soup: Soup, near: float) -> Soup:
-    """The part of the triangles that lies beyond the near plane."""
+    """Return the part of the triangles that lies beyond the near plane."""
     shown = (soup.places[:, 2] >= near)[soup.faces]
     count = shown.sum(1)
     if (count == 3).all():

@@ -86,7 +86,7 @@ def sight_of(
     window: tuple[int, int, int, int],
     fineness: int = 1,
 ) -> Sight:
-    """The sight of a camera through a window of the picture.
+    """Return the transform of a camera through a window of the picture.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def mirroring(
     polished: Flags,
     sight: Sight,
 ) -> Fragments:
-    """What is seen, with the colours of stripes on polished parts.
+    """Return the fragments with the colours of stripes on polished parts.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def mirroring(
 
 
 def stripes(seen: Fragments, sight: Sight) -> Floats:
-    """How much of a tube is mirrored at each pixel, 0 … 1, (n,).
+    """Return how much of a light tube is mirrored at each pixel, 0 … 1, (n,).
 
     The pattern is 1 within a quarter of each tube's height, counted in tubes, and 0 between. Its
     mean over a pixel is the difference of its integral at both ends: stripes too fine for the
@@ -112,7 +112,7 @@ def _climb(seen: Fragments, sight: Sight) -> Floats:
 
 
 def _integral(height: Floats) -> Floats:
-    """Of a pattern that is 1 on the first half of each unit and 0 on the second."""
+    """Integrate a pattern that is 1 on the first half of each unit and 0 on the second."""
     whole = np.floor(height)
     return np.asarray(np.float32(0.5) * whole + np.minimum(height - whole, np.float32(0.5)))
 

@@ -109,7 +109,7 @@ class DirectCamera:
 
 
 def direct_linear_transform(points: ArrayLike, marks: ArrayLike) -> DirectCamera:
-    """The camera of eleven parameters with the least algebraic error.
+    """Fit the camera of eleven parameters with the least algebraic error.
 
     Both sides are normalised first (Hartley, "In defence of the eight-point algorithm", 1997).
 
@@ -158,7 +158,7 @@ def direct_linear_transform(points: ArrayLike, marks: ArrayLike) -> DirectCamera
 
 
 def _normalising(places: Array) -> Array:
-    """The similarity, in homogeneous coordinates, after which the mean distance is √d."""
+    """Return the similarity, in homogeneous coordinates, that makes the mean distance √d."""
     size = places.shape[1]
     middle = places.mean(axis=0)
     mean = float(np.mean(np.linalg.norm(places - middle, axis=1)))

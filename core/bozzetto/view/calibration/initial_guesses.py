@@ -1,4 +1,4 @@
-"""Where the search for a camera starts: from all around, and from the direct linear transform.
+"""First guesses of a camera: views from all around, and the direct linear transform.
 
 For a direction of sight and a perspectivity the rest of the camera, that is scale, roll and
 offset, is a similarity of the picture and has a closed form. So a start needs no guess, and
@@ -44,7 +44,7 @@ def starts(points: Array, marks: Array) -> Poses:
 
 
 def resumed(points: Array, marks: Array, before: Poses, cropped: bool) -> Poses:
-    """A pose of the same kind as one found before, next to it, for the marks of now."""
+    """Return poses like one found before, next to it, for the marks there are now."""
     principal = before.principal * cropped
     made = _fitted(points, marks - principal, before.turn, before.perspectivity)
     return replace(made, principal=principal)
@@ -66,7 +66,7 @@ AROUND: Final = _around()
 
 
 def _direct(points: Array, marks: Array) -> Array:
-    """The frame that the direct linear transform sees, (1, 3, 3), or none."""
+    """Return the frame that the direct linear transform finds, (1, 3, 3), or (0, 3, 3) for none."""
     if len(points) < FEWEST:
         return np.zeros((0, 3, 3))
     try:
@@ -76,7 +76,7 @@ def _direct(points: Array, marks: Array) -> Array:
 
 
 def _fitted(points: Array, marks: Array, turns: Array, strengths: Array) -> Poses:
-    """The best scale, roll and offset of each turn for a perspectivity, linear least squares.
+    """Fit scale, roll and offset of a perspectivity to each turn by linear least squares.
 
     With the depths w known, the marks times w are a similarity of the points across the
     sight: as complex numbers, mark · w = factor · point + offset.

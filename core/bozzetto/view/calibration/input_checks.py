@@ -1,4 +1,4 @@
-"""What a calibration is given, checked: in numbers it can work with, or in a sentence."""
+"""Checks of what a calibration is given: arrays it can work with, or a sentence for the person."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def framed(
 
 
 def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
-    """The candidate after which the points spread most evenly in space.
+    """Return the candidate after which the points spread most evenly in space.
 
     That is the one with the largest determinant of the points' scatter: for points in a plane
     the one farthest from it, for points of a line one far off the line. It needs no camera.

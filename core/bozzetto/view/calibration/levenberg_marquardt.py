@@ -65,12 +65,12 @@ class Adjusted:
     residuals: Array
 
     def __getitem__(self, rows: Index | list[int] | slice) -> Adjusted:
-        """Some of the rows."""
+        """Return some of the rows."""
         return Adjusted(self.poses[rows], self.costs[rows], self.residuals[rows])
 
 
 def freedom(poses: Poses, cropped: bool) -> Flags:
-    """Which of the parameters of each pose are free, (b, 9).
+    """Return which parameters of each pose are free, (b, 9).
 
     An orthographic pose has neither perspectivity nor principal point.
     """
@@ -82,7 +82,7 @@ def freedom(poses: Poses, cropped: bool) -> Flags:
 
 
 def robust_weights(residuals: Array) -> Array:
-    """What each mark weighs, 0 … 1, shape of `residuals` without its last axis."""
+    """Return the weight of each mark, 0 … 1, shape of `residuals` without its last axis."""
     squares = residuals[..., 0] ** 2 + residuals[..., 1] ** 2
     return np.asarray(1.0 / np.sqrt(1.0 + squares / STRAY**2))
 

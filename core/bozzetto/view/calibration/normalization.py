@@ -37,7 +37,7 @@ class Framing:
 
     @property
     def diagonal(self) -> float:
-        """Of the picture, px."""
+        """Diagonal of the picture, px."""
         return float(np.hypot(*self.viewport))
 
     def points(self, points: Array) -> Array:
@@ -53,7 +53,7 @@ class Framing:
         return np.asarray(marks * self.diagonal + 0.5 * np.array(self.viewport))
 
     def camera(self, pose: Poses) -> tuple[Camera, tuple[float, float]]:
-        """The camera of the first of the poses, and how far its picture is shifted, px.
+        """Return the camera of the first of the poses, and how far its picture is shifted, px.
 
         The camera has its principal point in the middle of a canvas as large as the picture;
         its pixels plus the shift are those of the picture.

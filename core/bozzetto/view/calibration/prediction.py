@@ -1,4 +1,4 @@
-"""Where further points will be seen, how sure that is, and which to mark next."""
+"""Predicted places of further points in the picture, their uncertainty, and the best next mark."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Help:
-    """How much a further mark would help.
+    """Gain in certainty by a further mark.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Help:
 
 
 def predicted(found: Resection, points: ArrayLike) -> Places:
-    """Where points will be seen.
+    """Predict where points will be seen.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def predicted(found: Resection, points: ArrayLike) -> Places:
 
 
 def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
-    """Which further mark makes the predicted places of all candidates surest.
+    """Find the further mark that makes the predicted places of all candidates most certain.
 
     A mark adds to what is known of the camera; by how much does not depend on where it will
     be set, so that it can be said beforehand (A-optimal design).
@@ -117,7 +117,7 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
 
 
 def _seen(found: Resection, points: ArrayLike) -> tuple[Array, Array, Flags]:
-    """Derivatives (m, 2, 9) of places by the camera, the places, and which of them there are."""
+    """Return derivatives (m, 2, 9) of places by the camera, the places, and which of them exist."""
     world = np.reshape(np.asarray(points, float), (-1, 3))
     sensible = np.asarray((np.abs(world) <= REACH).all(axis=1))
     world = np.where(sensible[:, None], world, found.framing.centroid)

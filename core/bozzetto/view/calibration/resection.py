@@ -191,7 +191,7 @@ def resect(
 def _searched(
     points: Array, marks: Array, kinds: tuple[Kind, ...], cropped: bool
 ) -> list[Adjusted]:
-    """The best pose of each kind, from starts all around."""
+    """Return the best pose of each kind, from starts all around."""
     begun = starts(points, marks)
     every = np.ones((len(begun), len(points)))
     costs = adjusted(points, marks, begun, every, cropped=cropped, steps=0).costs
@@ -215,7 +215,7 @@ def _searched(
 
 
 def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> Scrutiny | None:
-    """The pose next to one found before; None if it does not fit any more.
+    """Return the pose next to one found before; None if it does not fit any more.
 
     Marks that were set aside stay so while they are still off: then nothing has to be found
     out again.
@@ -254,7 +254,7 @@ def _price(fit: Adjusted, count: int, cropped: bool) -> float:
 def _described(
     points: Array, framing: Framing, found: Scrutiny, cropped: bool, scores: dict[Kind, float]
 ) -> Resection:
-    """What was found, in pixels."""
+    """Return the result in pixels."""
     fit, counted = found.fit, found.counted
     pose, count = fit.poses, int(counted.sum())
     unknowns = int(freedom(pose, cropped).sum())
