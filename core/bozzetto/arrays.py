@@ -20,6 +20,7 @@ def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> N
     Parameters
     ----------
     values : array_like
+        Numbers; they are copied only where needed.
     dtype : dtype
         float32, float64, int32, uint32, uint16 or uint8.
     columns : int, optional

@@ -209,6 +209,7 @@ def atomic_write(
     over : FileStamp or Over
         The content that may be replaced. A file that is gone may always be written again.
     disk : Disk
+        The operating system; tests give one that fails.
 
     Raises
     ------

@@ -180,7 +180,9 @@ def set_parameters(state: State, values: dict[str, object], owner: str = "this m
     Parameters
     ----------
     state : dataclass
+        The state before.
     values : dict
+        New values by the names of the fields.
     owner : str
         Whose parameters these are, for messages.
 

@@ -18,6 +18,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
     Parameters
     ----------
     path : Path
+        The file.
     trusted : bool
         As in `import_file.read_mesh`.
 

@@ -79,8 +79,11 @@ def hand_over(
     Parameters
     ----------
     bench : Workbench
+        Runs the modelers.
     document : Document
+        What to write.
     target : Path
+        The file to write; its ending names the format.
     names : sequence of str, optional
         Of the objects wanted; by default all that are visible.
     view : str, optional

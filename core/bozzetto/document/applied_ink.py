@@ -20,7 +20,9 @@ def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()
     Parameters
     ----------
     history : History
+        The history of the document; it gets the new snapshot.
     label : str
+        For the menus: "Undo <label>".
     model : Model
         A new one, or another state of one that is there.
     used : sequence of Stroke

@@ -122,6 +122,7 @@ class History:
         label : str
             For the menus: "Undo <label>".
         document : Document
+            The new snapshot.
         merge_key : str, optional
             A step with the key of the step just before becomes one with it, until
             `end_merge`, an undo or a save: the drag of a slider is one step.

@@ -120,6 +120,7 @@ def touched(waiting: Waiting, eraser: Stroke, reach: float) -> tuple[Stroke, ...
     Parameters
     ----------
     waiting : tuple of WaitingStroke
+        The ink that waits.
     eraser : Stroke
         Its path; strokes are compared as they are seen through its camera.
     reach : float

@@ -47,6 +47,7 @@ def read_mesh(
     Parameters
     ----------
     path : path
+        The file; its ending names the format.
     trusted : bool
         Read it in this process and without a `Budget`.
     checkpoint : callable, optional
@@ -176,6 +177,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
     kind : {"mesh", "drawing", "image", "picture"}
         A drawing is read without the pictures that it names.
     path : path
+        The file; its ending names the format.
 
     Raises
     ------

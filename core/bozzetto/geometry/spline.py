@@ -82,6 +82,7 @@ class Spline:
             ``k >= 4``. An open curve begins and ends in its first and last control point.
             Those of a closed curve go round once and are not repeated.
         closed : bool
+            Whether the curve is periodic.
         """
         points = np.asarray(control_points, float)
         return cls(
@@ -160,6 +161,7 @@ class Spline:
         Parameters
         ----------
         points : (n, d) array_like
+            Places near the curve, in its units.
         near : (n,) array_like, optional
             Where to start from. The nearest place close by is found then, which keeps the
             branches of a loop apart; without it the nearest place of the whole curve.

@@ -62,6 +62,7 @@ def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.u
     Parameters
     ----------
     content : bytes
+        The file as it is stored.
     formats : tuple of {"PNG", "JPEG"}
         Anything else is refused: the bytes may come from a file that nobody vouches for.
 
@@ -99,6 +100,7 @@ def rgba_pixels(
     Parameters
     ----------
     image : PIL.Image.Image
+        The opened picture; it is read now.
     prepared : callable
         What becomes of each strip before it is converted.
 

@@ -78,6 +78,7 @@ class Picture:
         pixels : (h, w, 4) uint8
             RGBA, straight alpha; kept with 4096 pixels on the longer side at most.
         name : str
+            For people; usually the file's name without its ending.
 
         Raises
         ------
@@ -98,10 +99,12 @@ class Picture:
         Parameters
         ----------
         content : bytes
+            The PNG or JPEG file.
         pixels : (h, w, 4) uint8
             What was read from it. Where the file says that it was held another way, these
             are upright and the content is not; then, too, it is packed again.
         name : str
+            For people; usually the file's name without its ending.
 
         Raises
         ------
@@ -149,6 +152,7 @@ def packed(pixels: NDArray[np.uint8], *, photograph: bool = False) -> bytes:
     Parameters
     ----------
     pixels : (h, w, 4) uint8
+        RGBA, straight alpha.
     photograph : bool
         As JPEG, without alpha; otherwise as PNG.
     """

@@ -26,6 +26,7 @@ def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
     Parameters
     ----------
     points : (n, 2) array_like
+        Places, canvas pixels.
     what : str
         What they are of, for the message.
 

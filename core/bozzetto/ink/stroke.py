@@ -177,6 +177,10 @@ class Stroke:
         ----------
         columns : iterable of (n,) float32
             In the order of `COLUMNS`.
+        camera, tool, color, group
+            As in the class.
+        has_pressure, has_time : bool
+            Whether the device told pressure and time.
         """
         made = cls.__new__(cls)
         keep = object.__setattr__

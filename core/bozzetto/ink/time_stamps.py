@@ -60,6 +60,7 @@ def speeds(points: ArrayLike, t: ArrayLike) -> Array:
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     t : (n,) array_like
         Seconds; regularised here.
 

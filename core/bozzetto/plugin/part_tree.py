@@ -143,6 +143,7 @@ class PartTree:
         Parameters
         ----------
         part_id : str
+            The part to move.
         group_id : str
             The group that it shall be in; "" for none.
         at : int
@@ -191,6 +192,7 @@ class PartTree:
         Parameters
         ----------
         group_id : str
+            The group to dissolve.
         released : callable
             ``released(part, group)`` gives a part without the group's influence.
         """

@@ -114,6 +114,7 @@ def first_hits(tree: BoundingTree, origins: Array, directions: Array) -> tuple[A
     Parameters
     ----------
     tree : BoundingTree
+        The tree of the mesh.
     origins, directions : (n, 3) float
         Half-lines; directions of unit length, mm.
 

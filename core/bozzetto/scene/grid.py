@@ -57,6 +57,7 @@ def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
     Parameters
     ----------
     camera : Camera
+        The view.
     height : float
         z of the ground, mm.
 

@@ -31,15 +31,19 @@ def picture(
     Parameters
     ----------
     scene : Scene
+        What to draw.
     view : str
         Name of a standard view (see `bozzetto.view.standard_views`) that frames the scene.
     camera : Camera, optional
         Looks through this instead, whatever the view.
     palette : Palette
+        Colours of the theme.
     size : (width, height)
         Pixels; ``scale`` multiplies them, and the widths of lines with them.
     scale : float
+        Picture pixels per canvas pixel.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     background : bool
         Paper behind the scene, or nothing.
 

@@ -56,6 +56,7 @@ def questions(bench: Workbench, model: Model) -> list[Question]:
     bench : Workbench
         Solves the model once, to see which handles there are.
     model : Model
+        The model to ask about.
     """
     return [Question(name, _refusals_told(ask)) for name, ask in _all(bench, model)]
 

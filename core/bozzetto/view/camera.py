@@ -170,6 +170,7 @@ class Camera:
         Parameters
         ----------
         pixels : (n, 2) array_like
+            Canvas positions.
 
         Returns
         -------
@@ -196,6 +197,7 @@ class Camera:
         Parameters
         ----------
         pixels : (n, 2) array_like
+            Canvas positions.
         point, normal : (3,) array_like
             The plane; the normal need not be of unit length.
 

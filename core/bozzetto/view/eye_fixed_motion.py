@@ -29,6 +29,7 @@ def aimed(camera: Camera, direction: ArrayLike, pixel: tuple[float, float]) -> C
     Parameters
     ----------
     camera : Camera
+        The view before.
     direction : (3,) array_like
         World vector from the eye, not zero.
     pixel : (x, y)

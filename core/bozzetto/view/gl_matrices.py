@@ -21,6 +21,7 @@ def near_far(camera: Camera, bounds: ArrayLike) -> tuple[float, float]:
     Parameters
     ----------
     camera : Camera
+        The view.
     bounds : (2, 3) array_like
         Corners of the box, mm; not finite means that nothing is known.
 
@@ -52,6 +53,7 @@ def gl_matrices(camera: Camera, near: float, far: float) -> tuple[Array, Array]:
     Parameters
     ----------
     camera : Camera
+        The view.
     near, far : float
         Depths that map to −1 and +1, mm.
 

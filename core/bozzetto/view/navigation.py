@@ -64,6 +64,7 @@ def turn(
     Parameters
     ----------
     camera : Camera
+        The view before.
     azimuth, elevation : float
         Degrees by which the eye moves counter-clockwise (seen from above) and upwards.
     pivot : (3,) array_like, optional
@@ -109,6 +110,7 @@ def pan(
     Parameters
     ----------
     camera : Camera
+        The view before.
     dx, dy : float
         Drag in pixels, right and down.
     at : (3,) array_like, optional
@@ -153,6 +155,7 @@ def zoom(
     Parameters
     ----------
     camera : Camera
+        The view before.
     factor : float
         Above 1 comes closer, below 1 goes away; held within the limits of scale.
     pixel : (x, y), optional
@@ -200,6 +203,7 @@ def fit(camera: Camera, bounds: ArrayLike, margin: float = FIT_MARGIN) -> Camera
     Parameters
     ----------
     camera : Camera
+        The view before.
     bounds : (2, 3) array_like
         Corners of the box, mm. Not finite: the world's origin is framed at a default
         size. A single point: it is centred and the scale is kept.
@@ -244,6 +248,7 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
     Parameters
     ----------
     camera : Camera
+        The view before.
     points : (n, 3) array_like
         mm; those that are not finite are passed over. None at all: the world's origin is
         framed at a default size. A single one: it is centred and the scale is kept.
@@ -315,6 +320,7 @@ def interpolate(begin: Camera, end: Camera, t: float) -> Camera:
     Parameters
     ----------
     begin, end : Camera
+        The views at 0 and at 1.
     t : float
         0 … 1; the motion eases in and out. Exactly `begin` at 0 and `end` at 1.
 

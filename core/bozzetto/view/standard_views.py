@@ -39,6 +39,7 @@ def standard_view(camera: Camera, name: str) -> Camera:
     Parameters
     ----------
     camera : Camera
+        The view to turn.
     name : str
         A key of `STANDARD_VIEWS`.
 
@@ -60,6 +61,7 @@ def look_along(camera: Camera, direction: ArrayLike) -> Camera:
     Parameters
     ----------
     camera : Camera
+        The view to turn.
     direction : (3,) array_like
         From the eye into the world. For a place on the view cube it is the negative of
         one of `CUBE_DIRECTIONS`.

@@ -69,7 +69,9 @@ class ModelCommands:
         Parameters
         ----------
         model : Model
+            The model before.
         command : Command
+            One of the modeler's commands.
         context : Context
             In the world; the command gets it in the model's own frame.
 

@@ -81,6 +81,7 @@ def chosen_models(
     Parameters
     ----------
     document : Document
+        The document that holds them.
     names : sequence of str, optional
         Names of the objects wanted, hidden or not; all of one name. By default all that are
         visible.
@@ -158,6 +159,7 @@ def prepared_file(
     Parameters
     ----------
     objects : ObjectShapes
+        The shapes, from `object_shapes`.
     path : path
         Nothing is written there.
     camera : Camera, optional

@@ -44,9 +44,11 @@ def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context
     Parameters
     ----------
     bench : Workbench
+        Runs the modelers.
     model : Model
         New and empty.
     drawing : Drawing
+        The strokes and the steps.
     context : Context
         The world around; what the model itself shows is added before every gesture, in
         preview quality.

@@ -98,7 +98,9 @@ class ModelSources:
         Parameters
         ----------
         modeler_id : str
+            The modeler of the new model.
         models : iterable of Model
+            The models to start from, at least one.
         job : Job
             Solves what is not yet solved.
         name : str

@@ -139,6 +139,7 @@ class Workbench:
         Parameters
         ----------
         before, after : Model
+            Two states of one model.
         only_chosen : bool
             Whether at most the chosen part differs; then states are compared by value.
         """
@@ -218,7 +219,9 @@ class Workbench:
         Parameters
         ----------
         model : Model
+            The model that is drawn on.
         camera : Camera
+            The view.
         seen : iterable of Model
             The model as it was a moment ago, newest first, while the view was pinned to it. Where
             it has changed, the view may have to go along; see `MovesView`.
@@ -315,10 +318,12 @@ class Workbench:
         return scene_in_world(scene, model)
 
     def scene(self, document: Document, job: Job | None = None) -> Scene:
-        """All visible models and underlays of a document.
+        """Return all visible models and underlays of a document.
 
         Parameters
         ----------
+        document : Document
+            The document to show.
         job : Job, optional
             Solves what is not yet solved; without it unsolved models show what they can.
         """

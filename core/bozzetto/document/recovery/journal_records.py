@@ -130,6 +130,7 @@ class ChangeWriter:
         Parameters
         ----------
         document : Document
+            The present snapshot.
         pending : sequence of Stroke
             Ink that waits beside the document's own; see `Document.waiting`.
         time : float

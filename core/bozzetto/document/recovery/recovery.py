@@ -198,7 +198,9 @@ class RecoveryStore:
         Parameters
         ----------
         session : CrashedSession
+            The session to recover; no other process may have claimed it.
         states : StateTypes
+            Source of the modelers' state types.
         progress : callable
             Called whenever another piece was read.
 

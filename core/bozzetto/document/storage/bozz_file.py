@@ -172,7 +172,9 @@ def write_document(
     Parameters
     ----------
     document : Document
+        What to save.
     path : path
+        The file; what is there is replaced.
     thumbnail : bytes, optional
         A PNG, 256 pixels square, that file managers may show.
     backups : int
@@ -267,6 +269,7 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
     Parameters
     ----------
     path : path
+        The file.
     states : StateTypes
         Who knows the modelers; the registry does. States of modelers it does not know stay
         closed (`OpaqueState`) and are written back as they were.

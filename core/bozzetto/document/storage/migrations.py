@@ -40,6 +40,7 @@ def migrate(trees: Trees, version: int, steps: Sequence[Step] = STEPS) -> Trees:
     version : int
         What they are now; from 1.
     steps : sequence of callable
+        The migration from each version to the next one, from version 1 on.
     """
     for step in steps[version - 1 :]:
         trees = step(trees)

@@ -121,7 +121,9 @@ def decode_state(
     Parameters
     ----------
     state_type : type
+        The modeler's frozen dataclass.
     encoded : EncodedState
+        The state as `encode_state` gives it.
     upgrade : callable, optional
         Turns the JSON object of an older version into today's.
 

@@ -53,6 +53,7 @@ def checked_curves(shapes: Shapes, *, corners: bool = True) -> tuple[Curve, ...]
     Parameters
     ----------
     shapes : Shapes
+        Shapes with curves, mm.
     corners : bool
         Whether a curve may have corners. Otherwise it ends there, and another one of its name
         begins; polylines stay whole.

@@ -176,8 +176,12 @@ def _paint(file: Part21, items: list[tuple[str, Color | None, bool]], context: s
 
     Parameters
     ----------
+    file : Part21
+        The file to add to.
     items : list of (str, color, bool)
         Each with whether it is a surface.
+    context : str
+        The context of the geometry.
     """
     styles: dict[tuple[Color, bool], str] = {}
     styled: list[str] = []

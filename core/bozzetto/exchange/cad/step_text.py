@@ -38,6 +38,7 @@ class Part21:
         schema : str
             The application protocol's schema with its object identifier.
         title : str
+            Name of the file in its header.
         """
         program = string("Bozzetto")
         return (

@@ -105,6 +105,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     Parameters
     ----------
     data : bytes
+        Content of the file.
     name : str
         Of the drawing.
 

@@ -34,7 +34,9 @@ def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.
     Parameters
     ----------
     vertices : (v, 3) float32
+        Places, in the units of the file.
     faces : (f, 3) array_like of int
+        Vertices of each triangle.
 
     Returns
     -------
@@ -75,6 +77,7 @@ def triangulated(
     Parameters
     ----------
     vertices : (v, 3) float
+        Places, in the units of the file.
     corners : (n,) int
         The corners of all polygons, one polygon after the other; existing vertices.
     sizes : (p,) int

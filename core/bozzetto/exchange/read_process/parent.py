@@ -181,7 +181,9 @@ def read_in_child(
     kind : {"mesh", "drawing", "image", "picture"}
         As `import_file.read_here` knows them.
     path : path
+        The file.
     budget : Budget
+        Processor time and memory that the reading may take.
     checkpoint : callable, optional
         Called now and then while waiting; whatever it raises ends the reading and passes.
 

@@ -29,6 +29,7 @@ def clipped(path: Subpath, low: Array, high: Array) -> list[Subpath]:
     Parameters
     ----------
     path : Subpath
+        The path, in units of the page.
     low, high : (2,) float
         Upper left and lower right corner of the page.
 

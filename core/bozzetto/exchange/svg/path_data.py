@@ -85,6 +85,7 @@ def flattened(subpath: Subpath, tolerance: float) -> Array:
     Parameters
     ----------
     subpath : Subpath
+        The curve.
     tolerance : float
         In the units of the control points.
 

@@ -44,6 +44,7 @@ def foot_points(nets: ArrayLike, points: ArrayLike, near: Places | None = None) 
     nets : (k, 4, 4, 3) array_like
         ``k >= 1``.
     points : (n, 3) array_like
+        Places, mm.
     near : Places, optional
         Where to start from, and the patches to stay on: for places that follow a small change.
 

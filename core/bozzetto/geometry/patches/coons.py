@@ -41,7 +41,9 @@ def boundaries(edges: ArrayLike, sides: ArrayLike) -> Array:
     Parameters
     ----------
     edges : (m, 4, 3) array_like
+        Control points of the edges, mm.
     sides : (…) array_like of int
+        Edges by number, ``~e`` where followed against their sense.
 
     Returns
     -------
@@ -81,6 +83,7 @@ def with_boundaries(nets: ArrayLike, edges: ArrayLike, sides: ArrayLike) -> Arra
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm; the inner ones are kept.
     edges, sides
         As in `coons_nets`.
     """

@@ -37,6 +37,7 @@ def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     sides : (k, 4) array_like of int
         As in `coons`; no edge belongs to more than two of them.
     edges : int
@@ -105,6 +106,7 @@ def locked(
     edges : (m, 4, 3) array_like
         The tangents in a joint are opposite (the lock cannot make them so).
     sides : (k, 4) array_like of int
+        As in `coons_nets`.
     joints : tuple of (int, int)
         No end of an edge is in two of them.
     firmness : (m,) array_like, optional

@@ -61,6 +61,7 @@ def grid_curvatures(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Curvatures:
     nets : (k, 4, 4, 3) array_like
         mm.
     u, v : (a,), (b,) array_like
+        Parameters of the grid, 0 … 1.
     """
     nets = np.asarray(nets, float)
     orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))

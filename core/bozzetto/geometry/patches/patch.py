@@ -67,6 +67,7 @@ def bernstein(at: ArrayLike, order: int = 0) -> Array:
     Parameters
     ----------
     at : (n,) array_like
+        Parameters, 0 … 1.
     order : int
         Of the derivative: 0 … 3.
 
@@ -99,7 +100,9 @@ def grid(nets: ArrayLike, u: ArrayLike, v: ArrayLike, *, du: int = 0, dv: int = 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     u, v : (a,), (b,) array_like
+        Parameters of the grid, 0 … 1.
     du, dv : int
         Orders of the derivatives by u and by v.
 
@@ -153,6 +156,7 @@ def points_at(nets: ArrayLike, places: Places, *, du: int = 0, dv: int = 0) -> A
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     places : Places
         All of them on patches.
     du, dv : int
@@ -206,6 +210,7 @@ def split(nets: ArrayLike, at: float, axis: int) -> tuple[Array, Array]:
     Parameters
     ----------
     nets : (k, 4, 4, d) array_like
+        Control points.
     at : float
         0 … 1.
     axis : int
@@ -242,6 +247,7 @@ def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     axis : int
         Of the coordinate that changes its sign.
     """

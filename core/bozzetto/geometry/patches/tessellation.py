@@ -31,6 +31,7 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
     Parameters
     ----------
     patchwork : Patchwork
+        The patches.
     tolerance : float, optional
         mm, above 0; by default `TOLERANCE` of the size. Kept unless an edge would need more
         than `MOST_DIVISIONS` steps.
@@ -129,6 +130,7 @@ def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
     Parameters
     ----------
     patchwork : Patchwork
+        The patches.
     divisions : int
         Steps along each side of a patch.
 

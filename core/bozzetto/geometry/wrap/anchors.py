@@ -50,9 +50,11 @@ def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flag
     Parameters
     ----------
     sphere : Icosphere
+        The triangles of the surface.
     vertices : (v, 3) float
         The skin as it is, near the curves.
     frame : Wireframe
+        The curves to follow.
     reached : (n,) bool
         The places that it should be fixed to.
     """
@@ -158,7 +160,9 @@ def with_edges(faces: Index, links: Pairs) -> Index:
     Parameters
     ----------
     faces : (f, 3) int
+        Vertices of each triangle.
     links : list of (int, int)
+        Pairs of vertices that shall be joined by an edge.
 
     Returns
     -------

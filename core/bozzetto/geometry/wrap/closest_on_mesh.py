@@ -54,7 +54,9 @@ def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
     sphere : Icosphere
         How the vertices hang together.
     vertices : (v, 3) float
+        Places of the vertices, mm.
     points : (n, 3) float
+        Places near the mesh, mm.
     """
     from scipy.spatial import cKDTree
 
@@ -76,6 +78,7 @@ def closest_on_triangles(points: Array, triangles: Array) -> Array:
     Parameters
     ----------
     points : (…, 3) float
+        Places, mm.
     triangles : (…, 3, 3) float
         Corners; leading axes as those of the points, by broadcasting.
 

@@ -65,6 +65,7 @@ def held_at(energy: Energy, held: Index, places: Array) -> Array:
     Parameters
     ----------
     energy : Energy
+        Resistance of the surface to stretching and bending.
     held : (k,) int
         Vertices, each once.
     places : (k, 3) float
@@ -89,6 +90,7 @@ def even_energy(level: int, tension: float, bending: float) -> Energy:
     Parameters
     ----------
     level : int
+        How often the icosahedron is subdivided.
     tension : float
         Of the membrane, above 0.
     bending : float
@@ -109,7 +111,9 @@ def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
     Parameters
     ----------
     faces : (f, 3) int
+        Vertices of each triangle.
     vertices : (v, 3) float
+        Places of the vertices, mm.
     length : float
         Over which the skin bends; 0 for a membrane.
     """

@@ -66,6 +66,7 @@ def is_closed_gesture(points: ArrayLike) -> bool:
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     """
     place = np.asarray(points, float)
     loop = close_stroke(place)

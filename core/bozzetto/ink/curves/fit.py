@@ -64,6 +64,7 @@ def fit_spline(
     Parameters
     ----------
     points : (n, 2) or (n, 3) array_like
+        Pixels; see `pixel` for other units.
     weights : (n,) array_like, optional
         What each point counts; not negative.
     controls : int or "adaptive"

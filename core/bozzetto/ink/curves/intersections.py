@@ -104,6 +104,7 @@ def crossings(
     Parameters
     ----------
     one, other : (n, 2) array_like
+        Points of the polylines, in any one unit.
     one_closed, other_closed : bool
         The curve goes on from its last point to its first.
     """

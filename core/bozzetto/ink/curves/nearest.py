@@ -43,6 +43,7 @@ def distances_to_polyline(points: ArrayLike, polyline: ArrayLike) -> Array:
     Parameters
     ----------
     points : (n, d) array_like
+        Places, in the units of the polyline.
     polyline : (m, d) array_like
         ``m >= 1``; a single point is a polyline too.
 

@@ -26,6 +26,7 @@ def sample_noise(points: ArrayLike, *, pixel: float = 1.0) -> float:
     Parameters
     ----------
     points : (n, d) array_like
+        Samples in the order in which they were drawn.
     pixel : float
         Length of a pixel in the units of the points.
 

@@ -72,6 +72,7 @@ def checked_points(points: ArrayLike, pixel: float) -> Array:
     Parameters
     ----------
     points : (n, 2) or (n, 3) array_like
+        Pixels; see `pixel` for other units.
     pixel : float
         Length of a pixel in the units of the points.
 
@@ -106,6 +107,7 @@ def prepare(
     points : (n, d) float
         ``n >= 1``.
     weights : (n,) float
+        Weight of each point, not negative.
     pixel : float
         Length of a pixel in the units of the points.
     closed : bool

@@ -14,6 +14,7 @@ def arc_length(points: ArrayLike) -> Array:
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
 
     Returns
     -------
@@ -31,6 +32,7 @@ def distinct(points: ArrayLike, *, closed: bool = False) -> Index:
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     closed : bool
         The last point is followed by the first: trailing copies of the first are left out.
 
@@ -105,6 +107,7 @@ def steps_along(points: ArrayLike, step: float, most: int) -> Array:
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     step : float
         Length between two places.
     most : int

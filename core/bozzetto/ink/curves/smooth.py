@@ -38,6 +38,7 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
     Parameters
     ----------
     points : (n, d) array_like
+        Points along a curve, at any spacing.
     sigma : float
         Standard deviation along the curve, in the units of the points; 0 changes nothing.
     closed : bool
@@ -71,6 +72,7 @@ def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: b
     sigma : float
         Standard deviation in the parameter, above 0.
     closed : bool
+        Whether the curve is periodic.
 
     Returns
     -------

@@ -116,6 +116,7 @@ def settle(
     Parameters
     ----------
     strokes : sequence of (n, 2) array_like
+        Their samples, canvas pixels.
     weights : (strokes,) array_like, optional
         What each stroke counts (`fading`); not negative.
     pixel : float

@@ -84,9 +84,11 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
     Parameters
     ----------
     strokes : sequence of (n, 2) array_like
+        Their samples, canvas pixels.
     weights : (strokes,) float
         Strokes of weight 0 are left out.
     pixel : float
+        Length of a pixel in the units of the points.
 
     Raises
     ------

@@ -26,6 +26,7 @@ def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
     Parameters
     ----------
     strokes : sequence of Stroke
+        Strokes in the order in which they were drawn.
 
     Returns
     -------

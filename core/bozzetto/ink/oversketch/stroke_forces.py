@@ -68,6 +68,7 @@ def trace_of(
     places : (m, 2) float
         px.
     pressure : (m,) float
+        Pressure of the pen at each sample, 0 … 1.
     nodes : (n, 2) float
         Of the curve, px.
     along : (n,) float
@@ -171,6 +172,7 @@ def lengthened(nodes: Array, along: Array, traces: list[Trace]) -> tuple[Array, 
     along : (n,) float
         Their arc length.
     traces : list of Trace
+        The strokes, with the stretch of the curve along which each runs.
 
     Returns
     -------
@@ -268,6 +270,7 @@ def pulls_of(trace: Trace, stations: Array, ring: float | None) -> Iterator[Pull
     Parameters
     ----------
     trace : Trace
+        The stroke, with the stretch of the curve along which it runs.
     stations : (n,) float
         Of the nodes, px.
     ring : float or None

@@ -94,6 +94,7 @@ class Guard:
         what : str
             Its name, for messages.
         function : callable
+            The plugin's function.
         *arguments
             Frozen values; what the plugin changes in them is put back.
 

@@ -21,8 +21,11 @@ def cut(outline: Polygon, normal: ArrayLike, least: float) -> Polygon:
     Parameters
     ----------
     outline : (n, d) float
+        Corners in order.
     normal : (d,) array_like
+        Normal of the border, towards the part that stays.
     least : float
+        Least value of normal · point that stays.
 
     Returns
     -------

@@ -85,6 +85,7 @@ def lay_pictures(pixels: Floats, pictures: Sequence[Hung], sight: Sight) -> None
     pixels : (h · w, 4) float32
         Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1).
     pictures : sequence of Hung
+        The pictures to blend, in any order.
     sight : Sight
         Of the window.
     """
@@ -109,6 +110,7 @@ def apart(pictures: Sequence[Hung], corners: Array | None) -> tuple[Sequence[Hun
     Parameters
     ----------
     pictures : sequence of Hung
+        The pictures, in any order.
     corners : (n, 3) float or None
         Of boxes round the meshes: x, y (px), nearness. None where some are behind the eye.
 
@@ -144,6 +146,7 @@ def sheet_at(
     Parameters
     ----------
     picture : Hung
+        The picture in its place.
     samples : (n,) int
         Row by row in a window of its own.
     width : int

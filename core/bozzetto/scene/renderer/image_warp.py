@@ -40,6 +40,7 @@ def warped(pixels: Bytes, place: Place, box: Box) -> Bytes:
     pixels : (h, w, 4) uint8
         RGBA, straight alpha.
     place : Place
+        Place of the picture in the window.
     box : (left, top, right, bottom)
         Pixels of the window.
 

@@ -116,9 +116,11 @@ def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) 
     Parameters
     ----------
     canvas : Canvas
+        Pixels to draw on, and what may hide lines.
     batch : list of Lines
         Of equal opacity and equal way of being hidden.
     color : (3,) float
+        RGB, 0 … 255.
     """
     begin, end = _segments(batch, canvas)
     begin, end = _cut_to_window(begin, end, canvas)

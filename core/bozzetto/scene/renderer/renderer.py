@@ -72,15 +72,18 @@ def render(
     Parameters
     ----------
     scene : Scene
+        What to draw.
     camera : Camera
         Its vertical field of view fills the picture's height.
     palette : Palette
+        Colours of the theme.
     size : (width, height), optional
         Canvas pixels; the camera's viewport if absent.
     scale : float
         Picture pixels per canvas pixel (the screen's device pixel ratio): a picture of
         ``size · scale``, with lines that much wider.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     background : bool
         Paper behind everything; else the picture is transparent there.
     antialias : bool

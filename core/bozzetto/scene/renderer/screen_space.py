@@ -58,7 +58,9 @@ def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     Parameters
     ----------
     buffer : Buffer
+        Nearness and triangle of each sample.
     sight : Sight
+        The transform of the window.
     normal : (3, h, w) float32
         Right, up, towards the eye.
     fineness : int
@@ -126,7 +128,9 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     Parameters
     ----------
     buffer : Buffer
+        Nearness and triangle of each sample.
     sight : Sight
+        The transform of the window.
     normal : (3, h, w) float32
         Normals of what is seen.
     fineness : int

@@ -85,7 +85,9 @@ def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: 
     triangle : (h · w,) int32
         Of a buffer; −1 where nothing is seen.
     soup : Soup
+        The triangles on the sheet.
     sight : Sight
+        The transform of the window.
     tinted : bool
         Whether vertex colours are wanted; else `Fragments.color` is empty.
     """
@@ -163,6 +165,7 @@ def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     cavity : (n,) float32, optional
         Part of the light that is kept out of hollows, 0 … 1.
     """
@@ -211,14 +214,19 @@ def colored(
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     part : (n,) int32
         Which of `colors` each pixel has.
     colors : sequence of (r, g, b)
+        Colours of the parts, 0 … 255.
     tinted : (parts,) bool
         Which parts show their vertex colours instead.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     palette : Palette
+        Colours of the theme.
     cavity : (n,) float32, optional
+        Part of the light that is kept out of hollows, 0 … 1.
     """
     if shading == "normals":
         return np.asarray((seen.normal.T * 0.5 + 0.5) * 255.0, np.float32)

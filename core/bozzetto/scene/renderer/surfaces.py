@@ -139,10 +139,15 @@ def draw_surfaces(
         Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1). The pictures are
         there already.
     items : sequence of Shaded
+        The meshes.
     pictures : Pictures
+        Pictures in front of or behind some of the meshes.
     sight : Sight
+        The transform of the window.
     palette : Palette
+        Colours of the theme.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     fineness : int
         Samples per pixel along each axis.
     checkpoint : callable

@@ -70,9 +70,11 @@ def gather(
     Parameters
     ----------
     meshes : sequence of Mesh
+        The meshes, in the world.
     colors : sequence of (v, 4) array or None
         RGBA 0 … 255 of each mesh's vertices, where they have any.
     sight : Sight
+        The transform of the window.
     """
     prepared = [corner_normals(mesh) for mesh in meshes]
     sizes = [len(mesh.vertices) for mesh in meshes]

@@ -91,6 +91,7 @@ def sight_of(
     Parameters
     ----------
     camera : Camera
+        The view.
     height, width : float
         The whole picture, px; the camera's field of view fills its height.
     window : (x, y, w, h)

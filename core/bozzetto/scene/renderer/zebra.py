@@ -50,6 +50,7 @@ def mirroring(
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     part : (n,) int32
         Which part each pixel shows.
     colors : sequence of (r, g, b)
@@ -58,6 +59,7 @@ def mirroring(
         Which parts show their vertex colours, and which mirror the tubes; these have a colour
         in every pixel then.
     sight : Sight
+        The transform of the window.
     """
     where = np.flatnonzero(polished[part])
     own = np.array(colors, np.float32)[part[where]]
@@ -83,7 +85,9 @@ def stripes(seen: Fragments, sight: Sight) -> Floats:
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     sight : Sight
+        The transform of the window.
     """
     height = np.arcsin(_climb(seen, sight)) * np.float32(TUBES / np.pi)
     width = np.maximum(_over_pixel(height, seen.pixel, sight), np.float32(SOFTNESS))

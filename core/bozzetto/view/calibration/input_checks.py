@@ -96,6 +96,7 @@ def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
     points : (n, 3) array_like
         Marked points, mm; none at all is good too.
     candidates : (m, 3) array_like
+        Points to choose from, mm.
 
     Returns
     -------

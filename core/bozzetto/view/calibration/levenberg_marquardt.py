@@ -101,12 +101,15 @@ def covariance(
     Parameters
     ----------
     fit : Adjusted
+        A fit of one row.
     points : (n, 3) float
+        In the units of `Framing`.
     counted : (n,) float
         1 for marks that count.
     noise : float
         Variance of a coordinate of a mark, squared diagonals.
     cropped : bool
+        Whether the principal point is free.
     """
     slopes = fit.poses.slopes(fit.poses.see(points))[0].reshape(PARAMETERS, -1)
     weights = np.tile(counted * robust_weights(fit.residuals[0]), 2)
@@ -138,6 +141,7 @@ def adjusted(
     points : (n, 3) float
         In the units of `Framing`.
     marks : (n, 2) float
+        Marks in the picture, in the units of `Framing`.
     starts : Poses
         Orthographic poses stay so, and so do perspective ones.
     counted : (b, n) float

@@ -78,6 +78,7 @@ def predicted(found: Resection, points: ArrayLike) -> Places:
     Parameters
     ----------
     found : Resection
+        The calibrated camera.
     points : (m, 3) array_like
         World points, mm.
     """
@@ -97,6 +98,7 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
     Parameters
     ----------
     found : Resection
+        The calibrated camera.
     candidates : (m, 3) array_like
         World points that could be marked, mm.
     """
