@@ -19,7 +19,7 @@ DAMAGE: Final = (
     zlib.error,
     EOFError,
 )
-"""What readers and the libraries below them raise on contents that make no sense."""
+"""Exceptions of readers, and of the libraries below them, on contents that make no sense."""
 
 TOO_LARGE: Final = (
     "It needs more memory than a file may take. Split it or simplify it in the program that "

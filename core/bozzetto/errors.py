@@ -26,7 +26,7 @@ LONGEST: Final = 300
 
 
 class UserError(Exception):
-    """A mistake that a person can mend; the message says what to do next.
+    """A mistake that a person can correct; the message says what to do next.
 
     Parameters
     ----------

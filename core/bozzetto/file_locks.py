@@ -8,7 +8,7 @@ import sys
 from enum import Enum
 
 FAR: int = 1 << 40
-"""Where the one locked byte lies on Windows, which does not let others read locked bytes."""
+"""Place of the one locked byte on Windows, which does not let others read locked bytes."""
 
 
 class Taken(Enum):

@@ -27,9 +27,9 @@ def temporary_path(target: Path) -> Path:
 
 
 def remove_leftovers(folders: Iterable[Path]) -> int:
-    """Delete temporary files of processes that are gone; how many there were.
+    """Delete temporary files of processes that are gone; return how many there were.
 
-    A folder that cannot be read, or a file that cannot be deleted, is passed over.
+    A folder that cannot be read, or a file that cannot be deleted, is skipped.
     """
     removed = 0
     for folder in set(folders):

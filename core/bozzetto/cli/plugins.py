@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from bozzetto.plugin.host.registry import PluginInfo
 
 ACTIONS = ("list", "check", "enable", "disable")
-"""What can be done with plugins."""
+"""Actions of the command."""
 
 
 def plugins(options: argparse.Namespace) -> int:

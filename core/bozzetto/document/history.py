@@ -15,7 +15,7 @@ BYTE_LIMIT: Final = 256 << 20
 
 
 STEP_BYTES: Final = 4096
-"""What a step costs beside its data: its share of the object list, a bit of everything."""
+"""Bytes of a step beside its data: its share of the object list, a bit of everything."""
 
 
 BACK: Final = "Undo"
@@ -213,7 +213,7 @@ class History:
         self.redo()
 
     def _put(self, place: int, document: Document, *, is_other: bool) -> None:
-        """Exchange the snapshot of a step, and reckon anew what it and the next one hold."""
+        """Exchange the snapshot of a step, and count again what it and the next one hold."""
         step = self._steps[place]
         if document is step.document:
             return

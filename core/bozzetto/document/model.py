@@ -26,7 +26,7 @@ NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
 """Names of models, views and underlays: no control characters, no halves of characters."""
 
 STANDING: Final = Placement()
-"""Where a model stands that nobody has moved."""
+"""Placement of a model that nobody has moved."""
 
 
 def new_id() -> str:

@@ -12,7 +12,7 @@ from bozzetto.chunked import Chunked
 from bozzetto.ink.stroke import Stroke
 
 OBJECT_BYTES: Final = 96
-"""What an object costs beside its arrays and texts: pointers, counts, small numbers."""
+"""Bytes of an object beside its arrays and texts: pointers, counts, small numbers."""
 
 
 def difference(before: Any, after: Any) -> tuple[int, int]:

@@ -13,7 +13,7 @@ WHITE: Final = (255, 255, 255)
 """The colour of what has none, in files that must have one."""
 
 KNEE: Final = 0.04045
-"""Where the sRGB curve leaves its straight foot (IEC 61966-2-1)."""
+"""End of the straight part of the sRGB curve (IEC 61966-2-1)."""
 
 
 def srgb_to_linear(values: ArrayLike) -> NDArray[np.float64]:

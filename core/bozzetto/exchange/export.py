@@ -18,7 +18,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
 
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
-"""What people call a kind of content, where it is not the kind's own name."""
+"""Words for a kind of content, where it is not the kind's own name."""
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class Format:
         Shapes are written as seen through a camera.
     keeps : tuple of {"colors", "bones"}
         What is written of a mesh besides its shape: painted colours, and the bones that it
-        hangs on.
+        follows.
     """
 
     id: str
@@ -76,7 +76,7 @@ def _here(module: str) -> str:
 
 
 EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
-"""What CAD programs take as it is."""
+"""Kinds of content that CAD programs take as they are."""
 
 FORMATS: Final[tuple[Format, ...]] = (
     Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("mesh.stl")),

@@ -22,7 +22,7 @@ BYTES_PER_PIXEL: Final = {"PNG": 8, "JPEG": 8, "BMP": 8, "TIFF": 8, "WEBP": 20}
 """Memory that decoding takes, with what is handed over: measured, the decoders' own included."""
 
 MAX_BYTES: Final = 600_000_000
-"""Of all that together; it lies within the `Budget`."""
+"""Bytes of all that together; within the `Budget`."""
 
 ROWS_AT_ONCE: Final = 64
 """Rows of grey of more than eight bits that are looked at in one go."""

@@ -10,7 +10,7 @@ from bozzetto.exchange.formats import Format
 from bozzetto.geometry.shapes import Shapes, Solid
 
 MESH_FILES: Final = {"solid": "3MF or STL", "open surface": "GLB or OBJ"}
-"""Where parts that are made of triangles go, by what they are called."""
+"""Formats that take parts made of triangles, by the name of the part."""
 
 
 @dataclass(frozen=True)

@@ -90,7 +90,7 @@ _trusting: ContextVar[bool] = ContextVar("trusting", default=False)
 
 @contextmanager
 def unlimited() -> Iterator[None]:
-    """Lift the limits of number within the block: for files that a person vouches for."""
+    """Lift the limits of number within the block: for files that a person trusts."""
     before = _trusting.set(True)
     try:
         yield

@@ -16,7 +16,7 @@ from bozzetto.view.camera import Camera
 Color = tuple[int, int, int]
 
 DISTANCE: Final = 500.0
-"""How far the camera stands off the sheet, mm; without effect on a parallel view."""
+"""Distance of the camera from the sheet, mm; without effect on a parallel view."""
 
 FAR: Final = 64.0
 """Distance of the sheet's corner from a drawing, in sizes of the drawing, beyond which the

@@ -15,7 +15,7 @@ FLATNESS: Final = 0.25
 a view it is a tolerance for `flattened`."""
 
 MOST_HALVINGS: Final = 12
-"""How often a piece is halved at most: beyond that a curve is thousands of sheets wide."""
+"""Limit of halvings of a piece: beyond it a curve is thousands of sheets wide."""
 
 
 def flattened(pieces: ArrayLike, tolerance: float) -> tuple[Array, Array]:

@@ -12,12 +12,12 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 
 UNIT_SUM: float = 1e-5
-"""How far a vertex's weights may be from a sum of one: the rounding of float32."""
+"""Greatest difference of a vertex's weights from a sum of one: the rounding of float32."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """A tree of joints that a skin hangs on.
+    """A tree of joints that skins follow.
 
     At rest the axes of every joint are those of the model.
 

@@ -31,7 +31,7 @@ class Solid:
     texture : Texture, optional
         In formats that hold pictures it takes the place of the mesh's colours.
     skin : Skin, optional
-        What the mesh hangs on. The mesh is as the rig's turns have it.
+        The rig that the mesh follows. The mesh is as the rig's turns have it.
     """
 
     mesh: Mesh

@@ -64,7 +64,7 @@ def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.u
     content : bytes
         The file as it is stored.
     formats : tuple of {"PNG", "JPEG"}
-        Anything else is refused: the bytes may come from a file that nobody vouches for.
+        Anything else is refused: the bytes may come from a stranger's file.
 
     Returns
     -------

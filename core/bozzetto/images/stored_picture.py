@@ -29,7 +29,7 @@ LONGEST_NAME: Final = 200
 """Characters of a name."""
 
 JPEG_QUALITY: Final = 92
-"""Of photographs that had to be packed again; no eye tells them from what they were."""
+"""Quality of photographs that had to be packed again; no eye sees a difference."""
 
 PNG_EFFORT: Final = 3
 """zlib level: line drawings pack as well as at 6, in half the time."""

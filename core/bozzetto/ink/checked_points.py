@@ -1,4 +1,4 @@
-"""Places on the sheet that one can reckon with."""
+"""Checks of places on the sheet: finite, and not beyond all bounds."""
 
 from __future__ import annotations
 

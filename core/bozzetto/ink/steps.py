@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from bozzetto.view.camera import Camera
 
 Value = bool | int | float | str | tuple[int, int, int] | None
-"""What a parameter may be."""
+"""Value of a parameter."""
 
 
 @dataclass(frozen=True)

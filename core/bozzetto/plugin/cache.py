@@ -1,4 +1,4 @@
-"""A memory for pure functions whose answers are dear."""
+"""Caches for pure functions that take long."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MEASURED_AGAIN: Final = frozenset({1, 8, 64})
 """Uses at which an answer is measured again: it takes up to a millisecond."""
 
 ALL: Final = MemoryBudget(MOST_BYTES)
-"""What all memories of the process share."""
+"""The budget that all caches of the process share."""
 
 
 def forget_all() -> None:

@@ -1,4 +1,4 @@
-"""Commands: what a modeler can do to a model at one word, without a gesture."""
+"""Commands: changes of a model that need no gesture."""
 
 from __future__ import annotations
 

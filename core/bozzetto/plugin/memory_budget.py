@@ -111,7 +111,7 @@ class MemoryBudget:
         _tell(gone)
 
     def resize(self, entry: Entry, size: Size) -> None:
-        """Count an entry anew that takes something else by now."""
+        """Count an entry again whose value has changed."""
         with self._lock:
             if entry not in self._entries:
                 return

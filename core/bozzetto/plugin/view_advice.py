@@ -22,7 +22,7 @@ class ViewAdvice:
     better : Camera, optional
         Where to turn to, in the frame of the model.
     scene : Scene
-        What hangs on the view, such as vanishing points; a layer stands in for the one of
+        What depends on the view, such as vanishing points; a layer stands in for the one of
         the same name in the modeler's own scene.
     pinned : bool
         The view stands where a picture was drawn from. Moving and zooming then turn the

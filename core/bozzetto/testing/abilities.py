@@ -213,4 +213,4 @@ ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_pictures,
     check_aims,
 )
-"""What `checks.CHECKS` asks besides."""
+"""Further articles for `checks.CHECKS`."""

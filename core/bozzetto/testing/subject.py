@@ -18,7 +18,7 @@ from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera
 
 TAPS = ((450.0, 350.0), (750.0, 400.0), (600.0, 600.0))
-"""Where a plain sketch touches the sheet, pixels."""
+"""Taps of a plain sketch on the sheet, pixels."""
 
 Sketch = Callable[[Shell, Pen], None]
 

@@ -250,7 +250,7 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
     camera : Camera
         The view before.
     points : (n, 3) array_like
-        mm; those that are not finite are passed over. None at all: the world's origin is
+        mm; those that are not finite are ignored. None at all: the world's origin is
         framed at a default size. A single one: it is centred and the scale is kept.
     margin : float
         Part of the canvas, 0 … 0.49, left free on each side.

@@ -40,7 +40,7 @@ from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
 from bozzetto.workbench.sources import ModelSources
 
 KEPT_RESULTS = 64
-"""How many solved results are kept; they can always be made again."""
+"""Limit of solved results that are kept; they can always be made again."""
 
 
 class Workbench:
@@ -54,9 +54,9 @@ class Workbench:
     Attributes
     ----------
     parts : PartEdits
-        What can be done to the parts of a model.
+        Edits of the parts of models.
     commands : ModelCommands
-        What a modeler can do to a model at one word.
+        Commands of modelers.
     sources : ModelSources
         Makes models of drawings, shapes and pictures.
     curves : KnownCurves

@@ -25,10 +25,10 @@ from bozzetto.file_locks import Taken, take, untake
 from bozzetto.processes import birth, is_running, machine_id
 
 PATIENCE_SECONDS: Final = 0.25
-"""How long a lock may be busy before it counts: somebody may just be looking at it."""
+"""Time for which a busy lock is tried again: somebody may just be looking at it."""
 
 FRESH_SECONDS: Final = 2.0
-"""How long a lock file may be without content where the disk has no locks."""
+"""Age up to which a lock file may be empty where the disk has no locks."""
 
 POLL_SECONDS: Final = 0.02
 LARGEST: Final = 4096

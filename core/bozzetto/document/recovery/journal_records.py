@@ -41,7 +41,7 @@ from bozzetto.view.camera import Camera
 
 CHANGE, PARTS = "change.json", "parts.json"
 MAX_NAMED: Final = 16
-"""How often a record may name each stroke there is, on average."""
+"""Greatest number of times that a record may name each stroke, on average."""
 
 Runs = list[tuple[int, int]]
 

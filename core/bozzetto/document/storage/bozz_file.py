@@ -78,7 +78,7 @@ FORMAT: Final = "bozzetto.document"
 MIN_READER: Final = 1
 
 MAX_UNDERLAY_PIXELS: Final = 80_000_000
-"""Of all pictures under the sheet: a third of a gigabyte unpacked."""
+"""Limit for all pictures under the sheet together: a third of a gigabyte unpacked."""
 
 MAX_STATE_VALUES: Final = 4_000_000
 """Values in the JSON of all states: each is an object, and looked at one by one."""

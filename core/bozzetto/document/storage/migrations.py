@@ -15,7 +15,7 @@ Trees = dict[str, Any]
 Step = Callable[[Trees], Trees]
 
 WAITING: Final = "core/waiting.json"
-"""Where version 2 keeps the list of waiting ink."""
+"""Entry of version 2 that lists the waiting ink."""
 
 
 def _no_ink_waited(trees: Trees) -> Trees:

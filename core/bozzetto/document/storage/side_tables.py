@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from bozzetto.ink.stroke import Stroke
 
 MAX_REPEATS: Final = 16
-"""How often a state may name each of its strokes on average: memory stays near the file's."""
+"""Greatest number of times that a state may name each of its strokes, on average: memory stays
+near the size of the file."""
 
 FEW: Final = 100_000
 """Names of strokes that are never too many: they take less than a megabyte."""

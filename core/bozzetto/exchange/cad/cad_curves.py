@@ -26,7 +26,7 @@ MAX_DEGREE: Final = 25
 """Highest degree written: the limit of the OpenCASCADE kernel, the lowest of the kernels known."""
 
 SHARES_OF_SPAN: Final = np.linspace(0.0, 1.0, 9)[:, None, None, None]
-"""Where on a span the points lie by which it is framed."""
+"""Places on a span by which a curve is framed, as shares of the span."""
 SHARES_OF_SPAN.flags.writeable = False
 
 SAME_KNOT: Final = 8

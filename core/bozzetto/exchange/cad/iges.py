@@ -31,7 +31,7 @@ PROPERTY: Final = 406
 NAME_FORM: Final = 15
 
 DEPENDENT: Final = "00010000"
-"""Status of a property: it hangs on another entity."""
+"""Status of a property: it depends on another entity."""
 
 DEFINITION: Final = "00000200"
 """Status of a colour: a definition that others use."""

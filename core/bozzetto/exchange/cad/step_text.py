@@ -10,13 +10,13 @@ EPOCH: Final = "1980-01-01T00:00:00"
 """Time stamp of every file, so that equal shapes give equal files."""
 
 PLAIN: Final = re.compile(r"[^\x20-\x7e]+")
-"""What the clear text cannot hold as it is."""
+"""Characters that the clear text cannot hold as they are."""
 
 ENDING: Final = re.compile("'(?= *[,)])")
 """Apostrophes at which OpenCASCADE believes a string to end, even where they are doubled."""
 
 APOSTROPHE: Final = "\\X2\\0027\\X0\\"
-"""What stands for them then."""
+"""Escape sequence of an apostrophe."""
 
 
 class Part21:

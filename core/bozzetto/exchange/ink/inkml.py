@@ -99,7 +99,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     """Read the traces of an InkML file.
 
     Channels X, Y, F, T, OTx, OTy and OR are understood, in any trace format; others are
-    passed over. Without our camera the unit is a millimetre on the front view, where the
+    ignored. Without our camera the unit is a millimetre on the front view, where the
     file names no other.
 
     Parameters

@@ -44,7 +44,7 @@ AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 MM_PER_METRE: Final = 1000.0
 
 TO_FILE: Final = Placement(tuple(AXES.ravel().tolist()), 1.0 / MM_PER_METRE)
-"""The same as a placement."""
+"""The change of axes and units as a placement."""
 
 ARRAY_BUFFER: Final = 34962
 ELEMENT_ARRAY_BUFFER: Final = 34963

@@ -19,7 +19,7 @@ MAX_NODES: Final = 100_000
 
 
 class Record(msgspec.Struct, rename="camel"):
-    """A JSON object of the file; unknown fields are passed over."""
+    """A JSON object of the file; unknown fields are ignored."""
 
 
 class View(Record):

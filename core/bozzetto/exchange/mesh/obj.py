@@ -21,7 +21,7 @@ from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
 MAX_LINES: Final = 6_000_000
-"""As objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
+"""Limit of lines: as objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
 
 HEADER: Final = "# Bozzetto: millimetres, Z up\n"
 

@@ -25,7 +25,7 @@ TOO_MANY_CORNERS: Final = (
 )
 
 PER_POLYGON: Final = 1_000
-"""What a small one costs, in the same measure."""
+"""Cost of a small polygon, in the same measure."""
 
 
 def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:

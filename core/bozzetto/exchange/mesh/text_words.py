@@ -12,7 +12,7 @@ PIECE: Final = 1 << 20
 """Bytes that are looked at in one go."""
 
 BLANK: Final = 0x20
-"""What lies at or below is taken for a blank."""
+"""Largest byte that is taken for a blank."""
 
 
 def word_count(text: bytes) -> int:

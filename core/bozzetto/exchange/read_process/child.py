@@ -23,10 +23,10 @@ from bozzetto.exchange.import_file import read_here
 from bozzetto.exchange.read_process.answers import packed_answer
 
 LENGTH: Final = struct.Struct("<Q")
-"""Of the message that follows, bytes."""
+"""Length of the message that follows, bytes."""
 
 ACCEPTED: Final = b"+"
-"""What is sent as soon as a request has arrived: from then on, silence is a failure."""
+"""Byte sent as soon as a request has arrived: from then on, silence is a failure."""
 
 IDLE_SECONDS: Final = 20.0
 """Time without a request after which the process ends by itself."""

@@ -29,7 +29,7 @@ from bozzetto.exchange.limits import Budget
 from bozzetto.exchange.read_process.answers import Answer, unpacked_answer
 
 POLL_SECONDS: Final = 0.05
-"""How often it is asked whether the answer is still wanted."""
+"""Interval at which it is asked whether the answer is still wanted."""
 
 TOO_MUCH: Final = (
     "It takes more than {what} to be read. Simplify it or split it in the program that made "

@@ -35,7 +35,7 @@ MAX_NEAR: Final = 12_000_000
 """Pairs of sides whose boxes overlap that are enumerated: two seconds of work."""
 
 MAX_TESTED: Final = 1_500_000
-"""Of these, pairs that are looked at exactly: two seconds of work, too."""
+"""Limit of pairs that are looked at exactly: two seconds of work, too."""
 
 MAX_CROSSINGS: Final = 20_000
 """Places where sides of areas cross that are to be joined; the work grows faster than them."""

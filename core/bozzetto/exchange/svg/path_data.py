@@ -77,7 +77,7 @@ def chord_counts(subpath: Subpath, tolerance: float) -> NDArray[np.int64]:
 
 
 def flattened(subpath: Subpath, tolerance: float) -> Array:
-    """Points on a subpath such that no chord strays further than the tolerance.
+    """Return points on a subpath whose chords stay within the tolerance of the curve.
 
     A cubic strays from ``n`` equal chords by at most ``|B''| / 8n²``, and its second
     derivative is at most six times its largest second difference.

@@ -43,7 +43,7 @@ from bozzetto.ink.drawing import Drawing
 XLINK_HREF: Final = "http://www.w3.org/1999/xlink href"
 
 FLATTENING: Final = 2e-4
-"""How far a chord may stray from its curve, as a share of the drawing's diagonal."""
+"""Greatest distance of a chord from its curve, as a share of the drawing's diagonal."""
 
 GROUPS: Final = {"svg", "g", "a", "switch"}
 """Elements that merely hold others."""
@@ -226,7 +226,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     Paths and basic shapes under nested transforms are read; a closed one repeats its first
     point at the end. Painted areas that overlap become one outline (`without_overlaps`).
     Text and pictures are left out, and named (`Drawing.left_out`); clips and what is not to be
-    seen are passed over.
+    seen are ignored.
 
     Parameters
     ----------

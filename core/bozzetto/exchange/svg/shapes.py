@@ -30,7 +30,7 @@ LONGEST_LENGTH: Final = 200
 
 TRANSFORM: Final = re.compile(r"[\s,]*+([A-Za-z]++)\s*+\(([^()]*+)\)[\s,]*+")
 MOST_TRANSFORMS: Final = 10_000
-"""Of one element."""
+"""Limit of transforms of one element."""
 
 
 def length(element: Element, name: str, default: float) -> float:

@@ -124,7 +124,7 @@ def _rules(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _without_comments(text: str) -> str:
-    """Return the text without its comments; one that does not end goes on to the end."""
+    """Return the text without its comments; one without an end reaches to the end."""
     kept: list[str] = []
     at = 0
     while (begin := text.find("/*", at)) >= 0:

@@ -34,7 +34,7 @@ MARGIN: Final = 0.05
 """Paper left around curves that are written without a camera, as a share of their size."""
 
 BOUNDS: Final = 1e-3
-"""How well their size is known, as a share of it: a small part of the margin."""
+"""Accuracy of their size, as a share of it: a small part of the margin."""
 
 
 def write_drawing(drawing: Drawing) -> bytes:

@@ -19,7 +19,7 @@ from bozzetto.geometry.patches.patch import turned_over
 from bozzetto.geometry.placement import Placement
 
 TURNED_SIDES = (0, 3, 2, 1)
-"""Where the sides of a patch come from when u runs the other way; all change their sense."""
+"""New order of a patch's sides after u is reversed; all of them change their sense."""
 
 
 @dataclass(frozen=True, eq=False)

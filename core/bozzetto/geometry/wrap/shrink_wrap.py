@@ -37,13 +37,13 @@ FINE: Final = 5
 """Level for which places along curves lie close enough; one below can do with every other."""
 
 FIRST_ROUNDS: Final = 8
-"""How often nearest places are looked for anew on the first level; deeper ones each time."""
+"""Searches for nearest places on the first level; deeper ones each time."""
 
 NEXT_ROUNDS: Final = 2
-"""How often on each of the next levels."""
+"""Searches for nearest places on each of the next levels."""
 
 ANCHOR_ROUNDS: Final = 2
-"""How often vertices are chosen that are fixed to curves."""
+"""Rounds in which vertices are chosen that are fixed to curves."""
 
 SLACK: Final = 1e-2
 """Tension of the skin while it is shrunk, per pull of a curve at a vertex."""

@@ -40,7 +40,7 @@ def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array
     energy : Energy
         With which the skin resists.
     feet : Feet
-        Where each spring takes hold.
+        Where each spring is attached.
     points : (n, 3) float
         Where it leads to.
     weights : (n,) float

@@ -15,7 +15,7 @@ from bozzetto.errors import UserError
 
 SPACING: Final = 1.0 / 250.0
 """Distance of neighbouring places per diagonal of the box about all curves: a quarter of an
-edge of the finest usual skin, so that no triangle is passed over."""
+edge of the finest usual skin, so that no triangle is missed."""
 
 MOST_PLACES: Final = 20_000
 """Places along all curves; tangles of more have them farther apart."""
@@ -24,7 +24,7 @@ CORNER: Final = np.cos(np.radians(30.0))
 """Cosine of the turn from which on a vertex of a polyline is a corner that the skin keeps."""
 
 MOST_CORNERS: Final = 2000
-"""Corners that are kept; what has more is a tremor and not a shape."""
+"""Limit of corners: a line with more is noise and not a shape."""
 
 THIN: Final = 1e-3
 """Thickness per diagonal below which curves lie in a plane, so that a skin has no inside."""

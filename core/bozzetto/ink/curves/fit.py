@@ -18,7 +18,7 @@ ENOUGH: Final = 1.2
 """Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
 
 NOISE_FACTOR: Final = 1.3
-"""The same as a multiple of the ink's own noise: what lies within is not meant."""
+"""`ENOUGH` as a multiple of the ink's own noise: what lies within is not meant."""
 
 FEWEST_CONTROLS: Final = 4
 """A cubic needs four control points."""
@@ -71,7 +71,7 @@ def fit_spline(
         Control points. "adaptive" takes 7, then 3 more until the rms distance is below
         1.2 px or 1.3 times the noise of the ink, at most 25.
     closed : bool
-        The curve goes on from its last point to its first: the spline is periodic.
+        Whether the last point is joined to the first: the spline is periodic.
     start_tangent, end_tangent : (d,) array_like, optional
         Directions along the curve that its ends have exactly. Not for closed curves.
     pixel : float

@@ -90,7 +90,7 @@ def self_crossings(points: ArrayLike, *, closed: bool = False) -> Crossings:
     points : (n, 2) array_like
         Equal neighbours are allowed.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
     """
     segments = _Segments.of(points, closed)
     return _meetings(segments, segments, itself=True)
@@ -106,7 +106,7 @@ def crossings(
     one, other : (n, 2) array_like
         Points of the polylines, in any one unit.
     one_closed, other_closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
     """
     first = _Segments.of(one, one_closed)
     second = _Segments.of(other, other_closed)

@@ -18,7 +18,7 @@ ROUNDS: Final = 10
 """Most rounds of reparametrisation."""
 
 FOOT_STEPS: Final = 1
-"""Newton steps to the foot points in each round; the next round goes on from there."""
+"""Newton steps to the foot points in each round; the next round continues from there."""
 
 SLIDE: Final = 0.1
 """First weight of a deviation along the curve against one across it."""
@@ -212,7 +212,7 @@ class _System:
         return np.asarray(np.eye(tangent.shape[1]) - release[:, None, None] * outer)
 
     def _bending(self) -> Array:
-        """Squared second derivatives of the control polygon; nought for straight lines."""
+        """Squared second derivatives of the control polygon; 0 for straight lines."""
         identity = np.eye(self.count)
         if self.closed:
             identity = np.vstack((identity, identity[:DEGREE]))

@@ -36,7 +36,7 @@ MOST_POINTS: Final = 1200
 """Most prepared points of a curve: longer ink is spaced and filtered more widely."""
 
 ROUNDS: Final = 8
-"""Most rounds in which the arc length is measured anew on the smoothed curve."""
+"""Limit of rounds in which the arc length is measured again on the smoothed curve."""
 
 SETTLED: Final = 0.99
 """A round that leaves this share of the length ends the rounds."""
@@ -111,7 +111,7 @@ def prepare(
     pixel : float
         Length of a pixel in the units of the points.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
     spacing : float
         Wanted distance of the prepared points, pixels.
     """

@@ -69,7 +69,7 @@ def resample(
     count : int, optional
         Wanted number of points; exactly one of the two is given.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
 
     Returns
     -------

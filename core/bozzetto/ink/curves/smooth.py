@@ -42,7 +42,7 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
     sigma : float
         Standard deviation along the curve, in the units of the points; 0 changes nothing.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
 
     Returns
     -------

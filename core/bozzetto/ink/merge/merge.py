@@ -64,7 +64,7 @@ SAME_WAY: Final = 0.5
 """Least cosine of the turn where a curve goes on into its own start."""
 
 CLOSED_PRICE: Final = 1.1
-"""What closing may cost: the factor by which the score may grow."""
+"""Factor by which closing may make the score worse."""
 
 BIN: Final = 4.0
 """Length over which the noise of the ink is measured, in spacings."""

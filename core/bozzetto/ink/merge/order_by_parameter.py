@@ -12,7 +12,7 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink.merge.resample_all import Gathered, Ordering
 
 RADIUS: Final = 6.0
-"""How far apart neighbours across strokes can be, in spacings."""
+"""Greatest distance of neighbours across strokes, in spacings."""
 
 ALIGNED: Final = 0.6
 """Least |cosine| between the tangents of neighbours: crossing strokes are none."""
@@ -27,7 +27,7 @@ LINK: Final = 0.3
 """Weight of a link across strokes against a step along one."""
 
 ANCHOR: Final = 1e-7
-"""Weight of "the parameter is nought": makes the equations solvable, and moves nothing."""
+"""Weight of a pull of the parameter towards 0: makes the equations solvable, moves nothing."""
 
 ROUNDS: Final = 4
 """Rounds of reweighting: links that contradict the rest lose their say."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.ink.stroke import Stroke
 
 FADE: Final = 0.7
-"""What is left of a stroke's weight after the next one: three strokes later a third."""
+"""Factor of a stroke's weight for each later stroke: after three of them a third is left."""
 
 LEAST_SHARE: Final = 0.5
 """Weight of the faintest stroke; the mean pressure (0 … 1) is added."""

@@ -35,7 +35,7 @@ def ordered_feet(
     lengths : (n,) float
         Length of curve that belongs to each node, px.
     closed : bool
-        The curve goes on from its last node to its first.
+        Whether the last node is joined to the first.
 
     Returns
     -------

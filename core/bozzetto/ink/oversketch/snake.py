@@ -25,13 +25,13 @@ from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
 
 RESTITUTION: Final = 0.30
-"""How much the displacement resists bending, by default (Kara & Shimada)."""
+"""Default resistance of the displacement to bending (Kara & Shimada)."""
 
 LOCATION: Final = 0.40
-"""How much the nearer of several strokes pulls, by default (Kara & Shimada)."""
+"""Default preference for the nearest of several strokes (Kara & Shimada)."""
 
 PRESSURE: Final = 0.30
-"""How much the firmer of several strokes pulls, by default (Kara & Shimada)."""
+"""Default preference for the firmest of several strokes (Kara & Shimada)."""
 
 RESTITUTION_RANGE: Final = (1e-3, 1e3)
 """Least and greatest resistance as a share of the pull. Without any, nodes between the
@@ -46,7 +46,7 @@ MOST_NODES: Final = 4000
 """Most nodes that move by themselves."""
 
 NEARNESS: Final = 6.0
-"""What is added to the distances, px, by which the location force weighs the strokes.
+"""Length added to the distances, px, by which the location force weighs the strokes.
 Without it the nearest of two strokes would take all once it has been reached."""
 
 BLEND: Final = 40.0
@@ -110,7 +110,7 @@ def modified(
         Places in px and pressure 0 … 1 of each stroke; ``m >= 1``. They may run along the
         curve or against it.
     closed : bool
-        The curve goes on from its last node to its first.
+        Whether the last node is joined to the first.
     restitution, location, pressure : float
         Weights of the three forces, not below 0; only their ratios count. Without location
         and pressure nothing moves.

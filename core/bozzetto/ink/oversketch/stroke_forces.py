@@ -40,7 +40,7 @@ at least twice the way that the end goes."""
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A stroke and the place along the curve that each of its samples speaks of.
+    """A stroke and the place along the curve that belongs to each of its samples.
 
     Attributes
     ----------

@@ -289,7 +289,7 @@ class Guard:
         try:
             return check()
         except Exception as problem:
-            # A crooked object may fail in any way when looked at; that is its maker's fault.
+            # A broken object may fail in any way when it is read; that is its maker's fault.
             plugin = self._plugin_of(modeler_id)
             said = message_of(problem)
             raise self._fault(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bozzetto.plugin.modeler import Modeler
 
 METHODS: Final = ("create", "tools", "solve", "scene", "shapes", "upgrade")
-"""What a modeler must be able to do; see `Modeler`."""
+"""Methods that a modeler must have; see `Modeler`."""
 
 
 class Undelivered(UserError):

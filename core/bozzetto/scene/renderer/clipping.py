@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 Polygon = NDArray[np.float64]
 
 MARGIN: Final = 2.0
-"""How far beyond a window outlines go on, px, so that its border does not become theirs."""
+"""Distance beyond a window, px, at which outlines are cut, so that the cuts are not visible."""
 
 
 def cut(outline: Polygon, normal: ArrayLike, least: float) -> Polygon:

@@ -10,7 +10,7 @@ from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.lines_and_points import Canvas
 
 OFFSET = (6.0, -6.0)
-"""From the point to the text's lower left corner, px right and down."""
+"""Offset from the point to the text's lower left corner, px right and down."""
 
 HALO = 2
 """Width of the rim in paper colour that keeps a text legible on anything, px."""

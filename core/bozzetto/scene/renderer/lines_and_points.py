@@ -19,7 +19,7 @@ from bozzetto.scene.renderer.surfaces import Veil
 from bozzetto.scene.renderer.view_transform import Sight
 
 BIAS = 2.0
-"""How far (in pixel sizes) behind a surface a line still counts as lying on it."""
+"""Depth (in pixel sizes) behind a surface at which a line still counts as lying on it."""
 
 FAINT_WIDTH, FAINT_OPACITY = 0.6, 0.32
 """Width and opacity of hidden parts, as parts of the visible ones."""

@@ -45,7 +45,7 @@ ALIGNMENT = 8
 """Windows begin at multiples of this (px), so that all sample depth at the same places."""
 
 SLOPE_SLACK = 2.5
-"""How many pixels' worth of its own slope a surface gives way to a line on it."""
+"""Pixels' worth of its own slope by which a surface gives way to a line on it."""
 
 HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
 """Radius of a handle's disc and width of the dark rim around it, px."""
@@ -89,7 +89,7 @@ def render(
     antialias : bool
         Four samples for each pixel of a surface; lines and pictures are always smooth.
     checkpoint : callable
-        Called between stages; what it raises is let pass, so that a picture can be given up.
+        Called between stages; what it raises passes through, so that a picture can be given up.
 
     Returns
     -------

@@ -26,7 +26,7 @@ KEY: Final = np.array((-0.46, 0.62, 0.64), np.float32)
 """Towards the key light, in the frame of the view: from the upper left, tied to the camera."""
 
 WRAP: Final = 0.28
-"""How far the key light reaches round the terminator; matte clay scatters."""
+"""Reach of the key light round the terminator; matte clay scatters."""
 
 KEY_SHARE: Final = 0.76
 SKY_SHARE: Final = 0.38

@@ -21,7 +21,7 @@ NOTHING = np.int32(-1)
 
 SPANS_AT_ONCE = 1_000_000
 FRAGMENTS_AT_ONCE = 2_000_000
-"""How many spans and pixels are worked on in one sweep; bounds the memory used."""
+"""Limit of spans and pixels in one sweep; bounds the memory used."""
 
 TILE = 8
 """Side (px) of the tiles that remember the farthest nearness in them."""

@@ -96,7 +96,7 @@ def variance(cost: float, count: int, unknowns: int) -> float:
 def covariance(
     fit: Adjusted, points: Array, counted: Array, noise: float, *, cropped: bool
 ) -> Array:
-    """Covariance (9, 9) of the parameters of a fit of one row; nought where they are not free.
+    """Covariance (9, 9) of the parameters of a fit of one row; 0 where they are not free.
 
     Parameters
     ----------
