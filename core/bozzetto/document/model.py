@@ -17,6 +17,7 @@ from bozzetto.document.waiting_ink import Waiting
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.images.png import MAX_PIXELS
+from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
 
 ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
@@ -43,6 +44,24 @@ def check_name(text: str) -> None:
     """Raise `UserError` if an object, a part, a view or an underlay cannot be called that."""
     if re.match(NAME_PATTERN, text) is None:
         raise UserError("A name has between 1 and 200 characters, without line breaks.")
+
+
+@dataclass(frozen=True, eq=False)
+class OpaqueState:
+    """The state of a model whose modeler is absent: kept as it was stored.
+
+    Parameters
+    ----------
+    version : int
+        The modeler's ``state_version`` when it was stored.
+    json, strokes, arrays
+        As in `state_codec.EncodedState`; never looked into.
+    """
+
+    version: int
+    json: bytes
+    strokes: Sequence[Stroke] = ()
+    arrays: tuple[NDArray[Any], ...] = ()
 
 
 @dataclass(frozen=True)

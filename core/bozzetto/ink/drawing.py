@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bozzetto.images.stored_picture import Picture
-from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.ink.steps import Step
 
 
 @dataclass(frozen=True)

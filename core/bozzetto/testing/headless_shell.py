@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bozzetto.document.history import History
-from bozzetto.document.model import Document, Model
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.images.stored_picture import Picture

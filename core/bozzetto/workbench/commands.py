@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from bozzetto.document.model import Model
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context

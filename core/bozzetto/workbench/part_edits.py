@@ -13,8 +13,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from bozzetto.document.model import Model
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.parameters import parameter_fields, set_parameters
 from bozzetto.plugin.host.registry import Registry

@@ -15,7 +15,6 @@ from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Ink
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import ReadsDrawings, ReadsShapes, TakesPictures
-from bozzetto.workbench.play_steps import run_steps
 
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
@@ -54,6 +53,8 @@ class ModelSources:
         model = self._bench.create(modeler_id, context, name=drawing.name)
         modeler = self._bench.registry.modeler(modeler_id)
         if drawing.steps:
+            from bozzetto.workbench.play_steps import run_steps
+
             model = run_steps(self._bench, model, drawing, context)
         elif isinstance(modeler, ReadsDrawings):
             state = self._bench.registry.guard.call(

@@ -13,8 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from bozzetto.document.model import Document, Model, new_id
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes

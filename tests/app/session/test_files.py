@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 from bozzetto.atomic_files import FileChanged
-from bozzetto.document.model import Model, new_id
+from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
-from bozzetto.document.storage.state_codec import OpaqueState
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded

@@ -10,10 +10,9 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, Underlay
+from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, OpaqueState, Underlay
 from bozzetto.document.storage.state_codec import (
     EncodedState,
-    OpaqueState,
     StateTypes,
     decode_state,
     encode_state,

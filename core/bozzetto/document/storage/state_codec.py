@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
 import msgspec
 from numpy.typing import NDArray
 
+from bozzetto.document.model import OpaqueState
 from bozzetto.document.storage.side_tables import Aside
 from bozzetto.document.storage.type_forms import form_of
 from bozzetto.errors import DocumentError, UserError, words_of
@@ -51,24 +52,6 @@ class EncodedState:
 
     json: bytes
     strokes: tuple[Stroke, ...] = ()
-    arrays: tuple[NDArray[Any], ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class OpaqueState:
-    """The state of a model whose modeler is absent: kept as it was stored.
-
-    Parameters
-    ----------
-    version : int
-        The modeler's ``state_version`` when it was stored.
-    json, strokes, arrays
-        As in `EncodedState`; never looked into.
-    """
-
-    version: int
-    json: bytes
-    strokes: Sequence[Stroke] = ()
     arrays: tuple[NDArray[Any], ...] = ()
 
 

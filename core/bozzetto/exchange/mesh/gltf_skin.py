@@ -24,7 +24,7 @@ def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
     first : int
         Number of the first of these nodes in the file.
     name : str
-        The skin that follows the rig.
+        Name of the part that follows the rig.
     """
     nodes: list[dict[str, Any]] = [{"name": f"{name} rig"}]
     for joint, parent in enumerate(rig.parents.tolist()):

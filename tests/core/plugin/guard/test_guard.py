@@ -248,8 +248,8 @@ def test_an_upgrade_that_gives_no_dict(drawn, faulty):
 
 
 def test_a_failing_upgrade_leaves_the_object_closed_and_the_document_open(drawn, faulty, tmp_path):
+    from bozzetto.document.model import OpaqueState
     from bozzetto.document.storage.bozz_file import read_document, write_document
-    from bozzetto.document.storage.state_codec import OpaqueState
 
     old = drawn.document.with_model(replace(drawn.model, state_version=1))
     write_document(old, tmp_path / "old.bozz")
