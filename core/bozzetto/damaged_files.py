@@ -30,7 +30,7 @@ DAMAGED: Final = "It is damaged, or not what its name says. Save it again where 
 
 
 @contextmanager
-def told_as_format_error(error: type[FormatError] = FormatError) -> Iterator[None]:
+def as_format_errors(error: type[FormatError] = FormatError) -> Iterator[None]:
     """Turn what only a file's content can have caused into a sentence.
 
     Parameters

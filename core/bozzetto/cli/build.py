@@ -13,11 +13,11 @@ from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
     complain,
-    hand_over,
-    keep_apart,
+    fault_message,
+    refuse_overwriting,
     warn,
-    words_of_fault,
     workbench,
+    write_output,
     write_report,
 )
 from bozzetto.errors import UserError
@@ -39,7 +39,7 @@ def build(options: argparse.Namespace) -> int:
     for target in targets:
         if target.suffix.lower() != ".bozz":
             find(target, writers("mesh", "surfaces", "curves"))
-    keep_apart(inputs, targets, options.report)
+    refuse_overwriting(inputs, targets, options.report)
     reports: list[dict[str, Any]] = []
     code = 0
     for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
@@ -51,7 +51,7 @@ def build(options: argparse.Namespace) -> int:
             if len(inputs) == 1:
                 raise
             fault = isinstance(problem, PluginFault)
-            words = words_of_fault(problem) if fault else str(problem)
+            words = fault_message(problem) if fault else str(problem)
             complain(f"{source.name}: {words}")
             code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
             continue
@@ -86,7 +86,7 @@ def _build_one(
             model = bench.sources.from_drawing(modeler_id, drawing, values)
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
-        written = hand_over(
+        written = write_output(
             bench,
             Document((model,), camera=camera),
             target,

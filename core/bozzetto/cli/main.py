@@ -21,12 +21,12 @@ from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
     complain,
-    hand_over,
+    fault_message,
     make_folder,
     open_document,
     warn,
-    words_of_fault,
     workbench,
+    write_output,
 )
 from bozzetto.cli.plugins import ACTIONS
 from bozzetto.cli.plugins import plugins as run_plugins
@@ -83,7 +83,7 @@ def _run(argv: Sequence[str] | None) -> int:
         complain(problem.message)
         return EXIT_ERROR
     except PluginFault as fault:
-        complain(words_of_fault(fault))
+        complain(fault_message(fault))
         return EXIT_FAULT
 
 
@@ -288,7 +288,7 @@ def _samples(options: argparse.Namespace) -> int:
             targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]
             targets = [target for target in targets if has_room(target, shapes)]
             for target in (*targets, stem.with_name(f"{stem.name}.bozz")):
-                hand_over(bench, document, target)
+                write_output(bench, document, target)
                 print(f"wrote {target}")
             picture = stem.with_name(f"{stem.name}.png")
             write_png(picture, _picture_of(bench, document, "three-quarter"))

@@ -29,7 +29,7 @@ def warn(messages: Iterable[str]) -> None:
         print(f"warning: {' '.join(message.split())}", file=sys.stderr)
 
 
-def words_of_fault(fault: Exception) -> str:
+def fault_message(fault: Exception) -> str:
     """Return a plugin's fault in one line."""
     return f"{fault} Its author can find the place with “bozzetto -v …”."
 
@@ -53,7 +53,9 @@ def open_document(bench: Any, path: Path) -> Any:
     return document
 
 
-def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | None) -> None:
+def refuse_overwriting(
+    inputs: Sequence[Path], targets: Sequence[Path], report: Path | None
+) -> None:
     """Refuse to write one file over another of the same command."""
     read = {os.path.realpath(path) for path in inputs}
     written = [os.path.realpath(path) for path in (*targets, *([report] if report else []))]
@@ -65,7 +67,7 @@ def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | N
         raise UserError(f"{report} is a folder. The report needs a file name.")
 
 
-def hand_over(
+def write_output(
     bench: Any,
     document: Any,
     target: Path,

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
@@ -188,7 +188,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
     data = read_bytes(path, limit)
     stem = PurePath(path).stem
     try:
-        with told_as_format_error():
+        with as_format_errors():
             match kind:
                 case "mesh":
                     return _with_solids(function(chosen, "read_shapes")(data), stem)

@@ -1,4 +1,4 @@
-"""Ink laid on surfaces: every sample goes to the front-most place under it."""
+"""Ink on surfaces: every sample goes to the front-most place under it."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Laid:
     gaps: tuple[Gap, ...]
 
 
-def laid(stroke: Stroke, scene: Scene) -> Laid:
+def project_stroke(stroke: Stroke, scene: Scene) -> Laid:
     """Lay a stroke on whatever surface is seen under it.
 
     All samples of the stroke are kept; others are put between them, at most `STEP` apart,

@@ -24,7 +24,7 @@ from bozzetto.errors import UserError
 from bozzetto.file_locks import Taken, take, untake
 from bozzetto.processes import birth, is_running, machine_id
 
-PATIENCE_SECONDS: Final = 0.25
+WAIT_SECONDS: Final = 0.25
 """Time for which a busy lock is tried again: somebody may just be looking at it."""
 
 FRESH_SECONDS: Final = 2.0
@@ -122,7 +122,7 @@ class FileLock:
             If the folder cannot be written to.
         """
         place = Path(path)
-        end = time.monotonic() + PATIENCE_SECONDS
+        end = time.monotonic() + WAIT_SECONDS
         try:
             while True:
                 handle = _made(place)
@@ -179,7 +179,7 @@ def holder(path: str | os.PathLike[str]) -> Holder | None:
         return None
 
 
-def left_by(path: str | os.PathLike[str]) -> Holder | None:
+def abandoned_holder(path: str | os.PathLike[str]) -> Holder | None:
     """Return a holder who is gone, or may be so on another machine; None if the lock is held.
 
     A lock file that does not exist, or makes no sense, was left by nobody in particular.

@@ -27,7 +27,7 @@ from typing import Final
 
 from bozzetto.atomic_files import DISK, FileStamp, explain
 from bozzetto.document.model import Document
-from bozzetto.document.recovery.file_lock import FileLock, left_by
+from bozzetto.document.recovery.file_lock import FileLock, abandoned_holder
 from bozzetto.document.recovery.journal import JournalReader
 from bozzetto.document.recovery.journal_records import Replay, record_time
 from bozzetto.document.recovery.recovery_session import (
@@ -159,7 +159,7 @@ class RecoveryStore:
         """
         found = []
         for folder in self._folders():
-            owner = left_by(folder / LOCK)
+            owner = abandoned_holder(folder / LOCK)
             if folder.name in self._claims or owner is None:
                 continue
             try:
@@ -253,7 +253,11 @@ class RecoveryStore:
             for folder in folders:
                 with contextlib.suppress(OSError):
                     age = abs(time.time() - folder.stat().st_mtime)
-                    if age > YOUNG_SECONDS and _is_empty(folder) and left_by(folder / LOCK):
+                    if (
+                        age > YOUNG_SECONDS
+                        and _is_empty(folder)
+                        and abandoned_holder(folder / LOCK)
+                    ):
                         shutil.rmtree(folder, ignore_errors=True)
             remove_leftovers(folders)
 
@@ -277,7 +281,7 @@ class RecoveryStore:
         if not folder.is_dir():
             raise UserError(f"“{session.name}” was brought back, or discarded, already.")
         # A lock of another machine is taken over: the person was told of it, and chose it.
-        force = session.host != "" and left_by(folder / LOCK) is not None
+        force = session.host != "" and abandoned_holder(folder / LOCK) is not None
         self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name, force=force)
 
 

@@ -42,7 +42,7 @@ from bozzetto.atomic_files import (
     read_stamped,
 )
 from bozzetto.chunked import Chunked
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.document.model import Document, NamedView, Underlay
 from bozzetto.document.storage.migrations import VERSION, WAITING, migrate
 from bozzetto.document.storage.records import (
@@ -288,7 +288,7 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
 
 def decode_document(content: bytes | memoryview, states: StateTypes) -> tuple[Document, LoadReport]:
     """Read a document, as `read_document`, from the content of a file."""
-    with told_as_format_error(DocumentError):
+    with as_format_errors(DocumentError):
         return open_document(parse_document(content), states)
 
 

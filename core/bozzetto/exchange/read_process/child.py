@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, Final
 
 import msgspec
 
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.import_file import read_here
 from bozzetto.exchange.read_process.answers import packed_answer
@@ -31,7 +31,7 @@ ACCEPTED: Final = b"+"
 IDLE_SECONDS: Final = 20.0
 """Time without a request after which the process ends by itself."""
 
-TIRED_BYTES: Final = 256 << 20
+RESTART_BYTES: Final = 256 << 20
 """Resident memory above which the process ends after its answer: the next one begins small."""
 
 
@@ -106,7 +106,7 @@ def _answer(request: Request, answers: BinaryIO) -> bool:
     arrays: list[Any] = []
     try:
         _hold_to(request)
-        with told_as_format_error():
+        with as_format_errors():
             record, arrays = packed_answer(read_here(request.kind, os.fsdecode(request.path)))
         facts = [(array.dtype.str, array.shape) for array in arrays]
         reply = Reply(record, facts)
@@ -114,7 +114,7 @@ def _answer(request: Request, answers: BinaryIO) -> bool:
         reply = Reply(refused=refusal.message, is_format=isinstance(refusal, FormatError))
     except Exception:
         reply = Reply(fault=traceback.format_exc())
-    reply.last = _resident_bytes() > TIRED_BYTES
+    reply.last = _resident_bytes() > RESTART_BYTES
     text = msgspec.msgpack.encode(reply)
     answers.write(LENGTH.pack(len(text)) + text)
     for array in arrays:
@@ -144,7 +144,7 @@ def _resident_bytes() -> int:
     try:
         import resource
     except ImportError:
-        return TIRED_BYTES + 1  # not known: the next one begins small in any case
+        return RESTART_BYTES + 1  # not known: the next one begins small in any case
     if sys.platform == "linux":  # its ru_maxrss counts in what the process that started us took
         with open("/proc/self/statm", encoding="ascii") as file:
             return int(file.read().split()[1]) * resource.getpagesize()

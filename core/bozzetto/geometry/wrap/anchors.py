@@ -40,7 +40,7 @@ class Anchors:
     links: Pairs
 
 
-def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flags) -> Anchors:
+def choose_anchors(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flags) -> Anchors:
     """Choose the vertices that follow the curves most closely.
 
     Each place of a curve is given to the nearest vertex. The row of vertices along a curve is
@@ -152,7 +152,7 @@ def _append(row: Row, vertex: int, at: int, gap: Array, beside: frozenset[tuple[
     row.append((vertex, at))
 
 
-def with_edges(faces: Index, links: Pairs) -> Index:
+def flip_to_links(faces: Index, links: Pairs) -> Index:
     """Flip edges that cross a link, so that the link is one.
 
     A link that crosses more than one edge is left alone, and so is an edge that is a link.

@@ -11,7 +11,7 @@ from bozzetto.geometry.wrap.icosphere import Icosphere
 
 
 @dataclass(frozen=True, eq=False)
-class Feet:
+class MeshPoints:
     """Places of a mesh.
 
     Attributes
@@ -34,9 +34,9 @@ class Feet:
         row = np.arange(len(self.corners))
         return np.asarray(self.corners[row, np.argmax(self.weights, axis=1)])
 
-    def taken(self, kept: Flags) -> Feet:
+    def taken(self, kept: Flags) -> MeshPoints:
         """Return some of the rows."""
-        return Feet(self.corners[kept], self.weights[kept], self.distances[kept])
+        return MeshPoints(self.corners[kept], self.weights[kept], self.distances[kept])
 
     def outside(self, vertices: Array, points: Array) -> Flags:
         """Whether the points that they are nearest to lie before their triangles, (n,)."""
@@ -44,7 +44,7 @@ class Feet:
         return np.asarray(_dot(np.cross(b - a, c - a), points - a) > 0)
 
 
-def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
+def closest_on_mesh(sphere: Icosphere, vertices: Array, points: Array) -> MeshPoints:
     """Find the nearest place on the triangles round the vertex that is nearest to each point.
 
     On a mesh of even triangles that is the nearest place of all.
@@ -66,7 +66,7 @@ def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
     offset = np.einsum("nkc,nkcx->nkx", weights, vertices[corners]) - points[:, None]
     square = np.einsum("nkx,nkx->nk", offset, offset)
     row, best = np.arange(len(points)), np.argmin(square, axis=1)
-    return Feet(corners[row, best], weights[row, best], np.sqrt(square[row, best]))
+    return MeshPoints(corners[row, best], weights[row, best], np.sqrt(square[row, best]))
 
 
 def closest_on_triangles(points: Array, triangles: Array) -> Array:

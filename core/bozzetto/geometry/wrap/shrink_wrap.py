@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.wrap.anchors import anchored, with_edges
-from bozzetto.geometry.wrap.closest_on_mesh import closest_on_triangles, mesh_feet
+from bozzetto.geometry.wrap.anchors import choose_anchors, flip_to_links
+from bozzetto.geometry.wrap.closest_on_mesh import closest_on_mesh, closest_on_triangles
 from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere
-from bozzetto.geometry.wrap.thin_plate import drawn_to, even_energy, held_at, true_energy
+from bozzetto.geometry.wrap.thin_plate import even_energy, hold_at, pull_towards, true_energy
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
 
 Checkpoint = Callable[[float, str], None]
@@ -173,14 +173,14 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
         rounds = FIRST_ROUNDS if now == start else NEXT_ROUNDS
         for done in range(1, rounds + 1):
             checkpoint(0.5 * (now - start + done / rounds) / (level - start), "Shrinking")
-            feet = mesh_feet(sphere, vertices, points)
+            feet = closest_on_mesh(sphere, vertices, points)
             share = done / rounds if now == start else 1.0
             limit = _edge(now) + share * tightness * DEEPEST
             pulling = (feet.distances <= limit) | feet.outside(vertices, points)
             feet = feet.taken(pulling)
             near = feet.vertices
             weights = 1.0 / np.bincount(near, minlength=len(vertices))[near]
-            vertices = _evened(sphere, drawn_to(energy, feet, points[pulling], weights), frame)
+            vertices = _evened(sphere, pull_towards(energy, feet, points[pulling], weights), frame)
         vertices = icosphere(now + 1).refined(vertices)
         bending *= STIFFER
     return vertices
@@ -194,14 +194,14 @@ def _anchored(
     energy = even_energy(level, 1.0, HOLD)
     for done in range(ANCHOR_ROUNDS):
         checkpoint(0.55 + 0.1 * done, "Anchoring")
-        reached = mesh_feet(sphere, vertices, frame.places).distances < REACHED * _edge(level)
-        anchors = anchored(sphere, vertices, frame, reached)
-        held = held_at(energy, anchors.vertices, anchors.places)
+        reached = closest_on_mesh(sphere, vertices, frame.places).distances < REACHED * _edge(level)
+        anchors = choose_anchors(sphere, vertices, frame, reached)
+        held = hold_at(energy, anchors.vertices, anchors.places)
         vertices = _evened(sphere, held, frame)
     checkpoint(0.8, "Smoothing")
-    faces = with_edges(sphere.faces, anchors.links)
+    faces = flip_to_links(sphere.faces, anchors.links)
     energy = true_energy(faces, vertices, smoothing**2)
-    held = held_at(energy, anchors.vertices, anchors.places)
+    held = hold_at(energy, anchors.vertices, anchors.places)
     return _evened(sphere, held, frame), faces.astype(np.int32)
 
 

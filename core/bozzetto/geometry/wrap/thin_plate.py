@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.geometry.wrap.closest_on_mesh import Feet
+from bozzetto.geometry.wrap.closest_on_mesh import MeshPoints
 from bozzetto.geometry.wrap.icosphere import icosphere
 
 if TYPE_CHECKING:
@@ -32,14 +32,14 @@ COTANGENTS: Final = (0.02, 5.0)
 membrane folds, and slivers have huge ones."""
 
 
-def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array:
+def pull_towards(energy: Energy, feet: MeshPoints, points: Array, weights: Array) -> Array:
     """Return the surface that springs draw to points.
 
     Parameters
     ----------
     energy : Energy
         With which the skin resists.
-    feet : Feet
+    feet : MeshPoints
         Where each spring is attached.
     points : (n, 3) float
         Where it leads to.
@@ -59,7 +59,7 @@ def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array
     return _solved((pulled @ hold) + energy, np.asarray(pulled @ points))
 
 
-def held_at(energy: Energy, held: Index, places: Array) -> Array:
+def hold_at(energy: Energy, held: Index, places: Array) -> Array:
     """Return the surface that is held at some of its vertices.
 
     Parameters

@@ -14,13 +14,14 @@ from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.fit import ENOUGH, NOISE_FACTOR
 from bozzetto.ink.curves.least_squares import MORE, MOST, approximate, approximate_adaptively
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.merge.order_by_longest import following
-from bozzetto.ink.merge.order_by_mst import spanning
-from bozzetto.ink.merge.order_by_parameter import strip
-from bozzetto.ink.merge.order_by_pca import principal
-from bozzetto.ink.merge.resample_all import Gathered, Ordering, gather
+from bozzetto.ink.merge.order_by_longest import order_by_longest
+from bozzetto.ink.merge.order_by_mst import order_by_mst
+from bozzetto.ink.merge.order_by_parameter import order_by_parameter
+from bozzetto.ink.merge.order_by_pca import order_by_pca
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk, resample_all
 
 Strategy = Literal["principal", "spanning", "following", "strip"]
+Way = Callable[[ResampledInk], Ordering | None]
 
 GOOD: Final = 3.0
 """Score (pixels) of a quick strategy that makes the strip, which is slow, superfluous."""
@@ -42,7 +43,7 @@ FINAL: Final = 2
 DETAIL: Final = 3.0
 """Least distance of control points, in widths of the ink: what is finer is not meant."""
 
-PATIENCE: Final = 2
+MOST_VAIN: Final = 2
 """Times that more control points may help nothing before no more are tried."""
 
 WORTH: Final = 0.98
@@ -137,7 +138,7 @@ def settle(
     weight = np.ones(len(strokes)) if weights is None else np.asarray(weights, float)
     if weight.shape != (len(strokes),) or not np.isfinite(weight).all() or (weight < 0).any():
         raise ValueError("every stroke needs a weight that is not negative")
-    judge = _Judge(gather(strokes, weight, pixel))
+    judge = _Judge(resample_all(strokes, weight, pixel))
     found = [made for way in QUICK if (made := judge.tried(*way))]
     good = GOOD * pixel
     for way in SLOW:
@@ -148,14 +149,14 @@ def settle(
     return min((judge.detailed(made) for made in found[:FINAL]), key=lambda made: made.score)
 
 
-QUICK: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] = (
-    ("principal", principal),
-    ("spanning", spanning),
+QUICK: Final[tuple[tuple[Strategy, Way], ...]] = (
+    ("principal", order_by_pca),
+    ("spanning", order_by_mst),
 )
 
-SLOW: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] = (
-    ("following", following),
-    ("strip", strip),
+SLOW: Final[tuple[tuple[Strategy, Way], ...]] = (
+    ("following", order_by_longest),
+    ("strip", order_by_parameter),
 )
 
 
@@ -171,7 +172,7 @@ class _Tried:
 class _Judge:
     """Fits orderings of one ink and scores them."""
 
-    def __init__(self, ink: Gathered) -> None:
+    def __init__(self, ink: ResampledInk) -> None:
         from scipy.spatial import cKDTree
 
         self.ink = ink
@@ -179,7 +180,7 @@ class _Judge:
         self.tree = cKDTree(self.dense)
         self.weights = ink.weights / ink.weights.sum()
 
-    def tried(self, name: Strategy, way: Callable[[Gathered], Ordering | None]) -> _Tried | None:
+    def tried(self, name: Strategy, way: Way) -> _Tried | None:
         """Fit the curve of one strategy, closed where its ends meet; None where it finds none."""
         order = way(self.ink)
         if order is None:
@@ -215,7 +216,7 @@ class _Judge:
         least = max(DETAIL * tried.noise, ink.spacing)
         most = min(MOST, len(points), DEGREE + int(arc_length(best.points)[-1] / least))
         vain = 0
-        while best.score > GOOD * ink.pixel and count + MORE <= most and vain < PATIENCE:
+        while best.score > GOOD * ink.pixel and count + MORE <= most and vain < MOST_VAIN:
             count += MORE
             made = approximate(points, weights, order.parameters, count, closed=order.closed)
             finer = self._settled(best.strategy, order, tried.noise, made.spline)
@@ -281,7 +282,7 @@ class _Judge:
         return at / (len(line) - 1) * (1.0 + ahead / float(along[at]))
 
 
-def _refined(points: Array, ink: Gathered) -> Array:
+def _refined(points: Array, ink: ResampledInk) -> Array:
     """Points on a polyline no farther apart than a third of the spacing of the ink."""
     along = arc_length(points)
     count = int(np.ceil(3.0 * along[-1] / ink.spacing)) + 1

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 STRIDE: Final = 2
 """Spacings of the ink to a step of the alignment."""
@@ -72,7 +72,7 @@ class _Alignment:
     backwards: bool
 
 
-def following(ink: Gathered) -> Ordering | None:
+def order_by_longest(ink: ResampledInk) -> Ordering | None:
     """Let the longest stroke guide the others.
 
     Each stroke is aligned with the guide by dynamic programming (Sakoe & Chiba 1978, with
@@ -119,7 +119,7 @@ def following(ink: Gathered) -> Ordering | None:
     return Ordering(numbers, (place - place.min()) / extent, closed=False)
 
 
-def _path(ink: Gathered, numbers: Index, along: Array) -> _Path:
+def _path(ink: ResampledInk, numbers: Index, along: Array) -> _Path:
     """Every so manieth point of a piece, and its last."""
     kept = np.unique(np.append(np.arange(0, len(numbers), STRIDE), len(numbers) - 1))
     return _Path(ink.points[numbers[kept]], ink.tangents[numbers[kept]], along[kept])

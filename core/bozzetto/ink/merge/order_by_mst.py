@@ -8,7 +8,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 THINNING: Final = 2.0
 """Side of the squares in which ink is averaged to a point of the ridge, in spacings."""
@@ -30,7 +30,7 @@ ROUND: Final = 20.0
 """Least length of a closed curve, in spacings."""
 
 
-def spanning(ink: Gathered) -> Ordering | None:
+def order_by_mst(ink: ResampledInk) -> Ordering | None:
     """Thin the ink to a ridge, walk the longest path of its spanning tree, project the ink.
 
     Right for hooks, spirals and closed curves; cuts crossings short.
@@ -49,7 +49,7 @@ def spanning(ink: Gathered) -> Ordering | None:
     return Ordering(np.arange(len(along)), (along - low) / (high - low), closed)
 
 
-def _ridge(ink: Gathered) -> Array:
+def _ridge(ink: ResampledInk) -> Array:
     """One point for each square with ink, drawn onto the middle of the ink around it."""
     from scipy.spatial import cKDTree
 

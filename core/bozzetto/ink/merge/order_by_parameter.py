@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 RADIUS: Final = 6.0
 """Greatest distance of neighbours across strokes, in spacings."""
@@ -67,7 +67,7 @@ class _Links:
         return _Links(self.one[kept], self.other[kept], self.agree[kept])
 
 
-def strip(ink: Gathered) -> Ordering | None:
+def order_by_parameter(ink: ResampledInk) -> Ordering | None:
     """Solve for one parameter along the strip that all strokes make together.
 
     Steps along a stroke are known; neighbours on different strokes that run side by side
@@ -98,7 +98,7 @@ def strip(ink: Gathered) -> Ordering | None:
     return Ordering(numbers, np.mod(share, 1.0) if period > 0 else share, period > 0)
 
 
-def _links(ink: Gathered) -> tuple[_Links, _Links]:
+def _links(ink: ResampledInk) -> tuple[_Links, _Links]:
     """Neighbours side by side: the nearest on each other piece, and all on the same piece."""
     from scipy.spatial import cKDTree
 
@@ -121,7 +121,7 @@ def _links(ink: Gathered) -> tuple[_Links, _Links]:
 
 
 def _oriented(
-    ink: Gathered, pieces: list[Index], links: _Links, sense: Array
+    ink: ResampledInk, pieces: list[Index], links: _Links, sense: Array
 ) -> list[tuple[int, int, float]]:
     """Give all pieces a common sense (written into `sense`); bridge what is not linked.
 
@@ -160,7 +160,7 @@ def _oriented(
 
 
 def _bridges(
-    ink: Gathered, pieces: list[Index], island: Index, turn: Array, real: list[int]
+    ink: ResampledInk, pieces: list[Index], island: Index, turn: Array, real: list[int]
 ) -> list[tuple[int, int, float]]:
     """Join islands of strokes at the nearest ends, turning one where that is shorter."""
     ends = np.array([[numbers[0], numbers[-1]] for numbers in pieces])
@@ -210,7 +210,7 @@ def _unrolled(
 
 
 def _period(
-    ink: Gathered, rough: Array, numbers: Index, links: _Links, own: _Links
+    ink: ResampledInk, rough: Array, numbers: Index, links: _Links, own: _Links
 ) -> tuple[float, _Links]:
     """Length of a lap, 0 for an open curve; and the links, with those of a stroke to itself."""
     extent = float(np.ptp(rough[numbers]))
@@ -232,7 +232,7 @@ def _period(
 
 
 def _solved(
-    ink: Gathered,
+    ink: ResampledInk,
     behind: Index,
     steps: Array,
     links: _Links,

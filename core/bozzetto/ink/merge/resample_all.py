@@ -31,7 +31,7 @@ PIECE: Final = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Gathered:
+class ResampledInk:
     """All ink at one spacing.
 
     Attributes
@@ -78,7 +78,7 @@ class Ordering:
     closed: bool
 
 
-def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gathered:
+def resample_all(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> ResampledInk:
     """Smooth and space all strokes; strokes that turn back sharply are cut there.
 
     Parameters
@@ -117,7 +117,7 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
     for points, length, (_, weight) in zip(soft, lengths, places, strict=True):
         for part in _pieces(_spaced(points, length, spacing)):
             rows.append((part, _tangents(part), weight))
-    return Gathered(
+    return ResampledInk(
         np.vstack([part for part, _, _ in rows]),
         np.vstack([tangents for _, tangents, _ in rows]),
         np.concatenate([np.full(len(part), weight) for part, _, weight in rows]),

@@ -23,7 +23,7 @@ MOST_OBJECTS: Final = 4096
 LEAVES: Final = (str, bytes, int, float, bool, complex, type(None))
 
 
-class Remembered:
+class ArgumentSnapshot:
     """The frozen objects within some arguments, with the values of their fields.
 
     Dataclasses are followed through their fields, tuples and lists through their entries,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.shapes import Shapes
     from bozzetto.plugin.cautions import Caution
     from bozzetto.plugin.commands import Command
-    from bozzetto.plugin.guard.argument_snapshot import Remembered
+    from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot
     from bozzetto.plugin.part_tree import PartTree
     from bozzetto.plugin.view_advice import ViewAdvice
     from bozzetto.scene.display_list import Scene
@@ -107,9 +107,9 @@ class Guard:
         """
         plugin = self._plugin_of(modeler_id)
         self.refuse_if_off(plugin)
-        from bozzetto.plugin.guard.argument_snapshot import Remembered  # no call, no numpy
+        from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot  # no call, no numpy
 
-        before = Remembered(arguments)
+        before = ArgumentSnapshot(arguments)
         here = threading.current_thread()
         around = self._inside.get(here)
         self._inside[here] = (modeler_id, what)
@@ -140,7 +140,7 @@ class Guard:
         """Return the modeler's function that a thread is in, as given to `call`, or None."""
         return self._inside.get(thread)
 
-    def _put_back(self, plugin: str, what: str, before: Remembered) -> None:
+    def _put_back(self, plugin: str, what: str, before: ArgumentSnapshot) -> None:
         changed = before.restore()
         if changed:
             raise self._fault(

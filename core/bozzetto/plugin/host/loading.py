@@ -53,7 +53,7 @@ def ask(plugins: pluggy.PluginManager, plugin_id: str, hook: str, **arguments: A
     return answers
 
 
-def look_over_modelers(
+def check_modelers(
     answers: Sequence[Any], announced: Sequence[str]
 ) -> dict[str, Modeler[Any, Any]]:
     """Check the modelers that a plugin delivers and return them by id.

@@ -21,7 +21,7 @@ from bozzetto.errors import UserError, words_of
 from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
-from bozzetto.plugin.host.loading import ask, import_plugin, look_over_modelers
+from bozzetto.plugin.host.loading import ask, check_modelers, import_plugin
 from bozzetto.plugin.host.manifest import (
     Manifest,
     ManifestError,
@@ -364,7 +364,7 @@ class Registry:
 
         def work() -> dict[str, Modeler[Any, Any]]:
             import_plugin(self._hooks(), plugin.package, plugin.id)
-            return look_over_modelers(ask(self._hooks(), plugin.id, "bozzetto_modelers"), announced)
+            return check_modelers(ask(self._hooks(), plugin.id, "bozzetto_modelers"), announced)
 
         try:
             plugin.modelers = self.guard.call(announced[0], "its import", work)

@@ -37,7 +37,7 @@ class Sheet:
         return Sheet(self.pixel[keep], self.nearness[keep], self.color[keep], self.opacity[keep])
 
 
-def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
+def blend_sheets(pixels: Floats, sheets: Sequence[Sheet]) -> None:
     """Blend sheets over a picture, the farthest first: result = a·colour + (1 − a)·behind.
 
     Parameters
@@ -72,7 +72,7 @@ def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
         begin = end
 
 
-def veil_of(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
+def nearest_sheet(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
     """Return nearness (−inf for none) and opacity of the nearest sheet at each pixel."""
     nearness = np.full(count, -np.inf, np.float32)
     opacity = np.zeros(count, np.float32)

@@ -15,7 +15,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.clipping import Polygon, cut, cut_to_window
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 EDGE_ON: Final = 1e-9
 """Volume of the box of both sides and the way to the corner, per product of their lengths,
@@ -47,7 +47,7 @@ class Place:
     is_cut: bool
 
 
-def place_of(image: Image, sight: Sight) -> Place | None:
+def place_of(image: Image, sight: ViewTransform) -> Place | None:
     """Return where a picture lies in a window; None where at most its edge is visible."""
     corner = sight.seen([image.corner])[0]
     across, down = (

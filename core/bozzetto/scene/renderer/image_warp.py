@@ -32,7 +32,7 @@ LEAST_TURN: Final = 0.01
 """By how much a picture may be turned or slanted and count as square on, texels at the far end."""
 
 
-def warped(pixels: Bytes, place: Place, box: Box) -> Bytes:
+def warp(pixels: Bytes, place: Place, box: Box) -> Bytes:
     """Return a picture as it is seen in a box of the window.
 
     Parameters

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.scene.display_list import Lines, Points
 from bozzetto.scene.renderer.surfaces import Veil
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 BIAS = 2.0
 """Depth (in pixel sizes) behind a surface at which a line still counts as lying on it."""
@@ -53,7 +53,7 @@ class Canvas:
     veil : Veil or None
         What translucent meshes do to the lines behind them; nearness and opacity are
         shaped (h, w).
-    sight : Sight
+    sight : ViewTransform
     scale : float
         Device pixels per pixel of width.
     """
@@ -61,7 +61,7 @@ class Canvas:
     pixels: Floats
     surface: Floats
     veil: Veil | None
-    sight: Sight
+    sight: ViewTransform
     scale: float
 
     def behind(

@@ -30,7 +30,7 @@ QUARTER: Final = 4
 step rounds, and a mean of two is rounded up half of the time: small pictures would be pale."""
 
 
-class Kept:
+class LevelCache:
     """Arrays made of pictures, the latest used ones, for as long as the pictures live.
 
     Parameters
@@ -75,7 +75,7 @@ class Kept:
             held -= self._known.popitem(last=False)[1][1].nbytes
 
 
-_levels = Kept(LEVELS_KEPT)
+_levels = LevelCache(LEVELS_KEPT)
 
 
 def rung(footprint: float, size: int) -> int:

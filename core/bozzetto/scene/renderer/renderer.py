@@ -12,7 +12,7 @@ from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.image_layers import apart, hang, lay_pictures
+from bozzetto.scene.renderer.image_layers import apart, blend_pictures, place_picture
 from bozzetto.scene.renderer.labels import draw_label
 from bozzetto.scene.renderer.lines_and_points import (
     BIAS,
@@ -23,7 +23,7 @@ from bozzetto.scene.renderer.lines_and_points import (
 )
 from bozzetto.scene.renderer.shading import Shading
 from bozzetto.scene.renderer.surfaces import Pictures, Veil, draw_surfaces, see_through
-from bozzetto.scene.renderer.view_transform import Sight, sight_of
+from bozzetto.scene.renderer.view_transform import ViewTransform, view_transform
 from bozzetto.view.camera import Camera
 
 Window = tuple[int, int, int, int]
@@ -176,19 +176,19 @@ def _drawn(
     paper = np.array((*palette.paper, 1.0) if background else (0.0,) * 4, np.float32)
     pixels = np.empty((h * w, 4), np.float32)
     pixels[:] = paper
-    sight = sight_of(camera, height, width, window)
-    images = [hang(item, sight) for item in items if isinstance(item, Image)]
+    sight = view_transform(camera, height, width, window)
+    images = [place_picture(item, sight) for item in items if isinstance(item, Image)]
     surfaces = [item for item in items if isinstance(item, Shaded)]
     corners = _corners(surfaces, sight)
     before, after = apart([one for one in images if one is not None], corners)
-    lay_pictures(pixels, before, sight)
+    blend_pictures(pixels, before, sight)
     checkpoint()
     canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
     part = _occupied(corners, sight)
     if part is not None:
         x, y, part_w, part_h = part
         inner = (window[0] + x, window[1] + y, part_w, part_h)
-        fine = sight_of(camera, height, width, inner, fineness)
+        fine = view_transform(camera, height, width, inner, fineness)
         inside = np.s_[y : y + part_h, x : x + part_w]
         samples = _enlarged(pixels.reshape(h, w, 4)[inside], fineness)
         pictures = Pictures(before, paper, (x, y))
@@ -211,10 +211,10 @@ def _drawn(
             veil.nearness[inside] = limit(drawn.veil.nearness)
             veil.opacity[inside] = _reduced(rows(drawn.veil.opacity), fineness)
             veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
-            lay_pictures(veil.behind, after, sight)
+            blend_pictures(veil.behind, after, sight)
             canvas = replace(canvas, veil=veil)
         checkpoint()
-    lay_pictures(pixels, after, sight)
+    blend_pictures(pixels, after, sight)
     _draw_marks(canvas, items, palette)
     return pixels
 
@@ -224,7 +224,7 @@ def _enlarged(pixels: Floats, fineness: int) -> Floats:
     return np.repeat(np.repeat(pixels, fineness, 0), fineness, 1).reshape(-1, 4)
 
 
-def _corners(items: Sequence[Shaded], sight: Sight) -> Array | None:
+def _corners(items: Sequence[Shaded], sight: ViewTransform) -> Array | None:
     """Corners of the boxes round meshes: x, y (px), nearness; None if some are behind the eye."""
     boxes = [item.mesh.bounds for item in items if np.isfinite(item.mesh.bounds).all()]
     corners = [np.array(list(product(*box.T))) for box in boxes]
@@ -232,7 +232,7 @@ def _corners(items: Sequence[Shaded], sight: Sight) -> Array | None:
     return None if (seen[:, 2] < sight.near).any() else sight.placed(seen)
 
 
-def _occupied(corners: Array | None, sight: Sight) -> Window | None:
+def _occupied(corners: Array | None, sight: ViewTransform) -> Window | None:
     """Return the part of a window that meshes can reach; None if they reach nothing."""
     if corners is None:
         return (0, 0, sight.width, sight.height)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bozzetto.arrays import Floats
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 from bozzetto.scene.renderer.zbuffer import Buffer
 
 STRIDE = 4
@@ -34,7 +34,7 @@ OUTER, INNER = 0.62, 0.26
 """Strength of contours and of inner edges."""
 
 
-def _depth(buffer: Buffer, sight: Sight) -> Floats:
+def _depth(buffer: Buffer, sight: ViewTransform) -> Floats:
     """Depth in pixel sizes at the target; infinite where nothing is seen."""
     near = buffer.nearness.reshape(buffer.height, buffer.width)
     if not sight.perspective:
@@ -45,7 +45,7 @@ def _depth(buffer: Buffer, sight: Sight) -> Floats:
     return np.asarray(depth, np.float32)
 
 
-def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
+def cavities(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
     """Return how much light hollows keep out, shape (h, w), 0 … 1.
 
     The depth buffer is compared with its own blurred copy: what lies deeper than its
@@ -59,7 +59,7 @@ def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     ----------
     buffer : Buffer
         Nearness and triangle of each sample.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     normal : (3, h, w) float32
         Right, up, towards the eye.
@@ -119,7 +119,7 @@ def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
     return result
 
 
-def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
+def contours(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
     """Strength of contour lines at each pixel, shape (h, w), 0 … 1.
 
     A contour runs along the nearer side where depth jumps by more than the slope
@@ -129,7 +129,7 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     ----------
     buffer : Buffer
         Nearness and triangle of each sample.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     normal : (3, h, w) float32
         Normals of what is seen.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.renderer.triangle_soup import Soup
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
@@ -77,7 +77,9 @@ class Fragments:
     color: Floats
 
 
-def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: bool) -> Fragments:
+def fragments(
+    triangle: NDArray[np.int32], soup: Soup, sight: ViewTransform, *, tinted: bool
+) -> Fragments:
     """Interpolate over the visible triangles.
 
     Parameters
@@ -86,7 +88,7 @@ def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: 
         Of a buffer; −1 where nothing is seen.
     soup : Soup
         The triangles on the sheet.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     tinted : bool
         Whether vertex colours are wanted; else `Fragments.color` is empty.

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.display_list import Shaded
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.compositing import Sheet, lay_over, veil_of
-from bozzetto.scene.renderer.image_layers import Hung, sheet_at
+from bozzetto.scene.renderer.compositing import Sheet, blend_sheets, nearest_sheet
+from bozzetto.scene.renderer.image_layers import PlacedPicture, sheet_at
 from bozzetto.scene.renderer.normals import mean_curvature
 from bozzetto.scene.renderer.screen_space import cavities, contours
 from bozzetto.scene.renderer.shading import (
@@ -23,9 +23,9 @@ from bozzetto.scene.renderer.shading import (
     fragments,
 )
 from bozzetto.scene.renderer.triangle_soup import Soup, gather
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
-from bozzetto.scene.renderer.zebra import mirroring
+from bozzetto.scene.renderer.zebra import with_zebra
 
 Samples = Index
 
@@ -75,14 +75,14 @@ class Pictures:
 
     Attributes
     ----------
-    hung : sequence of Hung
+    hung : sequence of PlacedPicture
     paper : (4,) float32
         What is behind them: colour multiplied by opacity, opacity.
     offset : (x, y)
         Where the part begins, px of the pictures' window.
     """
 
-    hung: Sequence[Hung]
+    hung: Sequence[PlacedPicture]
     paper: Floats
     offset: tuple[int, int]
 
@@ -103,7 +103,7 @@ class Pictures:
         return np.flatnonzero(found)
 
     def _nearness(
-        self, picture: Hung, buffer: Buffer, fineness: int
+        self, picture: PlacedPicture, buffer: Buffer, fineness: int
     ) -> tuple[tuple[slice, slice], Floats]:
         """Return the samples in a picture's box, and the nearness of its plane there."""
         ends = []
@@ -125,7 +125,7 @@ def draw_surfaces(
     pixels: Floats,
     items: Sequence[Shaded],
     pictures: Pictures,
-    sight: Sight,
+    sight: ViewTransform,
     palette: Palette,
     shading: Shading,
     fineness: int,
@@ -142,7 +142,7 @@ def draw_surfaces(
         The meshes.
     pictures : Pictures
         Pictures in front of or behind some of the meshes.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     palette : Palette
         Colours of the theme.
@@ -176,9 +176,9 @@ def draw_surfaces(
     veil = None
     if glass:
         behind = pixels.copy()
-        lay_over(behind, hung)
-        veil = Veil(*veil_of(glass, len(pixels)), behind)
-    lay_over(pixels, hung + glass)
+        blend_sheets(behind, hung)
+        veil = Veil(*nearest_sheet(glass, len(pixels)), behind)
+    blend_sheets(pixels, hung + glass)
     return Drawn(buffer.nearness, veil)
 
 
@@ -204,7 +204,7 @@ def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[
 
 
 def _gathered(
-    items: Sequence[Shaded], sight: Sight, palette: Palette, shading: Shading
+    items: Sequence[Shaded], sight: ViewTransform, palette: Palette, shading: Shading
 ) -> tuple[Soup, Flags]:
     colors = [_vertex_colors(item, palette, shading) for item in items]
     tinted = np.array([own is not None for own in colors])
@@ -215,7 +215,7 @@ def _draw_opaque(
     pixels: Floats,
     items: Sequence[Shaded],
     buffer: Buffer,
-    sight: Sight,
+    sight: ViewTransform,
     palette: Palette,
     shading: Shading,
     fineness: int,
@@ -244,7 +244,7 @@ def _colors_of(
     soup: Soup,
     items: Sequence[Shaded],
     tinted: Flags,
-    sight: Sight,
+    sight: ViewTransform,
     palette: Palette,
     shading: Shading,
     cavity: Floats | None = None,
@@ -254,7 +254,7 @@ def _colors_of(
     colors = [palette.color(item.color) for item in items]
     polished = np.array([is_polished(item, shading) for item in items])
     if polished.any():
-        seen = mirroring(seen, part, colors, tinted, polished, sight)
+        seen = with_zebra(seen, part, colors, tinted, polished, sight)
         if cavity is not None:  # what is mirrored lies outside of the hollow
             cavity = np.where(polished[part], np.float32(0), cavity)
     return colored(seen, part, colors, tinted | polished, shading, palette, cavity)
@@ -266,7 +266,9 @@ def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
     return normal.reshape(3, buffer.height, buffer.width)
 
 
-def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading) -> list[Sheet]:
+def _mesh_sheets(
+    item: Shaded, sight: ViewTransform, palette: Palette, shading: Shading
+) -> list[Sheet]:
     """Return the nearest back and the nearest front of a mesh."""
     soup, tinted = _gathered([item], sight, palette, shading)
     front = soup.doubled_areas() > 0

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Flags, Floats
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.renderer.normals import corner_normals
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Triples = NDArray[np.int32]
 
@@ -63,7 +63,7 @@ class Soup:
 
 
 def gather(
-    meshes: Sequence[Mesh], colors: Sequence[NDArray[np.generic] | None], sight: Sight
+    meshes: Sequence[Mesh], colors: Sequence[NDArray[np.generic] | None], sight: ViewTransform
 ) -> Soup:
     """Bring meshes onto the sheet.
 
@@ -73,7 +73,7 @@ def gather(
         The meshes, in the world.
     colors : sequence of (v, 4) array or None
         RGBA 0 … 255 of each mesh's vertices, where they have any.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     """
     prepared = [corner_normals(mesh) for mesh in meshes]

@@ -15,7 +15,7 @@ NEAR = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class ViewTransform:
     """A camera bound to a window of pixels.
 
     `nearness` stands in for depth: it grows towards the eye and is affine in the pixel
@@ -79,13 +79,13 @@ class Sight:
         return nearness - mm
 
 
-def sight_of(
+def view_transform(
     camera: Camera,
     height: float,
     width: float,
     window: tuple[int, int, int, int],
     fineness: int = 1,
-) -> Sight:
+) -> ViewTransform:
     """Return the transform of a camera through a window of the picture.
 
     Parameters
@@ -105,7 +105,7 @@ def sight_of(
         focal = 0.5 * height * fine / np.tan(np.radians(camera.fov_y) / 2.0)
     else:
         focal = height * fine / camera.height
-    return Sight(
+    return ViewTransform(
         np.asarray(camera.eye),
         camera.axes,
         camera.kind == "perspective",

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.palette import Color
 from bozzetto.scene.renderer.shading import Fragments
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 TUBES: Final = 24
 """Tubes from the nadir to the zenith; the gaps between them are as wide."""
@@ -37,13 +37,13 @@ TINT: Final = 0.16
 """Share of the body's own colour in both."""
 
 
-def mirroring(
+def with_zebra(
     seen: Fragments,
     part: NDArray[np.int32],
     colors: Sequence[Color],
     tinted: Flags,
     polished: Flags,
-    sight: Sight,
+    sight: ViewTransform,
 ) -> Fragments:
     """Return the fragments with the colours of stripes on polished parts.
 
@@ -58,7 +58,7 @@ def mirroring(
     tinted, polished : (parts,) bool
         Which parts show their vertex colours, and which mirror the tubes; these have a colour
         in every pixel then.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     """
     where = np.flatnonzero(polished[part])
@@ -75,7 +75,7 @@ def mirroring(
     return replace(seen, color=color)
 
 
-def stripes(seen: Fragments, sight: Sight) -> Floats:
+def stripes(seen: Fragments, sight: ViewTransform) -> Floats:
     """Return how much of a light tube is mirrored at each pixel, 0 … 1, (n,).
 
     The pattern is 1 within a quarter of each tube's height, counted in tubes, and 0 between. Its
@@ -86,7 +86,7 @@ def stripes(seen: Fragments, sight: Sight) -> Floats:
     ----------
     seen : Fragments
         The visible surface.
-    sight : Sight
+    sight : ViewTransform
         The transform of the window.
     """
     height = np.arcsin(_climb(seen, sight)) * np.float32(TUBES / np.pi)
@@ -95,7 +95,7 @@ def stripes(seen: Fragments, sight: Sight) -> Floats:
     return np.asarray((_integral(middle + half) - _integral(middle - half)) / width)
 
 
-def _climb(seen: Fragments, sight: Sight) -> Floats:
+def _climb(seen: Fragments, sight: ViewTransform) -> Floats:
     """Sine of the angle by which mirrored lines of sight climb, (n,).
 
     With the unit vectors n across the surface and s towards the eye, the line of sight goes on
@@ -121,7 +121,7 @@ def _integral(height: Floats) -> Floats:
     return np.asarray(np.float32(0.5) * whole + np.minimum(height - whole, np.float32(0.5)))
 
 
-def _over_pixel(values: Floats, pixel: Index, sight: Sight) -> Floats:
+def _over_pixel(values: Floats, pixel: Index, sight: ViewTransform) -> Floats:
     """By how much values change over their pixels, (n,).
 
     On each axis the smaller of the steps to both neighbours: across a crease or a contour the

@@ -43,7 +43,7 @@ def starts(points: Array, marks: Array) -> Poses:
     return _fitted(points, marks, np.tile(turns, (1 + len(STRENGTHS), 1, 1)), strengths)
 
 
-def resumed(points: Array, marks: Array, before: Poses, cropped: bool) -> Poses:
+def resume_poses(points: Array, marks: Array, before: Poses, cropped: bool) -> Poses:
     """Return poses like one found before, next to it, for the marks there are now."""
     principal = before.principal * cropped
     made = _fitted(points, marks - principal, before.turn, before.perspectivity)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
-from bozzetto.view.calibration.initial_guesses import resumed, starts
+from bozzetto.view.calibration.initial_guesses import resume_poses, starts
 from bozzetto.view.calibration.input_checks import framed
 from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
@@ -226,7 +226,7 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
         counted = np.ones((1, len(points)))
         counted[0, list(aside)] = 0.0
         good = counted[0] > 0.0
-        begun = resumed(points[good], marks[good], before.pose, cropped)
+        begun = resume_poses(points[good], marks[good], before.pose, cropped)
         fit = adjusted(points, marks, begun, counted, cropped=cropped, steps=STEPS)
         off = np.linalg.norm(fit.residuals[0], axis=1)
         if np.isfinite(fit.costs[0]) and np.median(off) < LOST and (off[list(aside)] > BACK).all():

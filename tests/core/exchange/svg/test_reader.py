@@ -207,9 +207,7 @@ def test_what_is_shown_and_not_read_is_named():
     assert "Turn text into paths" in said
     assert read('<path d="M0 0L5 5"/>').left_out == ()
     assert "1 picture of this drawing is left" in read('<path d="M0 0L5 5"/><image/>').left_out[0]
-    with pytest.raises(
-        FormatError, match=r"no lines .* Only lines are read; 1 text"
-    ):
+    with pytest.raises(FormatError, match=r"no lines .* Only lines are read; 1 text"):
         read("<text>alone</text>")
 
 
