@@ -123,7 +123,7 @@ class Disk:
         return file
 
     def stamp(self, file: BinaryIO) -> FileStamp:
-        """Which content an open file has."""
+        """Return the stamp of an open file's content."""
         return _stamp(file)
 
     def dress(self, path: Path, like: Path, facts: os.stat_result) -> None:
@@ -262,7 +262,7 @@ def _check_writable(facts: os.stat_result | None) -> None:
 def _check_expected(
     target: Path, facts: os.stat_result, over: FileStamp | Over, disk: Disk
 ) -> None:
-    """See whether a file has the content that may be replaced."""
+    """Check that a file has the content that may be replaced."""
     if over is Over.ANYTHING:
         return
     expected = over if isinstance(over, FileStamp) else None
@@ -288,7 +288,7 @@ def _stamp_of(facts: os.stat_result, checksum: int) -> FileStamp:
 
 
 def read_stamped(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, FileStamp]:
-    """As `read_bytes`; and the stamp of what was read, for `atomic_write`."""
+    """Read a file as `read_bytes`; return the stamp of its content, for `atomic_write`, too."""
     content, facts = _read(path, limit)
     return content, _stamp_of(facts, zlib.crc32(content))
 

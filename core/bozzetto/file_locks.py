@@ -21,7 +21,7 @@ class Taken(Enum):
 
 
 def take(handle: int) -> Taken:
-    """Try to lock an open file, without waiting."""
+    """Lock an open file if that is possible without waiting."""
     try:
         if sys.platform == "win32":
             import msvcrt

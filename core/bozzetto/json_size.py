@@ -10,6 +10,6 @@ a tenth of a second."""
 
 
 def json_values(text: bytes | memoryview) -> int:
-    """At least as many as there are values in a JSON text: commas, brackets and braces."""
+    """Return an upper bound for the values in a JSON text: commas, brackets and braces."""
     content = bytes(text)
     return 1 + sum(content.count(mark) for mark in (b",", b"[", b"{"))

@@ -29,7 +29,7 @@ M_ARENA_MAX: Final = -8
 
 
 def bound_heap() -> bool:
-    """Bound what the heap keeps for later; False where that is not known to work.
+    """Bound the freed memory that the heap keeps; False where that is not known to work.
 
     Called once, before the first thread is started.
     """

@@ -31,7 +31,7 @@ def machine_id() -> str:
 
 
 def birth(pid: int) -> str:
-    """Which start of the machine, and when since then, a process was born; "" if unknown."""
+    """Return when a process was born, by the machine's start and the time since; "" if unknown."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
         # The name before the last bracket may hold blanks; the start is the 22nd field.

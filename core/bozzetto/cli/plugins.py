@@ -17,7 +17,7 @@ ACTIONS = ("list", "check", "enable", "disable")
 
 
 def plugins(options: argparse.Namespace) -> int:
-    """Do one of the `ACTIONS`; the exit code."""
+    """Do one of the `ACTIONS` and return the exit code."""
     if options.action == "list":
         _list()
         return 0

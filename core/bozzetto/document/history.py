@@ -101,7 +101,7 @@ class History:
 
     @property
     def held_bytes(self) -> int:
-        """About how many bytes other snapshots hold that the present one does not."""
+        """Estimate of the bytes that other snapshots hold and the present one does not."""
         return self._held
 
     def apply(
@@ -243,15 +243,15 @@ class History:
         self._open = False
 
     def undo(self) -> Document:
-        """Go one step back, where there is one; the present snapshot."""
+        """Go one step back, where there is one, and return the present snapshot."""
         return self.go_to(self._position - 1)
 
     def redo(self) -> Document:
-        """Go one step forward, where there is one; the present snapshot."""
+        """Go one step forward, where there is one, and return the present snapshot."""
         return self.go_to(self._position + 1)
 
     def go_to(self, position: int) -> Document:
-        """Go to one of the `entries` (the nearest there is); the present snapshot."""
+        """Go to one of the `entries` (the nearest there is) and return the present snapshot."""
         self._open = False
         target = max(0, min(position, len(self._steps) - 1))
         for step in self._steps[self._position + 1 : target + 1]:

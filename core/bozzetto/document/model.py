@@ -224,7 +224,7 @@ class Document:
         return replace(self, models=models.inserted(place, model))
 
     def without_model(self, model_id: str) -> Document:
-        """Leave a model out."""
+        """Return the document without a model."""
         return replace(self, models=self._models.without(self.place_of(model_id)))
 
     def with_waiting(self, waiting: Waiting) -> Document:
@@ -232,7 +232,7 @@ class Document:
         return self if waiting is self.waiting else replace(self, waiting=waiting)
 
     def unused_name(self, wish: str) -> str:
-        """`wish`, with a number behind it where the name is taken."""
+        """Return `wish`, with a number behind it where the name is taken."""
         taken = {model.name for model in self.models}
         if wish not in taken:
             return wish

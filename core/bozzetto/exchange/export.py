@@ -46,7 +46,7 @@ class Exported:
         return tuple(part.sentence(file) for part in self.left_out if part.is_content)
 
     def as_values(self) -> dict[str, Any]:
-        """Plain JSON values for a report."""
+        """Return plain JSON values for a report."""
         named: dict[str, tuple[Any, ...]] = {
             "solids": self.parts.solids,
             "surfaces": self.parts.surfaces,
@@ -125,7 +125,7 @@ def prepared(
 
 
 def _readably_named(shapes: Shapes) -> Shapes:
-    """Shapes with names at which no reader stops, whatever the format."""
+    """Return shapes with names that every reader accepts, whatever the format."""
     return replace(
         shapes,
         solids=tuple(replace(part, name=readable(part.name)) for part in shapes.solids),

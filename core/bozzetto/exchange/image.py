@@ -88,7 +88,7 @@ def _top(picture: Image.Image) -> float:
 
 
 def _eight_bits(picture: Image.Image, top: float) -> Image.Image:
-    """Grey of more than eight bits, which Pillow would clip instead of scaling."""
+    """Scale grey of more than eight bits, which Pillow would clip instead."""
     from PIL import Image
 
     if not picture.mode.startswith(("I", "F")):

@@ -38,11 +38,11 @@ class LeftOut:
     is_content: bool = True
 
     def sentence(self, file: str) -> str:
-        """One line, such as "Left out of the STEP file: …"; `file` is "STEP file"."""
+        """Return one line, such as "Left out of the STEP file: …"; `file` is "STEP file"."""
         return f"Left out of the {file}: {self.what} ({self.reason}); {self.advice}."
 
     def as_values(self) -> dict[str, Any]:
-        """Plain JSON values for a report."""
+        """Return plain JSON values for a report."""
         return {
             "what": self.what,
             "names": list(self.names),

@@ -73,7 +73,7 @@ class Sheet:
         )
 
     def to_units(self, pixels: Array, camera: Camera) -> Array:
-        """User units of canvas pixels, for the camera that shows this sheet."""
+        """Convert canvas pixels to user units, for the camera that shows this sheet."""
         return np.asarray(pixels * (self.height / camera.viewport[1]) + (self.x, self.y))
 
 

@@ -71,7 +71,7 @@ def flattened(pieces: ArrayLike, tolerance: float) -> tuple[Array, Array]:
 
 
 def _halves(control: Array) -> tuple[Array, Array]:
-    """Both halves of each piece (de Casteljau)."""
+    """Return both halves of each piece (de Casteljau)."""
     a, b, c, d = np.moveaxis(control, 1, 0)
     ab, bc, cd = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d)
     abc, bcd = 0.5 * (ab + bc), 0.5 * (bc + cd)

@@ -88,7 +88,7 @@ class Mesh:
         )
 
     def colors_over(self, base: tuple[int, int, int]) -> NDArray[np.uint8] | None:
-        """RGBA per vertex where the colour of the whole shows through; None without colours."""
+        """Return RGBA per vertex where the whole's colour shows through; None without colours."""
         if self.colors is None or self.cover is None:
             return self.colors
         share = self.cover[:, None].astype(np.float64) / 255.0

@@ -176,7 +176,7 @@ class Skin:
 
 
 def _matrices(quaternions: Array) -> Array:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4), x, y, z, w."""
+    """Return rotation matrices (n, 3, 3) of unit quaternions (n, 4), x, y, z, w."""
     x, y, z, w = (quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)).T
     return np.stack(
         [

@@ -150,12 +150,12 @@ class Shapes:
         )
 
     def meshes(self) -> Iterator[Solid | Surface]:
-        """Solids, then surfaces: all that is made of triangles."""
+        """Yield solids, then surfaces: all that is made of triangles."""
         yield from self.solids
         yield from self.surfaces
 
     def placed(self, placement: Placement) -> Shapes:
-        """All parts moved by a placement."""
+        """Return all parts moved by a placement."""
         if placement.is_identity:
             return self
         return Shapes(

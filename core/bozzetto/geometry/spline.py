@@ -99,7 +99,7 @@ class Spline:
     # -- evaluation ------------------------------------------------------------------------
 
     def value(self, parameters: ArrayLike) -> Array:
-        """Places on the curve.
+        """Return places on the curve.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class Spline:
         return np.asarray(BSpline.construct_fast(knots, points, degree)(at))
 
     def within(self, parameters: ArrayLike) -> Array:
-        """Parameters taken into the range."""
+        """Return parameters clamped to, or wrapped into, the range."""
         at = np.asarray(parameters, float)
         begin, end = self.range
         if self.closed:
@@ -132,7 +132,7 @@ class Spline:
         return np.asarray(np.clip(at, begin, end))
 
     def sampled(self, count: int) -> Array:
-        """Places at `count` equal steps of the parameter, both ends included, (count, d)."""
+        """Return places at `count` equal steps of the parameter, both ends included, (count, d)."""
         begin, end = self.range
         return self.value(np.linspace(begin, end, count))
 
@@ -153,7 +153,7 @@ class Spline:
     def foot_points(
         self, points: ArrayLike, near: ArrayLike | None = None, *, steps: int = FOOT_STEPS
     ) -> Array:
-        """Parameters of the places of the curve that are closest to given points.
+        """Find parameters of the places of the curve that are closest to given points.
 
         Newton's method on the squared distance (Hoschek 1988, intrinsic parametrisation); a
         step that leads away from the point is halved, so a start is never made worse.
@@ -204,7 +204,7 @@ class Spline:
         return at
 
     def _nearest(self, place: Array, steps: int) -> Array:
-        """Foot points from the nearest few places of a chain through the curve."""
+        """Return foot points from the nearest few places of a chain through the curve."""
         from scipy.spatial import cKDTree
 
         begin, end = self.range
@@ -269,7 +269,7 @@ class Spline:
         return Spline(knots, np.vstack((points, points[:DEGREE])), closed=True)
 
     def split(self, *parameters: float) -> tuple[Spline, ...]:
-        """Exact pieces of the curve, each with its own part of the parameter range.
+        """Return exact pieces of the curve, each with its own part of the parameter range.
 
         Parameters
         ----------
@@ -310,7 +310,7 @@ class Spline:
         return points[starts[:, None] + np.arange(DEGREE + 1)]
 
     def to_curve(self, name: str = "curve", color: Color | None = None) -> Curve:
-        """Hand the curve over: clamped ends, space coordinates (z = 0 for a plane curve)."""
+        """Return the curve for export: clamped ends, space coordinates (z = 0 in a plane)."""
         begin, end = self.range
         clamped = self.knots[0] == begin and self.knots[-1] == end
         whole = self if clamped else self._between(begin, end)
@@ -326,14 +326,14 @@ class Spline:
         return Spline(knots, self._refined(knots))
 
     def _unrolled(self) -> Spline:
-        """Two rounds of a closed curve as an open one."""
+        """Return two rounds of a closed curve as an open one."""
         begin, end = self.range
         inner = self.knots[DEGREE : -DEGREE - 1]
         knots = np.concatenate((self.knots[:DEGREE], inner, self.knots[DEGREE:] + (end - begin)))
         return Spline(knots, np.vstack((self.control_points[:-DEGREE], self.control_points)))
 
     def _refined(self, knots: Array) -> Array:
-        """Control points of the same curve over a knot vector that holds all of its knots.
+        """Return control points of the same curve over a knot vector that holds all of its knots.
 
         Each is a value of the blossom of the polynomial on a span that it acts on (Ramshaw
         1989): de Boor's scheme with a new knot at each level.
@@ -356,7 +356,7 @@ class Spline:
 
 
 def uniform_knots(count: int, closed: bool) -> Array:
-    """Knots at equal steps over 0 … 1 for `count` control points that differ."""
+    """Return knots at equal steps over 0 … 1 for `count` control points that differ."""
     if closed:
         return np.asarray(np.arange(-DEGREE, count + DEGREE + 1) / count)
     inner = np.linspace(0.0, 1.0, count - DEGREE + 1)
@@ -364,7 +364,7 @@ def uniform_knots(count: int, closed: bool) -> Array:
 
 
 def derived_points(knots: Array, points: Array, degree: int) -> Array:
-    """Control points of the derivative; 0 where knots of full multiplicity leave no span."""
+    """Return control points of the derivative; 0 where knots of full multiplicity leave no span."""
     width = knots[degree + 1 : -1] - knots[1 : -degree - 1]
     made = np.zeros((len(points) - 1, points.shape[1]))
     np.divide(degree * np.diff(points, axis=0), width[:, None], out=made, where=width[:, None] > 0)

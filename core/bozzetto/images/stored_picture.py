@@ -147,7 +147,7 @@ class Picture:
 
 
 def packed(pixels: NDArray[np.uint8], *, photograph: bool = False) -> bytes:
-    """Pixels as a file that a document keeps, with 4096 on the longer side at most.
+    """Encode pixels as a file that a document keeps, with 4096 on the longer side at most.
 
     Parameters
     ----------

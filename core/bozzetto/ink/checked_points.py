@@ -21,7 +21,7 @@ def is_on_sheet(points: ArrayLike) -> bool:
 
 
 def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
-    """Places as an array of shape (n, 2), px, that is checked.
+    """Return places as an array of shape (n, 2), px, that is checked.
 
     Parameters
     ----------

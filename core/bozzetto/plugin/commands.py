@@ -48,5 +48,5 @@ class HasCommands(Protocol):
     """A modeler with commands."""
 
     def commands(self) -> Sequence[Command]:
-        """All commands, in the order in which they are listed."""
+        """Return all commands, in the order in which they are listed."""
         ...

@@ -10,7 +10,7 @@ from bozzetto.errors import Cancelled
 
 
 def _nobody(fraction: float, step: str) -> None:
-    """Progress that no one watches."""
+    """Ignore progress that no one watches."""
 
 
 def _never() -> bool:

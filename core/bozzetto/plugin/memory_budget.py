@@ -142,7 +142,7 @@ class MemoryBudget:
         self._held -= self._less(entry.size)
 
     def _more(self, size: Size) -> int:
-        """Bytes that nothing held before; a size keeps its objects alive, and so their ids."""
+        """Add what nothing held before; a size keeps its objects alive, and so their ids."""
         more = size.small
         for thing, count in size.large:
             holders = self._holders.get(id(thing), 0)
@@ -151,7 +151,7 @@ class MemoryBudget:
         return more
 
     def _less(self, size: Size) -> int:
-        """Bytes that nothing holds any more."""
+        """Subtract what nothing holds any more."""
         less = size.small
         for thing, count in size.large:
             holders = self._holders.pop(id(thing)) - 1
@@ -163,6 +163,6 @@ class MemoryBudget:
 
 
 def _tell(gone: Iterable[Entry]) -> None:
-    """Outside the lock: who forgets takes a lock of its own."""
+    """Drop entries outside the lock: their owners take locks of their own."""
     for entry in gone:
         entry.forget()

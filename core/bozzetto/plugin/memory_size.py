@@ -47,7 +47,7 @@ class Size:
 
     @property
     def total(self) -> int:
-        """All of it, bytes."""
+        """Total size, bytes."""
         return self.small + sum(count for _, count in self.large)
 
 

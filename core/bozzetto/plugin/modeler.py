@@ -213,5 +213,5 @@ class Reports(Protocol):
     """A modeler that can say how good its result is."""
 
     def report(self, state: Any, result: Any) -> Mapping[str, Any]:
-        """Plain JSON values with readable keys; shown in a panel and written by ``--report``."""
+        """Return JSON values with readable keys; shown in a panel and written by ``--report``."""
         ...

@@ -48,7 +48,7 @@ class PartTree:
         raise UserError("That part is no longer in the object. Choose another one.")
 
     def find(self, name: str) -> str:
-        """Id of the one part of that name, or else of that id."""
+        """Return the id of the one part of that name, or else of that id."""
         found = [part.id for part in self.parts if part.name == name]
         if len(found) > 1:
             raise UserError(f"{len(found)} parts are called “{name}”. Rename all but one.")
@@ -62,7 +62,7 @@ class PartTree:
         return tuple(part for part in self.parts if part.within == group_id)
 
     def rows(self, group_id: str = "", depth: int = 0) -> Iterator[tuple[Any, int]]:
-        """Every part with how deep it lies, each group before what is in it."""
+        """Yield every part with its depth, each group before what is in it."""
         for part in self.within(group_id):
             yield part, depth
             if part.id in self.groups:
@@ -75,27 +75,27 @@ class PartTree:
     # -- changing --
 
     def chosen(self, part_id: str) -> PartTree:
-        """With another part chosen, or none."""
+        """Return the tree with another part chosen, or none."""
         if part_id:
             self.part(part_id)
         return replace(self, selected=part_id)
 
     def renamed(self, part_id: str, name: str) -> PartTree:
-        """With a part called something else."""
+        """Return the tree with a part renamed."""
         check_name(name.strip())
         return self._with(replace(self.part(part_id), name=name.strip()))
 
     def shown(self, part_id: str, visible: bool) -> PartTree:
-        """With a part shown or hidden."""
+        """Return the tree with a part shown or hidden."""
         return self._with(replace(self.part(part_id), visible=visible))
 
     def valued(self, part_id: str, values: Mapping[str, object]) -> PartTree:
-        """With parameters of a part changed."""
+        """Return the tree with parameters of a part changed."""
         part = self.part(part_id)
         return self._with(set_parameters(part, dict(values), f"“{part.name}”"))
 
     def without(self, *part_ids: str) -> PartTree:
-        """Without some parts and what is in them; a neighbour is chosen if one of them was."""
+        """Return the tree without some parts; a neighbour is chosen if one of them was."""
         gone = {part.id for part_id in part_ids for part in self.family(part_id)}
         kept = tuple(part for part in self.parts if part.id not in gone)
         near = self.selected
@@ -108,7 +108,7 @@ class PartTree:
         return PartTree(kept, self.groups - gone, near)
 
     def only(self, part_ids: Iterable[str]) -> PartTree:
-        """With nothing but some parts, what is in them, and the groups around them."""
+        """Return the tree with only some parts, their content, and the groups around them."""
         kept = {part.id for part_id in part_ids for part in self.family(part_id)}
         for part_id in tuple(kept):
             around = self.part(part_id).within
@@ -119,7 +119,7 @@ class PartTree:
         return PartTree(parts, self.groups & kept, self.selected if self.selected in kept else "")
 
     def doubled(self, part_id: str) -> PartTree:
-        """With a copy right behind a part, of all that is in it too; the copy is chosen."""
+        """Return the tree with a copy behind a part, with all that is in it; the copy is chosen."""
         tree, new_ids = self, {self.part(part_id).within: self.part(part_id).within}
         copies = []
         for part in self.family(part_id):
@@ -138,7 +138,7 @@ class PartTree:
         return PartTree(parts, tree.groups, copies[0].id)
 
     def moved(self, part_id: str, group_id: str, at: int) -> PartTree:
-        """With a part at another place.
+        """Return the tree with a part at another place.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class PartTree:
         return replace(self, parts=(*others[:index], moved, *others[index:]))
 
     def grouped(self, part_ids: Iterable[str], group: Any) -> PartTree:
-        """With parts put into a new group, which stands where the first of them stood.
+        """Return the tree with parts in a new group, which stands where the first of them stood.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class PartTree:
     def ungrouped(
         self, group_id: str, released: Callable[[Any, Any], Any] = lambda part, group: part
     ) -> PartTree:
-        """With a group dissolved: what is in it stands where it stood.
+        """Return the tree with a group dissolved: what is in it stands where it stood.
 
         Parameters
         ----------

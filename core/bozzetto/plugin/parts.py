@@ -43,7 +43,7 @@ Kind = TypeVar("Kind", bound=Part)
 
 
 def with_part(parts: Iterable[Kind], part: Kind) -> tuple[Kind, ...]:
-    """Parts with one of them in the place of the one of its id, or at the end."""
+    """Return the parts with one in the place of the one of its id, or at the end."""
     row = tuple(parts)
     if any(old.id == part.id for old in row):
         return tuple(part if old.id == part.id else old for old in row)
@@ -63,7 +63,7 @@ def unused_name(parts: Iterable[Part], stem: str) -> str:
 
 
 def switched_on(parts: Iterable[Kind]) -> tuple[Kind, ...]:
-    """Those of all parts of a state that are switched on, as are all groups around them."""
+    """Return those parts of a state that are visible, as are all groups around them."""
     row = tuple(parts)
     by_id = {part.id: part for part in row}
 
@@ -90,11 +90,11 @@ class HasParts(Protocol):
     part_types: tuple[type[Any], ...]
 
     def parts(self, state: Any) -> tuple[Any, ...]:
-        """All parts of a state, in the order in which they are listed and put together."""
+        """Return all parts of a state, in the order in which they are listed and put together."""
         ...
 
     def selected_part(self, state: Any) -> str:
-        """Id of the part that is chosen; "" for none."""
+        """Return the id of the part that is chosen; "" for none."""
         ...
 
     def is_group(self, part: Any) -> bool:

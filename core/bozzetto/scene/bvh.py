@@ -171,7 +171,7 @@ def _meets_boxes(
     box: Index,
     distance: Array,
 ) -> Flags:
-    """Slab test: which rays meet their box in front of what they have already met."""
+    """Return which rays meet their box in front of what they have already met (slab test)."""
     enter = np.zeros(len(ray))
     leave = distance[ray]
     for axis in range(3):
@@ -195,7 +195,7 @@ def _meet_triangles(
     distance: Array,
     face: Index,
 ) -> None:
-    """Möller–Trumbore; writes nearer hits into `distance` and `face`."""
+    """Intersect triangles (Möller–Trumbore); write nearer hits into `distance` and `face`."""
     for begin in range(0, len(ray), PAIRS_AT_ONCE):
         part = slice(begin, begin + PAIRS_AT_ONCE)
         which, tri = ray[part], triangle[part]
@@ -218,7 +218,7 @@ def _meet_triangles(
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Row-wise cross product; several times faster than ``numpy.cross``."""
+    """Return cross products row by row; several times faster than ``numpy.cross``."""
     result = np.empty_like(a)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]

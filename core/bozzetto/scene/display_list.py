@@ -228,7 +228,7 @@ class Scene:
         return Scene((*kept, *live.layers))
 
     def items(self) -> Iterator[tuple[Layer, Item]]:
-        """Every item with its layer."""
+        """Yield every item with its layer."""
         for layer in self.layers:
             for item in layer.items:
                 yield layer, item
@@ -254,7 +254,7 @@ class Scene:
         )
 
     def bounds(self) -> NDArray[np.float64]:
-        """Corners of the bounding box of meshes, lines, points and images, shape (2, 3), mm.
+        """Return the bounding box of meshes, lines, points and images, shape (2, 3), mm.
 
         NaN where the scene is empty.
         """

@@ -90,7 +90,7 @@ class Laid:
 
 
 def project_stroke(stroke: Stroke, scene: Scene) -> Laid:
-    """Lay a stroke on whatever surface is seen under it.
+    """Project a stroke on whatever surface is seen under it.
 
     All samples of the stroke are kept; others are put between them, at most `STEP` apart,
     and down to `FINEST` where the surface ends, breaks, bends sharply or gives way to
@@ -146,7 +146,7 @@ class _Path:
 
 
 def _stations(along: Array) -> Array:
-    """Arc lengths of the stroke's own samples and of those between them."""
+    """Return arc lengths of the stroke's own samples and of those between them."""
     step = max(STEP, float(along[-1]) / MOST_SAMPLES)
     spans = np.diff(along)
     parts = np.maximum(np.ceil(spans / step), 1.0).astype(np.intp)

@@ -41,7 +41,7 @@ class Hits:
 
     @property
     def hit(self) -> Flags:
-        """Return which rays met a surface."""
+        """Rays that met a surface, as flags (n,)."""
         return np.isfinite(self.distance)
 
 

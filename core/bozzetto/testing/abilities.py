@@ -34,7 +34,7 @@ PREVIEW: Final = Job(quality="preview")
 
 
 def check_commands(subject: Subject) -> None:
-    """Every command runs or refuses in plain words; what it makes can be stored and solved."""
+    """Check that commands run or refuse in plain words; what they make can be stored and solved."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             commands = shell.workbench.commands
@@ -56,7 +56,7 @@ def check_commands(subject: Subject) -> None:
 
 
 def check_view_advice(subject: Subject) -> None:
-    """Advice can be given of every view; better is not worse, and pinned views stay pinned."""
+    """Check advice on every view: better is not worse, and pinned views stay pinned."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             if not isinstance(shell.registry.modeler(subject.modeler), AdvisesView):
@@ -96,7 +96,7 @@ def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
 
 
 def check_next_hint(subject: Subject) -> None:
-    """Tools that say what to do next have words for an empty and for a drawn state."""
+    """Check that tools that say what to do next have words for an empty and a drawn state."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():
@@ -106,7 +106,7 @@ def check_next_hint(subject: Subject) -> None:
 
 
 def check_curves(subject: Subject) -> None:
-    """Curves that are offered are sound, in both qualities; an empty state offers none."""
+    """Check that curves offered are sound, in both qualities; an empty state offers none."""
     with subject.shell() as shell:
         if not isinstance(shell.registry.modeler(subject.modeler), OffersCurves):
             return
@@ -118,7 +118,7 @@ def check_curves(subject: Subject) -> None:
 
 
 def check_read_shapes(subject: Subject) -> None:
-    """Shapes of any kind are taken, or refused in plain words."""
+    """Check that shapes of any kind are taken, or refused in plain words."""
     with subject.shell() as shell:
         able = isinstance(shell.registry.modeler(subject.modeler), ReadsShapes)
         told = shell.registry.info(subject.modeler).reads_shapes
@@ -132,7 +132,7 @@ def check_read_shapes(subject: Subject) -> None:
 
 
 def check_pictures(subject: Subject) -> None:
-    """Pictures of any kind are taken and can be stored, or are refused in plain words."""
+    """Check that pictures of any kind are taken and stored, or refused in plain words."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             if not shell.workbench.sources.takes_pictures(subject.modeler):
@@ -165,7 +165,7 @@ def _pictures() -> tuple[Picture, ...]:
 
 
 def check_aims(subject: Subject) -> None:
-    """Tools that aim take no ink, and preview a tap wherever it is."""
+    """Check that tools that aim take no ink, and preview a tap wherever it is."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():

@@ -92,7 +92,7 @@ def _check_solids(shapes: Shapes) -> None:
 
 
 def check_samples(subject: Subject) -> None:
-    """Every sample drawing becomes a shape that can be shown."""
+    """Check that every sample drawing becomes a shape that can be shown."""
     from bozzetto.exchange.import_file import read_drawing
 
     with subject.shell() as shell:
@@ -176,7 +176,7 @@ def check_cancelling(subject: Subject) -> None:
 
 
 def check_odd_previews(subject: Subject) -> None:
-    """`preview` copes with every gesture of its kind, on an empty and on a drawn model."""
+    """Check that `preview` copes with every gesture of its kind, on an empty and a drawn model."""
 
     def look(shell: Shell, tool: Any, gesture: Any) -> None:
         try:
@@ -191,7 +191,7 @@ def check_odd_previews(subject: Subject) -> None:
 
 
 def check_odd_gestures(subject: Subject) -> None:
-    """`apply` refuses what it cannot use in plain words; what it takes can be solved or refused."""
+    """Check that `apply` refuses in plain words what it cannot use; what it takes can be solved."""
 
     def use(shell: Shell, tool: Any, gesture: Any) -> None:
         try:
@@ -218,7 +218,7 @@ def _with_odd_gestures(subject: Subject, act: Callable[[Shell, Any, Any], None])
 
 
 def check_determinism(subject: Subject) -> None:
-    """Equal states give equal shapes and scenes, in whatever thread they are solved."""
+    """Check that equal states give equal shapes and scenes, in whatever thread they are solved."""
     with subject.drawn() as shell:
         state_type = type(shell.state)
         shapes, scene = shell.shapes(), shell.scene()
@@ -245,7 +245,7 @@ def check_determinism(subject: Subject) -> None:
 
 
 def check_parameters(subject: Subject) -> None:
-    """Every number can be solved at both ends of its range, everything at its default."""
+    """Check that every number can be solved at the ends of its range, and at its default."""
     with subject.drawn() as shell:
         start = shell.model
         for field in _all_parameters(shell):
@@ -263,7 +263,7 @@ def check_parameters(subject: Subject) -> None:
 
 
 def check_ranges(subject: Subject) -> None:
-    """Solids are sound at both ends of every number's range, and with every choice."""
+    """Check that solids are sound at both ends of every number's range, and with every choice."""
     with subject.drawn() as shell:
         start = shell.model
         for field in _all_parameters(shell):
@@ -313,7 +313,7 @@ def _allowed(field: Field) -> list[object]:
 
 
 def check_parts(subject: Subject) -> None:
-    """Parts can be put back as they were read, and edited as the object list does."""
+    """Check that parts can be put back as they were read, and edited as the object list does."""
     with subject.drawn() as shell:
         modeler = shell.registry.modeler(subject.modeler)
         edits, model = shell.workbench.parts, shell.model
@@ -400,7 +400,7 @@ def check_elsewhere(subject: Subject) -> None:
 
 
 def _environment() -> dict[str, str]:
-    """Our environment, with our import path."""
+    """Return our environment, with our import path."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
 
 

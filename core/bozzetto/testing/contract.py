@@ -47,10 +47,10 @@ class ModelerContract:
 
     @property
     def subject(self) -> Subject:
-        """Return the modeler on which the checks run."""
+        """Modeler on which the checks run."""
         return Subject(self.modeler, self.packages, self.sketch)
 
     @pytest.mark.parametrize("check", [_marked(check) for check in CHECKS])
     def test_contract(self, check: Check) -> None:
-        """One article of the contract; its docstring in `checks` says what it asks."""
+        """Check one article of the contract; its docstring in `checks` says what it asks."""
         check.run(self.subject)

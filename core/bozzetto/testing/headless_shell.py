@@ -128,7 +128,7 @@ class Shell:
         return self.do(Ink(strokes, committed), tool=self.tool(tool, "ink"))
 
     def tap(self, x: float, y: float, *, tool: str | None = None) -> Model:
-        """Touch the sheet at canvas pixels, by default with the first tool for taps."""
+        """Tap the sheet at canvas pixels, by default with the first tool for taps."""
         return self.do(Tap(x, y, self.camera), tool=self.tool(tool, "tap"))
 
     def drag(self, handle: str, path: Stroke) -> Model:
@@ -168,7 +168,7 @@ class Shell:
         return self._keep("parameters", self.workbench.set_parameters(self.model, values))
 
     def put(self, state: Any) -> Model:
-        """Go on from a state of your own."""
+        """Continue from a state of your own."""
         return self._keep("state", replace(self.model, state=state))
 
     def undo(self) -> bool:

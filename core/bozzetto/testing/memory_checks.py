@@ -34,7 +34,7 @@ print(json.dumps(answers(bench, questions(bench, document.models[0])[::-1])))
 
 
 def check_forgetting(subject: Subject) -> None:
-    """Answers do not depend on what was asked before, whatever the modeler remembers."""
+    """Check that answers do not depend on what was asked before, whatever is remembered."""
     with subject.drawn() as shell, subject.drawn(1) as other:
         registry, model = shell.registry, shell.model
         first = _asked(Workbench(registry), model)
@@ -51,7 +51,7 @@ def check_forgetting(subject: Subject) -> None:
 
 
 def check_fresh_process(subject: Subject) -> None:
-    """Answers are those of a process that was asked nothing before, in the opposite order."""
+    """Check that answers are those of a fresh process, asked in the opposite order."""
     with subject.drawn() as shell:
         bench = Workbench(shell.registry)
         first = answers(bench, questions(bench, shell.model))
@@ -67,7 +67,7 @@ def _asked(bench: Workbench, model: Model) -> dict[str, str]:
 
 
 def _row_of_another(bench: Workbench, model: Model) -> list[Question]:
-    """Questions about another document; none where it cannot even be shown."""
+    """Return questions about another document; none where it cannot even be shown."""
     try:
         return questions(bench, model)
     except (UserError, PluginFault):

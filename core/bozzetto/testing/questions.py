@@ -49,7 +49,7 @@ class Question:
 
 
 def questions(bench: Workbench, model: Model) -> list[Question]:
-    """Every pure question about a model: the same ones each time.
+    """Return every pure question about a model: the same ones each time.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def _context(bench: Workbench, model: Model) -> Context:
 
 
 def _cameras(bench: Workbench, model: Model) -> tuple[Camera, ...]:
-    """Two views that anybody might have, and the one that is called better."""
+    """Return two views that anybody might have, and the one that is called better."""
     views = (
         Camera(),
         Camera(eye=(300.0, 400.0, -200.0), target=(10.0, -20.0, 30.0), fov_y=120.0),
@@ -166,7 +166,7 @@ def _cameras(bench: Workbench, model: Model) -> tuple[Camera, ...]:
 
 
 def _gestures(bench: Workbench, model: Model, tool: Tool[Any]) -> Iterator[Gesture]:
-    """Gestures of a tool's kind, two of which begin alike: in the middle of one, and whole."""
+    """Yield gestures of a tool's kind, two of which begin alike: half of one, and whole."""
     for camera in _cameras(bench, model)[::2]:
         pen = Pen(camera)
         if tool.gesture == "ink":

@@ -49,7 +49,7 @@ TOOL_NAMES: Final = _names(Tool, TellsNext, Aims)
 
 
 def check_spelling(subject: Subject) -> None:
-    """No public attribute is a misspelt ability, which nobody would ever ask for."""
+    """Check that no public attribute is a misspelt ability, which nobody would ever ask for."""
     with subject.shell() as shell:
         modeler = shell.registry.modeler(subject.modeler)
         found = [f"the modeler: {said}" for said in _misspelt(modeler, MODELER_NAMES)]

@@ -95,7 +95,7 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
 
 
 def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gesture]]:
-    """Gestures of a tool's kind that no one would make on purpose, each with a name."""
+    """Yield gestures of a tool's kind that no one would make on purpose, each with a name."""
     if tool.gesture == "ink":
         for name, stroke in _odd_strokes():
             yield name, Ink((stroke,), committed=True)

@@ -107,7 +107,7 @@ class Pen:
 
 
 def _smooth_noise(count: int, seed: int) -> Array:
-    """Noise of unit deviation that is correlated over some samples, shape (count, 2)."""
+    """Return noise of unit deviation that is correlated over some samples, shape (count, 2)."""
     window = np.hanning(11)[1:-1]
     rough = np.random.default_rng(seed).normal(size=(count + len(window) - 1, 2))
     window /= np.sqrt(np.sum(window**2))

@@ -132,7 +132,7 @@ class Camera:
     # -- between world and canvas --
 
     def view_space(self, points: ArrayLike) -> Array:
-        """World points in the camera's own frame: right, up, depth; shape (n, 3), mm."""
+        """Return world points in the camera's own frame: right, up, depth; shape (n, 3), mm."""
         return (np.reshape(np.asarray(points, float), (-1, 3)) - self.eye) @ self.axes.T
 
     def project(self, points: ArrayLike) -> tuple[Array, Array]:
@@ -165,7 +165,7 @@ class Camera:
         return pixels, depth
 
     def rays(self, pixels: ArrayLike) -> Rays:
-        """Rays through canvas positions.
+        """Return rays through canvas positions.
 
         Parameters
         ----------
@@ -192,7 +192,7 @@ class Camera:
         return Rays(np.broadcast_to(np.asarray(self.eye), toward.shape).copy(), toward)
 
     def on_plane(self, pixels: ArrayLike, point: ArrayLike, normal: ArrayLike) -> Array:
-        """World points where the rays through canvas positions meet a plane.
+        """Return world points where the rays through canvas positions meet a plane.
 
         Parameters
         ----------

@@ -81,7 +81,7 @@ def enlarged(camera: Camera, factor: float) -> Camera:
 
 
 def _level_frame(camera: Camera) -> Array:
-    """Rows: right, ahead and up of a camera that stands level.
+    """Return rows right, ahead and up of a camera that stands level.
 
     Where the line of sight is nearly along `up`, what is upwards in its picture is up.
     """

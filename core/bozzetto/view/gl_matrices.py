@@ -16,7 +16,7 @@ SLACK = 0.01
 
 
 def near_far(camera: Camera, bounds: ArrayLike) -> tuple[float, float]:
-    """Depths between which everything in a box lies.
+    """Return depths between which everything in a box lies.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def near_far(camera: Camera, bounds: ArrayLike) -> tuple[float, float]:
 
 
 def gl_matrices(camera: Camera, near: float, far: float) -> tuple[Array, Array]:
-    """Matrices for column vectors in OpenGL's conventions.
+    """Return matrices for column vectors in OpenGL's conventions.
 
     Parameters
     ----------

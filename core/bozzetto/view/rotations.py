@@ -31,7 +31,7 @@ def unit(vector: ArrayLike) -> Array:
 
 
 def steepness(camera: Camera) -> tuple[float, float]:
-    """Azimuth and elevation of a view about the world's Z, radians.
+    """Return azimuth and elevation of a view about the world's Z, radians.
 
     Azimuth 0 looks along +Y and grows counter-clockwise seen from above. Elevation is
     that of the eye above the target, −π/2 … π/2. The azimuth is read off the view's
@@ -47,7 +47,7 @@ def steepness(camera: Camera) -> tuple[float, float]:
 
 
 def upright(azimuth: float, elevation: float) -> Array:
-    """Rows right, up, forward of the view with this azimuth and elevation (radians)."""
+    """Return rows right, up, forward of the view with this azimuth and elevation (radians)."""
     right = np.array((np.cos(azimuth), np.sin(azimuth), 0.0))
     level = np.array((-right[1], right[0], 0.0))
     forward = np.cos(elevation) * level - np.array((0.0, 0.0, np.sin(elevation)))

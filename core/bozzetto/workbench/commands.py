@@ -28,7 +28,7 @@ class ModelCommands:
         self._registry = registry
 
     def of(self, modeler_id: str) -> tuple[Command, ...]:
-        """All commands of a modeler; empty where it has none."""
+        """Return all commands of a modeler; empty where it has none."""
         modeler = self._registry.modeler(modeler_id)
         if not isinstance(modeler, HasCommands):
             return ()

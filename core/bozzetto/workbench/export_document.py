@@ -106,7 +106,7 @@ def chosen_models(
 
 
 def unusable(bench: Workbench, model: Model) -> LeftOut | None:
-    """Why an object cannot be shown or handed over now; None if it can."""
+    """Return why an object cannot be shown or exported now; None if it can."""
     standing = bench.registry.standing(model.modeler)
     usable = standing.status not in ("absent", "disabled", "broken")
     if usable and not bench.is_foreign(model):
@@ -191,6 +191,6 @@ def prepared_file(
 
 
 def _points_of(shapes: Shapes) -> NDArray[np.float64]:
-    """Points of all that a flat file shows, mm."""
+    """Return points of all that a flat file shows, mm."""
     lines = [points_on(curve) for curve in shapes.curves]
     return np.concatenate(lines) if lines else np.zeros((0, 3))

@@ -25,7 +25,7 @@ def scene_in_world(scene: Scene, model: Model) -> Scene:
 
 
 def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
-    """Shaded parts in the model's colour, where they carry no colours of their own."""
+    """Return shaded parts in the model's colour, where they carry no colours of their own."""
 
     def tint(item: Any) -> Any:
         bare = isinstance(item, Shaded) and item.color == "clay"
@@ -57,7 +57,7 @@ def _placed(answer: Answer, model: Model) -> Answer:
 
 
 def _named(shapes: Shapes, model: Model) -> Shapes:
-    """Parts in the model's colour; those without a name are named after it and numbered."""
+    """Return parts in the model's colour; those without a name are named after it and numbered."""
 
     def named(parts: tuple[Any, ...]) -> tuple[Any, ...]:
         made = []

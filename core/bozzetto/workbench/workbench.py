@@ -106,7 +106,7 @@ class Workbench:
         raise UserError(f"The modeler {modeler_id} has no tool {tool_id!r}.")
 
     def tools(self, modeler_id: str) -> tuple[Tool[Any], ...]:
-        """All tools of a modeler."""
+        """Return all tools of a modeler."""
         modeler = self.registry.modeler(modeler_id)
         made = self.registry.guard.call(modeler_id, "tools", modeler.tools)
         return self.registry.guard.check_tools(modeler_id, made)
@@ -310,7 +310,7 @@ class Workbench:
     # -- what to show and to hand over --
 
     def model_scene(self, model: Model, result: Any | None) -> Scene:
-        """One model's scene in the world, marked as its own."""
+        """Return one model's scene in the world, marked as its own."""
         modeler = self._modeler_of(model)
         scene = self.registry.guard.call(model.modeler, "scene", modeler.scene, model.state, result)
         scene = self.registry.guard.check_scene(model.modeler, scene)

@@ -136,7 +136,7 @@ class JournalWriter:
 
 
 def read_records(path: Path) -> Iterator[bytes]:
-    """Yield the records of a journal, up to the first one that is not whole."""
+    """Iterate over the records of a journal, up to the first one that is not whole."""
     return iter(JournalReader(path))
 
 

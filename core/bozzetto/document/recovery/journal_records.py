@@ -264,7 +264,7 @@ def _waiting(strokes: Sequence[Stroke], ink: _WaitingInk) -> Waiting:
 
 
 def record_time(record: bytes) -> float:
-    """When a record was made, seconds since 1970."""
+    """Return the time at which a record was made, seconds since 1970."""
     return decode_json(ContainerReader(record).json(CHANGE), _Change).time
 
 

@@ -150,7 +150,7 @@ class RecoveryStore:
             raise
 
     def crashed_sessions(self) -> list[CrashedSession]:
-        """Documents that were open in a process that is gone; the latest change first.
+        """Return the documents that were open in a process that is gone; the latest change first.
 
         Raises
         ------
@@ -345,7 +345,7 @@ def _read_facts(folder: Path) -> Facts:
 
 
 def _generations(folder: Path) -> list[int]:
-    """Numbers of the bases in a session's folder, ascending."""
+    """Return the numbers of the bases in a session's folder, ascending."""
     names = (re.fullmatch(r"base-(\d{1,9})\.bozz", path.name) for path in folder.iterdir())
     return sorted(int(found[1]) for found in names if found)
 
@@ -356,7 +356,7 @@ def _is_empty(folder: Path) -> bool:
 
 
 def _complete_to(folder: Path, otherwise: float) -> float:
-    """When the last change that is kept was made; the other time where nothing says so."""
+    """Return the time of the last change that is kept; the other time where none is recorded."""
     try:
         generation = _generations(folder)[-1]
         last = None

@@ -126,7 +126,7 @@ class RecoverySession:
                 delete(self.folder, self._lock)
 
     def set_aside(self) -> None:
-        """Leave all this to be offered again: nobody has said that it may go."""
+        """Keep the recovery data and offer them again: nobody has said that they may go."""
         with self._guard:
             if not self._closed:
                 self._closed = True
@@ -180,7 +180,7 @@ def delete(folder: Path, lock: FileLock) -> None:
 def facts_of(
     name: str, path: str | os.PathLike[str] | None, began: float, stamp: FileStamp | None
 ) -> Facts:
-    """Facts as JSON can hold them: file names need not be text on every system."""
+    """Return facts as JSON can hold them: file names need not be text on every system."""
     shown = None if path is None else _as_text(os.fspath(path))
     raw = None if path is None or shown == os.fspath(path) else os.fsencode(path)
     return Facts(_as_text(name), shown, began, raw, stamp)

@@ -63,7 +63,7 @@ class Aside:
 
 
 def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
-    """Numbers as (first, count) of consecutive ones."""
+    """Return numbers as (first, count) of consecutive ones."""
     if not numbers:
         return []
     row = np.asarray(numbers, np.int64)

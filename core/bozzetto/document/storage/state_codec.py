@@ -30,7 +30,7 @@ class StateTypes(Protocol):
     """Source of modelers' state types, such as `bozzetto.plugin.host.registry.Registry`."""
 
     def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
-        """State type and version of a modeler, or None if it is absent or broken."""
+        """Return the state type and version of a modeler, or None if it is absent or broken."""
         ...
 
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
@@ -132,7 +132,7 @@ def decode_state(
 
 
 def state_digest(state: Any) -> bytes:
-    """16 bytes that name a state's content; equal states have equal ones."""
+    """Return 16 bytes that name a state's content; equal states have equal ones."""
     encoded = encode_state(state)
     import hashlib
 

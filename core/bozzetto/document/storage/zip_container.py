@@ -99,7 +99,7 @@ def all_finite(array: NDArray[Any]) -> bool:
 
 
 def encode_json(value: Any) -> bytes:
-    """JSON of structs and plain values; numpy's single numbers become Python's."""
+    """Encode structs and plain values as JSON; numpy's single numbers become Python's."""
     return msgspec.json.encode(value, enc_hook=_plain)
 
 
@@ -110,7 +110,7 @@ def _plain(value: Any) -> Any:
 
 
 def decode_json(text: bytes, kind: type[Value]) -> Value:
-    """Typed values from JSON.
+    """Decode typed values from JSON.
 
     Raises
     ------
@@ -258,12 +258,12 @@ class ContainerReader:
         return name in self._entries
 
     def unread(self) -> tuple[str, ...]:
-        """Entries that nobody has asked for yet, in the order of the directory."""
+        """Return the entries that nobody has read yet, in the order of the directory."""
         return tuple(self._unread)
 
     @property
     def arrays(self) -> tuple[str, ...]:
-        """The entries that were declared as arrays, in that order."""
+        """Entries that were declared as arrays, in that order."""
         return tuple(self._parts)
 
     def declare(self, parts: Sequence[Part]) -> None:
@@ -368,7 +368,7 @@ def _directory(data: Content) -> dict[str, _Entry]:
 
 
 def _central(data: Content, place: int, end: int) -> tuple[str, _Entry, int, int]:
-    """Name, entry, place of the local header, and place of the next record."""
+    """Return name, entry, place of the local header, and place of the next record."""
     if place + CENTRAL.size > end:
         raise DocumentError("This document's directory is damaged. Open a backup of it.")
     record = CENTRAL.unpack_from(data, place)

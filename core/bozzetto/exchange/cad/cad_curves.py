@@ -88,7 +88,7 @@ def readable(name: str) -> str:
 
 
 def bezier_pieces(curve: Curve) -> Array:
-    """Bézier control points of every span of a clamped curve.
+    """Return the Bézier control points of every span of a clamped curve.
 
     They are the blossom of the span's polynomial at its two ends (Ramshaw 1989, "Blossoms are
     polar forms"), all by interpolation inside the span's knots.

@@ -68,6 +68,6 @@ def names_of_patches(patchwork: Patchwork) -> tuple[str, ...]:
 
 
 def with_meshes(shapes: Shapes) -> Shapes:
-    """Shapes for formats that hold triangles only: patchworks become surfaces of triangles."""
+    """Return shapes for formats that hold triangles only: patchworks become surfaces."""
     meshes = tuple(Surface(tessellated(p), p.name, p.color) for p in shapes.patchworks)
     return replace(shapes, surfaces=shapes.surfaces + meshes, patchworks=())

@@ -140,7 +140,7 @@ class _File:
 
 
 def _fields(*values: object) -> str:
-    """Fields of a directory entry, eight columns each."""
+    """Return the fields of a directory entry, eight columns each."""
     return "".join(f"{value:>8}" for value in values)
 
 
@@ -201,7 +201,7 @@ def _text(text: str) -> str:
 
 
 def _rows(values: Iterable[str], width: int) -> Iterator[str]:
-    """Values with their delimiters on lines; only what is longer than one is broken."""
+    """Break values with their delimiters into lines; only what is longer than one is split."""
     values = list(values)
     row = ""
     for number, value in enumerate(values, 1):

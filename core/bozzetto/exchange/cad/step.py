@@ -111,7 +111,7 @@ def _frame(file: Part21) -> str:
 
 
 def _curve(file: Part21, curve: Curve) -> str:
-    """One curve with its control points (ISO 10303-42, b_spline_curve_with_knots)."""
+    """Add a curve with its control points (ISO 10303-42, b_spline_curve_with_knots)."""
     points = [_point(file, point) for point in curve.control_points.tolist()]
     name = string(curve.name)
     closed = ".T." if curve.closed else ".F."
@@ -129,7 +129,7 @@ def _curve(file: Part21, curve: Curve) -> str:
 
 
 def _faces(file: Part21, patchwork: Patchwork) -> list[str]:
-    """Patches as faces; both at an edge name the same edge curve, in opposite senses."""
+    """Add patches as faces; both at an edge name the same edge curve, in opposite senses."""
     places, ends = patchwork.nodes
     corners = [file.add(f"VERTEX_POINT('',{_point(file, place)})") for place in places.tolist()]
     edges = []
@@ -154,7 +154,7 @@ def _shells(file: Part21, patchwork: Patchwork, faces: list[str]) -> str:
 
 
 def _face(file: Part21, net: Array, edges: list[str], sides: list[int], name: str) -> str:
-    """One patch within its edges (ISO 10303-42, b_spline_surface_with_knots)."""
+    """Add one patch within its edges (ISO 10303-42, b_spline_surface_with_knots)."""
     rows = many(many(_point(file, point) for point in row) for row in net.tolist())
     surface = file.add(
         f"B_SPLINE_SURFACE_WITH_KNOTS({name},3,3,{rows},.UNSPECIFIED.,.F.,.F.,.U.,"

@@ -148,7 +148,7 @@ def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord
 
 
 def write_drawing(drawing: Drawing) -> bytes:
-    """Ink JSON that reads back as an equal drawing."""
+    """Write ink JSON that reads back as an equal drawing."""
     top = {
         "format": FORMAT,
         "canvas": canvas_record(drawing.camera),

@@ -155,7 +155,7 @@ def _camera(text: str) -> Camera:
 
 
 def _find_formats(element: Element, ink: _Ink) -> None:
-    """Trace formats by the ids of all elements that hold one; "" is the first in the file."""
+    """Collect trace formats by the ids of all elements that hold one; "" is the first one."""
     for child in element.children:
         if child.tag == "traceFormat":
             channels = [
@@ -190,7 +190,7 @@ def _channel(element: Element) -> _Channel:
 
 
 def _walk(element: Element, context: str, ink: _Ink) -> None:
-    """Traces in the order of the file."""
+    """Collect the traces in the order of the file."""
     for child in element.children:
         own = child.attributes.get("contextRef", f"#{context}").lstrip("#")
         if child.tag == "trace" and child.attributes.get("type") == "penUp":
@@ -309,7 +309,7 @@ def _stroke(
 
 
 def write_drawing(drawing: Drawing) -> bytes:
-    """InkML that reads back as an equal drawing."""
+    """Write InkML that reads back as an equal drawing."""
     layouts: dict[tuple[str, ...], str] = {}
     traces = [_trace(stroke, drawing.camera, layouts) for stroke in drawing.strokes]
     contexts = [

@@ -69,7 +69,7 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """GLB with one node, mesh and material per part.
+    """Write GLB with one node, mesh and material per part.
 
     A texture takes the place of vertex colours, which glTF would multiply with it. A solid with
     a skin is written at rest, and its joints as they are turned.
@@ -176,7 +176,7 @@ def _unit_normals(mesh: Mesh) -> NDArray[np.float32]:
 
 
 def _linear_colors(colors: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """Vertex colours are linear in glTF; 16 bits keep every sRGB byte apart."""
+    """Convert vertex colours to glTF's linear ones; 16 bits keep every sRGB byte apart."""
     linear = np.hstack((srgb_to_linear(colors[:, :3]), colors[:, 3:] / 255.0))
     return np.rint(65535.0 * linear).astype("<u2")
 
@@ -270,7 +270,7 @@ def _opened(data: bytes) -> tuple[Gltf, bytes]:
 def _surface(
     gltf: Gltf, blob: bytes, primitive: Primitive, matrix: NDArray[np.float64], name: str
 ) -> Surface | None:
-    """One primitive in our axes; None for points and lines."""
+    """Return one primitive in our axes; None for points and lines."""
     if primitive.mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
         return None
     local = _values(gltf, blob, primitive.attributes["POSITION"], 3)

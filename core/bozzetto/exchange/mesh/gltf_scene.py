@@ -111,14 +111,14 @@ class Gltf(Record):
 
 
 def item(items: list[Any], index: int, what: str) -> Any:
-    """One of the records by its number, if there is such a one."""
+    """Return one of the records by its number, if it exists."""
     if not 0 <= index < len(items):
         raise FormatError(f"It names {what} {index}, which it does not hold.")
     return items[index]
 
 
 def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.float64]]]:
-    """Every mesh of the scene with its name and its matrix (4, 4), parents before children."""
+    """Yield every mesh of the scene with its name and its matrix (4, 4), parents first."""
     if gltf.scenes:
         roots = item(gltf.scenes, gltf.scene or 0, "scene").nodes
     elif gltf.nodes:

@@ -52,7 +52,7 @@ def inverse_binds(rig: Rig) -> NDArray[np.float32]:
 def follows(
     skin: Skin, vertex: NDArray[np.intp]
 ) -> tuple[NDArray[np.uint8] | NDArray[np.uint16], NDArray[np.float32]]:
-    """Joints and weights of the file's vertices, (n, 4) each; joint 0 where the weight is 0."""
+    """Return joints and weights of the file's vertices, (n, 4) each; joint 0 for weight 0."""
     weights = skin.weights[vertex].astype(np.float64)
     shares = (weights / weights.sum(axis=1, keepdims=True)).astype("<f4")
     joints = np.where(shares > 0.0, skin.joints[vertex], 0)

@@ -58,7 +58,7 @@ def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
 
 
 def picture_file(texture: Texture, base: tuple[int, int, int]) -> bytes:
-    """PNG of the picture over the colour of what it is wrapped around."""
+    """Return a PNG of the texture, blended over the base colour of the part."""
     share = texture.pixels[..., 3:].astype(np.float32) / np.float32(255)
     under = np.array(base, np.float32)
     flat = np.full_like(texture.pixels, 255)

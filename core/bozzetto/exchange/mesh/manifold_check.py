@@ -41,7 +41,7 @@ def _unpaired_edges(mesh: Mesh) -> int:
 
 
 def enclosed_volume(mesh: Mesh) -> float:
-    """Signed volume inside a closed mesh, mm³: positive where faces look outwards."""
+    """Return the signed volume inside a closed mesh, mm³: positive where faces look outwards."""
     if not len(mesh.faces):
         return 0.0
     corners = mesh.vertices[mesh.faces].astype(np.float64) - mesh.vertices[0]

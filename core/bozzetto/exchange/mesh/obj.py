@@ -27,7 +27,7 @@ HEADER: Final = "# Bozzetto: millimetres, Z up\n"
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """OBJ with one object per part; faces share the vertices of their part."""
+    """Write OBJ with one object per part; faces share the vertices of their part."""
     pieces = [HEADER]
     first = 1
     for part in shapes.meshes():
@@ -93,7 +93,7 @@ def read_shapes(data: bytes) -> Shapes:
 
 
 def _lines(data: bytes) -> list[bytes]:
-    """Lines without comments; a backslash at the end joins the next one."""
+    """Return lines without comments; a backslash at the end joins the next one."""
     if b"\\\n" in data or b"\\\r\n" in data:
         data = re.sub(rb"\\\r?\n", b" ", data)
     return [line.partition(b"#")[0] for line in data.splitlines()]
@@ -102,7 +102,7 @@ def _lines(data: bytes) -> list[bytes]:
 def _columns(
     rows: list[list[bytes]],
 ) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None]:
-    """Places and, where every vertex has three values more, colours."""
+    """Return places and, where every vertex has three values more, colours."""
     width = min(map(len, rows), default=0)
     if rows and width < 3:
         raise FormatError("A vertex of this file has fewer than three coordinates.")

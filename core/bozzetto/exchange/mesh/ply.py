@@ -46,7 +46,7 @@ Columns = dict[str, NDArray[Any]]
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Binary little-endian PLY of all meshes together; with colours if any part has one.
+    """Write binary little-endian PLY of all meshes together; with colours if any part has one.
 
     Parts without a colour are white among coloured ones.
     """
@@ -121,7 +121,7 @@ def read_shapes(data: bytes) -> Shapes:
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
-    """Byte order, elements and what follows the header."""
+    """Return byte order, elements and what follows the header."""
     end = data.find(b"end_header", 0, MAX_HEADER)
     line_end = data.find(b"\n", end)
     if data[:3] != b"ply" or end < 0 or line_end < 0:
@@ -183,7 +183,7 @@ def _lists(element: _Element) -> list[_Property]:
 
 
 def _first_lengths(element: _Element, body: bytes, at: int, order: str) -> tuple[int, ...] | None:
-    """Lengths of the lists in the first row; None if the table would not fit the file."""
+    """Return the lengths of the lists in the first row; None if the table exceeds the file."""
     lengths: list[int] = []
     start = at
     for p in element.properties:
@@ -205,7 +205,7 @@ def _first_lengths(element: _Element, body: bytes, at: int, order: str) -> tuple
 def _table(
     element: _Element, body: bytes, at: int, order: str, lengths: tuple[int, ...]
 ) -> tuple[Columns, int]:
-    """Columns of rows of one size; a list as its values in a row and a column of lengths."""
+    """Read rows of one size; a list becomes its values in a row and a column of lengths."""
     fields: list[Any] = []
     names: list[str] = []
     sizes = iter(lengths)
@@ -229,7 +229,7 @@ def _table(
 
 
 def _row_by_row(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
-    """Rows whose lists differ in length."""
+    """Read rows whose lists differ in length."""
     kinds = [
         (p.name, np.dtype(order + p.kind), np.dtype(order + p.counts) if p.counts else None)
         for p in element.properties
@@ -327,7 +327,7 @@ def _shapes(vertex: Columns, face: Columns) -> Shapes:
 
 
 def _colors(vertex: Columns) -> NDArray[np.uint8] | None:
-    """RGBA, from bytes or from numbers 0 … 1 as the types say."""
+    """Return RGBA, from bytes or from numbers 0 … 1 as the types say."""
     if not {"red", "green", "blue"} <= vertex.keys():
         return None
     share = vertex["red"].dtype.kind == "f"

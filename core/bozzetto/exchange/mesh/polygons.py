@@ -62,7 +62,7 @@ def is_degenerate(faces: Faces) -> NDArray[np.bool_]:
 
 
 def without_degenerate(faces: Faces) -> Faces:
-    """Leave out triangles that name a vertex twice."""
+    """Remove triangles that name a vertex twice."""
     return np.asarray(faces[~is_degenerate(faces)])
 
 
@@ -119,7 +119,7 @@ def triangulated(
 
 
 def _turned_quads(vertices: NDArray[np.float64], rings: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Quadrangles begun at the corner whose diagonal lies inside."""
+    """Rotate quadrangles to begin at the corner whose diagonal lies inside."""
     a, b, c, d = np.moveaxis(vertices[rings], 1, 0)
     area = np.cross(c - a, d - b)
     inside = [
@@ -142,7 +142,7 @@ def _convex(rings: NDArray[np.float64]) -> NDArray[np.bool_]:
 def _cut(
     ring: NDArray[np.float64], indices: NDArray[np.int64], fan: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Triangles of one polygon that is not convex; the fan where it is beyond saving."""
+    """Triangulate one polygon that is not convex; fall back to a fan where that fails."""
     import manifold3d
 
     area = np.cross(ring[1:-1] - ring[0], ring[2:] - ring[0]).sum(axis=0)

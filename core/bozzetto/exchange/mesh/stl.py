@@ -20,7 +20,7 @@ RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("sp
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Binary STL of all meshes, one after the other."""
+    """Write binary STL of all meshes, one after the other."""
     corners = np.concatenate([part.mesh.vertices[part.mesh.faces] for part in shapes.meshes()])
     records = np.zeros(len(corners), RECORD)
     records["corners"] = corners
@@ -43,7 +43,7 @@ def read_shapes(data: bytes) -> Shapes:
 
 
 def _binary(data: bytes) -> NDArray[np.floating] | None:
-    """Corners of a binary file; None if its length does not fit its count."""
+    """Return the corners of a binary file; None if its length does not fit its count."""
     if len(data) < 84:
         return None
     count = int(np.frombuffer(data, "<u4", 1, 80)[0])

@@ -211,7 +211,7 @@ def read_in_child(
 
 
 def _refusal(process: _Process, budget: Budget) -> FormatError:
-    """Why a process ended that had a file to read."""
+    """Return the reason why a process ended that had a file to read."""
     import signal
 
     code = process.ended_by()

@@ -88,7 +88,7 @@ def picture(curve: Curve, matrix: Array, tolerance: float) -> list[Subpath]:
 
 
 def _lines(flat: Array, ahead: Array) -> tuple[Array, Array, Array]:
-    """Straight spans, cut where they pass the eye; and where they begin and end, in spans."""
+    """Return straight spans, cut where they pass the eye, and their ends, in spans."""
     seen = (ahead > 0).any(axis=1)
     flat, (first, last) = flat[seen], ahead[seen].T
     crossing = first / np.where(first == last, 1.0, first - last)
@@ -103,7 +103,7 @@ def _lines(flat: Array, ahead: Array) -> tuple[Array, Array, Array]:
 
 
 def _cubics(flat: Array, ahead: Array, tolerance: float) -> tuple[Array, Array, Array]:
-    """Cubics near enough to rational pieces; and where they begin and end, in spans.
+    """Return cubics near enough to rational pieces, and their ends, in spans.
 
     Whatever is not near enough, or not altogether before the eye, is halved.
     """
@@ -165,7 +165,7 @@ def _binomials(degree: int) -> Array:
 
 
 def _halves(pieces: Array) -> Array:
-    """Bézier pieces cut in the middle (de Casteljau), shape (2 k, degree + 1, n)."""
+    """Cut Bézier pieces in the middle (de Casteljau), shape (2 k, degree + 1, n)."""
     left, right = [pieces[:, 0]], [pieces[:, -1]]
     while pieces.shape[1] > 1:
         pieces = (pieces[:, :-1] + pieces[:, 1:]) / 2

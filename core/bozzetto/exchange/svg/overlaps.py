@@ -133,7 +133,7 @@ def _without_overlaps(
 
 
 def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
-    """Pairs of different rings that share a point. Raises `_TooMany`."""
+    """Return pairs of different rings that share a point. Raises `_TooMany`."""
     import shapely
 
     if len(rings) < 2:
@@ -168,7 +168,7 @@ def _sides(ring: Array) -> NDArray[np.object_]:
 
 
 def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
-    """Pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
+    """Yield pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
 
     Raises `_TooMany` where there are more than `limit`.
     """
@@ -209,7 +209,7 @@ def _crossings(rings: Sequence[Array]) -> int:
 
 
 def _turn(one: Array, other: Array) -> Array:
-    """Twice the area between two rows of vectors (n, 2), positive to the left."""
+    """Return twice the area between two rows of vectors (n, 2), positive to the left."""
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
@@ -234,7 +234,7 @@ def _only_touches_itself(ring: Array) -> bool:
 
 
 def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
-    """Numbers that pairs connect, each with the smallest of those it is connected to."""
+    """Return the numbers that pairs connect, each with the smallest of those it is connected to."""
     parent: dict[int, int] = {}
 
     def root(k: int) -> int:
@@ -273,7 +273,7 @@ def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]
 
 
 def _closed(polygons: Sequence[Array]) -> list[Array]:
-    """Rings that repeat their first point, without specks."""
+    """Return rings that repeat their first point, without specks."""
     rings = [np.vstack((p, p[:1])).astype(np.float64) for p in polygons if len(p) > 2]
     return [ring for ring in rings if abs(_area(ring)) > SPECK]
 

@@ -53,7 +53,7 @@ class Subpath:
 
 
 def polyline(points: Array, *, closed: bool) -> Subpath:
-    """Straight lines through points, shape (n, 2), ``n >= 1``."""
+    """Return straight lines through points, shape (n, 2), ``n >= 1``."""
     ring = np.vstack((points, points[:1])) if closed else points
     begin, end = ring[:-1], ring[1:]
     thirds = (begin, begin + (end - begin) / 3, end - (end - begin) / 3, end)
@@ -110,7 +110,7 @@ def flattened(subpath: Subpath, tolerance: float) -> Array:
 
 
 def parse_path(data: str) -> list[Subpath]:
-    """Understand the ``d`` attribute of a path.
+    """Parse the ``d`` attribute of a path.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def parse_path(data: str) -> list[Subpath]:
 
 
 def _commands(data: str) -> Iterator[tuple[str, list[float]]]:
-    """Commands with exactly their numbers; repeated arguments as repeated commands."""
+    """Yield commands with exactly their numbers; repeated arguments as repeated commands."""
     at = BLANK.match(data, 0).end()  # type: ignore[union-attr]
     command = ""
     while at < len(data):
@@ -270,7 +270,7 @@ class _Pen:
 
 
 def _arc_pieces(first: float, span: float) -> NDArray[np.complex128]:
-    """Cubics along the unit circle, shape (k, 4)."""
+    """Return cubics along the unit circle, shape (k, 4)."""
     count = max(1, math.ceil(abs(span) / ARC_PIECE - 1e-9))
     angle = first + span * np.arange(count + 1) / count
     on = np.exp(1j * angle)

@@ -116,7 +116,7 @@ class Sheets:
 
 
 def _rules(text: str) -> Iterator[tuple[str, str]]:
-    """Selectors and bodies of a style sheet's innermost blocks, in one pass."""
+    """Yield selectors and bodies of a style sheet's innermost blocks, in one pass."""
     for piece in _without_comments(text).split("}")[:-1]:
         head, brace, body = piece.rpartition("{")
         if brace:
@@ -137,7 +137,7 @@ def _without_comments(text: str) -> str:
 
 
 def _declarations(text: str) -> Said:
-    """Properties that matter and their values, as in ``fill: none; stroke: red``."""
+    """Return properties that matter and their values, as in ``fill: none; stroke: red``."""
     result = {}
     for entry in text.split(";"):
         name, colon, value = entry.partition(":")

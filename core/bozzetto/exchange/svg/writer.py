@@ -96,7 +96,7 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
 
 
 def _pen(path: Subpath, curve: Curve) -> str:
-    """Path data with all digits: lines of a polyline, cubics of any other curve."""
+    """Write path data with all digits: lines of a polyline, cubics of any other curve."""
     start = path.cubics[0, 0].tolist()
     rows = path.cubics[:, 3:] if curve.degree == 1 else path.cubics[:, 1:]
     letter = "L" if curve.degree == 1 else "C"
@@ -105,7 +105,7 @@ def _pen(path: Subpath, curve: Curve) -> str:
 
 
 def _corners(points: Array) -> str:
-    """Path data of straight lines, as fine as ink is."""
+    """Write path data of straight lines, as fine as ink is."""
     closed = len(points) > 3 and bool((points[0] == points[-1]).all())
     rows = points[:-1] if closed else points
     return "M" + "L".join(f"{x:.9g},{y:.9g}" for x, y in rows.tolist()) + ("Z" if closed else "")

@@ -76,7 +76,7 @@ def foot_points(nets: ArrayLike, points: ArrayLike, near: Places | None = None) 
 
 
 def _squared_distances(points: Array, places: Array) -> Array:
-    """Up to rounding, which only chooses where to start; (n, s)."""
+    """Return squared distances, (n, s), up to rounding; they only choose where to start."""
     squares = (points * points).sum(axis=1)[:, None] + (places * places).sum(axis=1)
     return np.asarray(squares - 2.0 * points @ places.T)
 

@@ -55,7 +55,7 @@ def boundaries(edges: ArrayLike, sides: ArrayLike) -> Array:
 
 
 def coons_nets(edges: ArrayLike, sides: ArrayLike) -> Array:
-    """Control nets of the bicubically blended Coons patches with zero twists.
+    """Return control nets of the bicubically blended Coons patches with zero twists.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def coons_nets(edges: ArrayLike, sides: ArrayLike) -> Array:
 
 
 def with_boundaries(nets: ArrayLike, edges: ArrayLike, sides: ArrayLike) -> Array:
-    """Nets whose outer control points are those of their sides, bit for bit.
+    """Return nets whose outer control points are those of their sides, bit for bit.
 
     Parameters
     ----------

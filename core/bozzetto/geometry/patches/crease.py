@@ -93,7 +93,7 @@ def locked(
     joints: tuple[Joint, ...],
     firmness: ArrayLike | None = None,
 ) -> Array:
-    """Edges with the lengths of their tangents evened out, so that joints make smooth surfaces.
+    """Even out the tangent lengths of edges, so that joints make smooth surfaces.
 
     Joints in both ends of an edge that lies between their lines need one ratio of lengths, and
     so do those in the ends of the next edge in line: each such row gets the one that changes the
@@ -146,19 +146,19 @@ def _firmness(firm: Array, joint: Joint) -> tuple[float, float]:
 
 
 def _ratio(lengths: Array, joint: Joint) -> float:
-    """Logarithm of the second tangent's length over that of the first; 0 where one has none."""
+    """Return the logarithm of the ratio of two tangents' lengths; 0 where one has none."""
     one, other = (float(lengths[e, 0] if e >= 0 else lengths[~e, 1]) for e in joint)
     return math.log(other) - math.log(one) if one > 0.0 < other else 0.0
 
 
 def _stretch(edges: Array, end: int, share: float) -> None:
-    """Multiply the tangent in one end of an edge."""
+    """Scale the tangent in one end of an edge."""
     edge, node, inner = (end, 0, 1) if end >= 0 else (~end, 3, 2)
     edges[edge, inner] = edges[edge, node] + share * (edges[edge, inner] - edges[edge, node])
 
 
 def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]:
-    """Joints that need one ratio, each with the sense in which it counts."""
+    """Yield joints that need one ratio, each with the sense in which it counts."""
     links = _links(sides, joints)
     seen: set[int] = set()
     for first in range(len(joints)):

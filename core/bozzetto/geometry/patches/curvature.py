@@ -39,7 +39,7 @@ class Curvatures:
 
 
 def patch_curvatures(nets: ArrayLike, places: Places) -> Curvatures:
-    """Curvatures at places on patches, each of shape (n,).
+    """Return curvatures at places on patches, each of shape (n,).
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def patch_curvatures(nets: ArrayLike, places: Places) -> Curvatures:
 
 
 def grid_curvatures(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Curvatures:
-    """Curvatures of all patches on one grid of parameters, each of shape (k, a, b).
+    """Return curvatures of all patches on one grid of parameters, each of shape (k, a, b).
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ class Places:
 
 
 def bernstein(at: ArrayLike, order: int = 0) -> Array:
-    """Cubic Bernstein polynomials, or a derivative of them.
+    """Evaluate the cubic Bernstein polynomials, or a derivative of them.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def bernstein(at: ArrayLike, order: int = 0) -> Array:
 
 
 def grid(nets: ArrayLike, u: ArrayLike, v: ArrayLike, *, du: int = 0, dv: int = 0) -> Array:
-    """Places of all patches, or derivatives there, on one grid of parameters.
+    """Evaluate all patches, or derivatives of them, on one grid of parameters.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def grid_normals(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
 
 
 def points_at(nets: ArrayLike, places: Places, *, du: int = 0, dv: int = 0) -> Array:
-    """Points at places, or derivatives there.
+    """Evaluate patches, or derivatives of them, at places.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def _unit_across(a: Array, b: Array) -> tuple[Array, Flags]:
 
 
 def _squares(a: Array) -> Array:
-    """Squared lengths of vectors (3, …)."""
+    """Return squared lengths of vectors (3, …)."""
     return np.asarray(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
@@ -205,7 +205,7 @@ def _squares(a: Array) -> Array:
 
 
 def split(nets: ArrayLike, at: float, axis: int) -> tuple[Array, Array]:
-    """Both parts of patches cut along a line of one parameter (de Casteljau 1959).
+    """Split patches along a line of one parameter (de Casteljau 1959).
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def split(nets: ArrayLike, at: float, axis: int) -> tuple[Array, Array]:
 
 
 def halved(nets: Array) -> Array:
-    """All quarters of patches, (4, k, 4, 4, d): halves of u, and in each those of v."""
+    """Return all quarters of patches, (4, k, 4, 4, d): halves of u, and in each those of v."""
     return np.stack([part for half in split(nets, 0.5, 0) for part in split(half, 0.5, 1)])
 
 
@@ -240,7 +240,7 @@ def turned_over(nets: ArrayLike) -> Array:
 
 
 def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
-    """Mirror images in the plane where one coordinate is 0, exact to the last bit.
+    """Return mirror images in the plane where one coordinate is 0, exact to the last bit.
 
     They are turned over, too: normals that pointed outward still do.
 

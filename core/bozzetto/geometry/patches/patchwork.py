@@ -90,13 +90,13 @@ class Patchwork:
 
     @property
     def rim(self) -> NDArray[np.intp]:
-        """The edges of one patch, in order of their numbers, (r,)."""
+        """Edges of one patch, in order of their numbers, (r,)."""
         numbers, counts = np.unique(edge_numbers(self.sides), return_counts=True)
         return np.asarray(numbers[counts == 1], np.intp)
 
     @property
     def pieces(self) -> tuple[NDArray[np.intp], ...]:
-        """The patches of each part that hangs together by edges."""
+        """Patches of each part that is connected by edges."""
         numbers = edge_numbers(self.sides)
         least = np.arange(len(numbers))
         while True:
@@ -109,7 +109,7 @@ class Patchwork:
 
     @property
     def nodes(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        """The places in which edges end.
+        """Places in which edges end.
 
         Returns
         -------

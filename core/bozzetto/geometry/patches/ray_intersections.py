@@ -72,7 +72,7 @@ def ray_hits(nets: ArrayLike, origins: ArrayLike, directions: ArrayLike) -> tupl
 
 
 def _across(directions: Array) -> Array:
-    """Two unit vectors across each direction, (n, 2, 3)."""
+    """Return two unit vectors across each direction, (n, 2, 3)."""
     unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     least = np.eye(3)[np.abs(unit).argmin(axis=1)]
     first = np.cross(unit, least)
@@ -81,7 +81,7 @@ def _across(directions: Array) -> Array:
 
 
 def _candidates(nets: Array, origins: Array, frames: Array) -> tuple[Index, Index, Array]:
-    """Pieces of patches that rays may meet: rays, patches, and the middles of the pieces."""
+    """Return pieces of patches that rays may meet: rays, patches, and the pieces' middles."""
     seen = np.einsum("kijx,nax->nkija", nets, frames)
     seen -= np.einsum("nx,nax->na", origins, frames)[:, None, None, None]
     size = np.abs(nets).max() + np.abs(origins).max()
@@ -113,7 +113,7 @@ def _boxed(pieces: Array, slack: float) -> Flags:
 def _refined(
     nets: Array, origins: Array, frames: Array, start: Places, size: Array
 ) -> tuple[Places, Flags]:
-    """Hits by Newton's method on the distance across the ray, and which of them are hits."""
+    """Refine hits by Newton's method on the distance across the ray; return which are hits, too."""
     at = start.parameters
     for step in range(NEWTON_STEPS + 1):
         here = Places(start.patches, at)

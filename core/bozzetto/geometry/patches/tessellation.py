@@ -23,7 +23,7 @@ MOST_DIVISIONS: Final = 256
 
 
 def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
-    """Triangles within a distance of the surface, closed wherever patches share an edge.
+    """Triangulate within a distance of the surface, closed wherever patches share an edge.
 
     Patches on both sides of an edge share its vertices. So opposite sides of a patch have
     the same number of steps, and with them whole strips of patches.
@@ -94,7 +94,7 @@ def _divisions(patchwork: Patchwork, tolerance: float) -> Index:
 
 
 def _longest(vectors: Array) -> Array:
-    """Length of the longest vector of each net, (k,)."""
+    """Return the length of the longest vector of each net, (k,)."""
     return np.asarray(np.linalg.norm(vectors, axis=-1).reshape(len(vectors), -1).max(axis=1))
 
 
@@ -111,7 +111,7 @@ def _strips(numbers: Index, count: int) -> Index:
 
 
 def _triangles(at: Index, vertices: Array) -> Index:
-    """Two triangles in every cell of a grid of vertices, on both sides of the shorter diagonal."""
+    """Return two triangles in every cell of a grid, on both sides of the shorter diagonal."""
     a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
     first = ((vertices[a] - vertices[c]) ** 2).sum(axis=1)
     second = ((vertices[b] - vertices[d]) ** 2).sum(axis=1)
@@ -122,7 +122,7 @@ def _triangles(at: Index, vertices: Array) -> Index:
 
 
 def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
-    """Triangles for the eye: every patch on its own with exact normals, so that creases show.
+    """Triangulate for display: every patch on its own with exact normals, so that creases show.
 
     Made in about a millisecond, to follow a hand. Neighbours have the same places on the edge
     between them, bit for bit.
@@ -165,7 +165,7 @@ def shaded_parameters(divisions: int = 12) -> Array:
 
 @lru_cache(maxsize=8)
 def _grid_faces(patches: int, divisions: int) -> NDArray[np.int32]:
-    """Two triangles in every cell of `patches` grids."""
+    """Return two triangles in every cell of `patches` grids."""
     at = np.arange(patches * (divisions + 1) ** 2).reshape(patches, divisions + 1, divisions + 1)
     a, b, c, d = at[:, :-1, :-1], at[:, 1:, :-1], at[:, 1:, 1:], at[:, :-1, 1:]
     faces = np.stack((np.stack((a, b, c), axis=-1), np.stack((a, c, d), axis=-1)), axis=-2)

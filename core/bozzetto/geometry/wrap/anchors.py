@@ -97,7 +97,7 @@ def _changes(*columns: Index) -> Flags:
 
 
 def _evened(at: Array, fixed: Flags) -> Array:
-    """Places along a curve moved toward even steps, those that are fixed left where they are."""
+    """Move places along a curve towards even steps; those that are fixed stay."""
     fixed = fixed.copy()
     fixed[[0, -1]] = True
     for _ in range(EVENING):
@@ -137,7 +137,7 @@ def _rows(
 
 
 def _append(row: Row, vertex: int, at: int, gap: Array, beside: frozenset[tuple[int, int]]) -> None:
-    """Go on to a vertex, by the shortest way."""
+    """Continue to a vertex, by the shortest way."""
     while row:
         last, place = row[-1]
         if last == vertex:

@@ -70,7 +70,7 @@ def closest_on_mesh(sphere: Icosphere, vertices: Array, points: Array) -> MeshPo
 
 
 def closest_on_triangles(points: Array, triangles: Array) -> Array:
-    """Barycentric coordinates of the places of triangles that are nearest to points.
+    """Return barycentric coordinates of the places of triangles that are nearest to points.
 
     Ericson, *Real-time collision detection* (2005), section 5.1.5: the region of the triangle's
     plane over which the point lies tells whether a corner, a side or the inside is nearest.

@@ -72,7 +72,7 @@ NEIGHBOURS: Final = 24
 
 
 def _nobody(fraction: float, step: str) -> None:
-    """Progress that no one watches."""
+    """Ignore progress that no one watches."""
 
 
 def shrink_wrap(

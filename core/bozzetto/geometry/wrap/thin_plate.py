@@ -85,7 +85,7 @@ def hold_at(energy: Energy, held: Index, places: Array) -> Array:
 
 
 def even_energy(level: int, tension: float, bending: float) -> Energy:
-    """Resistance of an icosphere's edges, all of the same weight: vertices spread evenly.
+    """Return the resistance of an icosphere whose edges all weigh the same: even vertices.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def even_energy(level: int, tension: float, bending: float) -> Energy:
 
 
 def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
-    """Resistance of a mesh as it lies in space, whatever its triangles are like.
+    """Return the resistance of a mesh as it lies in space, whatever its triangles are like.
 
     With the cotangent weights of Pinkall & Polthier (*Computing discrete minimal surfaces*,
     1993), each vertex having a third of the area round it, so that uneven steps along a curve do

@@ -195,14 +195,14 @@ def _pieces(lines: list[Array]) -> list[Array]:
 
 
 def _corners(line: Array) -> Index:
-    """Inner vertices in which a polyline turns sharply."""
+    """Return inner vertices in which a polyline turns sharply."""
     along = np.diff(line, axis=0)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     return 1 + np.flatnonzero(np.einsum("ij,ij->i", along[1:], along[:-1]) < CORNER)
 
 
 def _spaced(line: Array, spacing: float) -> Array:
-    """Places at equal steps of a polyline, both ends among them."""
+    """Return places at equal steps of a polyline, both ends among them."""
     if len(line) < 2:
         return line
     along = np.concatenate(([0.0], np.cumsum(_steps(line))))

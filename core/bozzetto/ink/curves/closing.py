@@ -30,7 +30,7 @@ SEARCH_POINTS: Final = 200
 
 
 def signed_area(points: ArrayLike) -> float:
-    """Area inside a closed polyline.
+    """Return the area inside a closed polyline.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def signed_area(points: ArrayLike) -> float:
 
 
 def end_gap(points: ArrayLike) -> float:
-    """Distance between the ends of a stroke over the diagonal of its bounding box."""
+    """Return the distance between a stroke's ends over the diagonal of its bounding box."""
     place = np.asarray(points, float)
     diagonal = float(np.linalg.norm(np.ptp(place, axis=0)))
     return float(np.linalg.norm(place[-1] - place[0])) / diagonal if diagonal > 0 else 0.0
@@ -110,7 +110,7 @@ def close_stroke(points: ArrayLike) -> Array:
 
 
 def _best_joint(place: Array, along: Array, length: float) -> tuple[float, float]:
-    """Arc lengths at which to cut the beginning and the end."""
+    """Return the arc lengths at which to cut the beginning and the end."""
     reach = END_SHARE * length
     heads = np.linspace(0.0, reach, SEARCH_POINTS)
     tails = length - heads

@@ -113,7 +113,7 @@ def fit_spline(
 
 
 def _own_parameters(ready: Prepared, feet: Array, closed: bool) -> Array:
-    """Parameters of the given points, from those of the prepared ones beside them."""
+    """Return parameters of the given points, from those of the prepared ones beside them."""
     if closed:
         feet = np.unwrap(np.append(feet, feet[0]), period=1.0)
     stations = np.linspace(0.0, 1.0, len(feet))

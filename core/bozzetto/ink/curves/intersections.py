@@ -140,7 +140,7 @@ def _path(segments: _Segments) -> Array:
 
 
 def _numbers(segments: _Segments, along: Array) -> Array:
-    """Arc lengths as index plus share."""
+    """Return arc lengths as index plus share."""
     at = np.searchsorted(segments.along, along, "right") - 1
     at = np.clip(at, 0, len(segments.start) - 1)
     share = (along - segments.along[at]) / np.diff(segments.along)[at]
@@ -153,7 +153,7 @@ def _numbers(segments: _Segments, along: Array) -> Array:
 def _near_pairs(
     a: _Segments, b: _Segments, touch: float, itself: bool
 ) -> Iterator[tuple[Index, Index]]:
-    """Pairs of segments whose boxes meet, in blocks; with i < j on one curve.
+    """Yield pairs of segments whose boxes meet, in blocks; with i < j on one curve.
 
     Neighbours on a stroke lie close together, so boxes around a few consecutive segments
     are a good coarse grid without any further sorting.
@@ -200,7 +200,7 @@ def _cross(u: Array, v: Array) -> Array:
 
 
 def _hits(a: _Segments, b: _Segments, i: Index, j: Index, touch: float) -> tuple[Array, Array]:
-    """Meetings of pairs of segments, in arc lengths along the two curves.
+    """Return meetings of pairs of segments, in arc lengths along the two curves.
 
     Returns
     -------
@@ -254,7 +254,7 @@ def _wrapped(points: Array, a: _Segments, b: _Segments, slack: float, itself: bo
 
 
 def _one_of_each(points: Array, stretches: Array, slack: float) -> Array:
-    """Melt what belongs together; rows of arc lengths, sorted."""
+    """Merge intersections that belong together; rows of arc lengths, sorted."""
     points = _clustered(points, slack)
     if len(stretches):
         stretches = _joined(stretches, slack)
@@ -269,7 +269,7 @@ def _one_of_each(points: Array, stretches: Array, slack: float) -> Array:
 
 
 def _clustered(points: Array, slack: float) -> Array:
-    """Single linkage within `slack`, first along one curve and then along the other."""
+    """Cluster by single linkage within `slack`, first along one curve and then along the other."""
     if not len(points):
         return points
     points = points[np.argsort(points[:, 0], kind="stable")]

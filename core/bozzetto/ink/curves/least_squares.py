@@ -244,7 +244,7 @@ class _System:
     def _freedom(
         self, pinned: set[int]
     ) -> tuple[bool, dict[int, tuple[Index, Index, Array]], Array, Array]:
-        """Ways in which the control points can move with the end tangents.
+        """Return the ways in which the control points can move with the end tangents.
 
         Returns
         -------

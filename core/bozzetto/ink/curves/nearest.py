@@ -38,7 +38,7 @@ class Nearest:
 
 
 def distances_to_polyline(points: ArrayLike, polyline: ArrayLike) -> Array:
-    """Distance of each point from a polyline.
+    """Return the distance of each point from a polyline.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class Prepared:
 
 
 def checked_points(points: ArrayLike, pixel: float) -> Array:
-    """Points as an array.
+    """Return points as a checked array.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def _width(length: float, pixel: float) -> float:
 
 
 def _increasing(along: Array) -> Array:
-    """Arc lengths without steps of no length, which would make the inverse ambiguous."""
+    """Return arc lengths without steps of no length, which would make the inverse ambiguous."""
     hair = 1e-9 * along[-1] / len(along)
     return np.asarray(along + hair * np.arange(len(along)))
 

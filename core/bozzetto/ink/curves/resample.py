@@ -9,7 +9,7 @@ from bozzetto.arrays import Array, Index
 
 
 def arc_length(points: ArrayLike) -> Array:
-    """Length of the polyline up to each point.
+    """Return the length of the polyline up to each point.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def resample(
     count: int | None = None,
     closed: bool = False,
 ) -> Array:
-    """Points at equal arc length along a polyline.
+    """Return points at equal arc length along a polyline.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def _stations(length: float, spacing: float | None, count: int | None, closed: b
 
 
 def steps_along(points: ArrayLike, step: float, most: int) -> Array:
-    """Places at even steps along a polyline that grows: those of a longer one begin with them.
+    """Return places at even steps along a growing polyline: a longer one begins with the same.
 
     Parameters
     ----------

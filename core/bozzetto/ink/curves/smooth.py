@@ -100,7 +100,7 @@ def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: b
 
 
 def _integral(points: Array, along: Array, at: Array) -> Array:
-    """Integral of the polyline over its parameter up to given places, exactly."""
+    """Integrate the polyline over its parameter up to given places, exactly."""
     steps = np.diff(along)[:, None]
     pieces = np.cumsum(0.5 * steps * (points[1:] + points[:-1]), axis=0)
     sums = np.vstack((np.zeros(points.shape[1]), pieces))

@@ -262,7 +262,7 @@ class _Judge:
         return float(np.sqrt(self.weights @ to_curve**2) + np.percentile(to_ink, 95))
 
     def _lap(self, made: Settled) -> float:
-        """Parameter at which an open curve comes by its start again; 0 where it does not.
+        """Return the parameter at which an open curve passes its start again; 0 where it does not.
 
         Above 1 where there is a gap between the ends, below 1 where the ends overlap.
         """
@@ -283,7 +283,7 @@ class _Judge:
 
 
 def _refined(points: Array, ink: ResampledInk) -> Array:
-    """Points on a polyline no farther apart than a third of the spacing of the ink."""
+    """Return points on a polyline no farther apart than a third of the spacing of the ink."""
     along = arc_length(points)
     count = int(np.ceil(3.0 * along[-1] / ink.spacing)) + 1
     stations = np.linspace(0.0, along[-1], count)

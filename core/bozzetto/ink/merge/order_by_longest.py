@@ -120,7 +120,7 @@ def order_by_longest(ink: ResampledInk) -> Ordering | None:
 
 
 def _path(ink: ResampledInk, numbers: Index, along: Array) -> _Path:
-    """Every so manieth point of a piece, and its last."""
+    """Return every n-th point of a piece, and its last."""
     kept = np.unique(np.append(np.arange(0, len(numbers), STRIDE), len(numbers) - 1))
     return _Path(ink.points[numbers[kept]], ink.tangents[numbers[kept]], along[kept])
 
@@ -128,7 +128,7 @@ def _path(ink: ResampledInk, numbers: Index, along: Array) -> _Path:
 def _beside(
     guide: _Path, strokes: list[_Path], step: float, reach: float
 ) -> tuple[dict[int, Array], tuple[int, Array] | None]:
-    """Strokes that run beside the guide.
+    """Return the strokes that run beside the guide.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def _aligned(guide: _Path, strokes: list[_Path], step: float, reach: float) -> l
 
 
 def _stations(guide: _Path, stroke: _Path, made: _Alignment) -> Array:
-    """Places along the guide for the points of a stroke, in the stroke's own order."""
+    """Return places along the guide for the points of a stroke, in the stroke's own order."""
     last = len(guide.points) - 1
     own = stroke.along[-1] - stroke.along[::-1] if made.backwards else stroke.along
     cells = made.cells

@@ -50,7 +50,7 @@ def order_by_mst(ink: ResampledInk) -> Ordering | None:
 
 
 def _ridge(ink: ResampledInk) -> Array:
-    """One point for each square with ink, drawn onto the middle of the ink around it."""
+    """Return one point for each square with ink, moved to the middle of the ink around it."""
     from scipy.spatial import cKDTree
 
     square = np.round(ink.points / (THINNING * ink.spacing)).astype(np.int64)
@@ -111,7 +111,7 @@ def _extended(path: Array, reach: float) -> Array:
 
 
 def _projected(points: Array, chain: Array) -> Array:
-    """Arc length of the nearest place of a polyline, on the segments beside its nearest point."""
+    """Return the arc length of the nearest place of a polyline, beside its nearest point."""
     from scipy.spatial import cKDTree
 
     nearest = cKDTree(chain).query(points)[1]

@@ -99,7 +99,7 @@ def order_by_parameter(ink: ResampledInk) -> Ordering | None:
 
 
 def _links(ink: ResampledInk) -> tuple[_Links, _Links]:
-    """Neighbours side by side: the nearest on each other piece, and all on the same piece."""
+    """Link neighbours side by side: the nearest on each other piece, and all on the same piece."""
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(ink.points).query_pairs(RADIUS * ink.spacing, output_type="ndarray")
@@ -187,7 +187,7 @@ def _bridges(
 def _unrolled(
     count: int, behind: Index, steps: Array, links: _Links, bridges: list[tuple[int, int, float]]
 ) -> Array:
-    """Parameters by walking outwards from the middle of the ink, the first way that arrives."""
+    """Return parameters by walking outwards from the middle of the ink; the first way counts."""
     ways: list[list[tuple[int, float]]] = [[] for _ in range(count)]
     for one, other, difference in [
         *zip(behind.tolist(), (behind + 1).tolist(), steps.tolist(), strict=True),
@@ -212,7 +212,7 @@ def _unrolled(
 def _period(
     ink: ResampledInk, rough: Array, numbers: Index, links: _Links, own: _Links
 ) -> tuple[float, _Links]:
-    """Length of a lap, 0 for an open curve; and the links, with those of a stroke to itself."""
+    """Return the length of a lap, 0 for an open curve, and the links, with those within strokes."""
     extent = float(np.ptp(rough[numbers]))
     least = max(2.0 * RADIUS * ink.spacing, LAP * extent)
     lap = own.only((own.agree > ALIGNED) & (np.abs(rough[own.one] - rough[own.other]) > least))
@@ -239,7 +239,7 @@ def _solved(
     bridges: list[tuple[int, int, float]],
     difference: Array,
 ) -> Array:
-    """Reweighted least squares of all steps, links and bridges."""
+    """Solve all steps, links and bridges by reweighted least squares."""
     from scipy.sparse import csc_array, csr_array, diags_array, eye_array
     from scipy.sparse.linalg import spsolve
 

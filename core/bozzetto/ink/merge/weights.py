@@ -18,7 +18,7 @@ LEAST_SHARE: Final = 0.5
 
 
 def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
-    """Weights of strokes in the order in which they were drawn.
+    """Return the weights of strokes in the order in which they were drawn.
 
     Stroke k of n weighs ``0.7 ** (n - k) * (0.5 + mean pressure)``. The ink can be shown
     with the same weights, so that what is drawn grey counts less indeed.

@@ -14,7 +14,7 @@ A pull that changes faster along the curve is smoothed away, a slower one is fol
 
 
 def lengths_of(along: Array, ring: float | None) -> Array:
-    """Length of curve that belongs to each node: half of both its spans, px.
+    """Return the length of curve that belongs to each node: half of both its spans, px.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class Bending:
 
 
 def _folded(count: int) -> Index:
-    """Row of each node of a ring, so that neighbours are at most two rows apart."""
+    """Return the row of each node of a ring, so that neighbours are at most two rows apart."""
     numbers = np.arange(count)
     back = count - 1 - numbers
     return np.where(numbers <= back, 2 * numbers, 2 * back + 1)
@@ -100,7 +100,7 @@ def _folded(count: int) -> Index:
 def _second_differences(
     along: Array, ring: float | None
 ) -> list[tuple[tuple[Index, ...], tuple[Array, ...], Array]]:
-    """Nodes, coefficients and length of each second difference, on uneven spacing."""
+    """Return nodes, coefficients and length of each second difference, on uneven spacing."""
     count = len(along)
     if count < 3:
         return []

@@ -162,14 +162,14 @@ def _pressures(values: ArrayLike) -> Array:
 
 
 def _ring(nodes: Array, arc: Array) -> float | None:
-    """Length of a closed curve; None if it has too few places to be one."""
+    """Return the length of a closed curve; None if it has too few places to be one."""
     if len(distinct(nodes, closed=True)) < 3:
         return None
     return float(arc[-1] + np.linalg.norm(nodes[0] - nodes[-1]))
 
 
 def _spread(arc: Array, length: float, *, closed: bool) -> Index:
-    """Nodes that are not too close to one another; both ends of an open curve are among them."""
+    """Return nodes that are not too close to one another; an open curve keeps both ends."""
     step = max(CLOSEST_NODES, length / MOST_NODES)
     kept, last = [0], len(arc) - 1
     while (node := int(np.searchsorted(arc, arc[kept[-1]] + step))) <= last:
@@ -185,7 +185,7 @@ def _spread(arc: Array, length: float, *, closed: bool) -> Index:
 
 
 def _within_reach(nodes: Array, along: Array, traces: list[Trace], ring: float | None) -> Flags:
-    """Nodes beside a stroke, or on the stretch beyond where the curve leads back."""
+    """Return nodes beside a stroke, or on the stretch beyond where the curve leads back."""
     free = np.zeros(len(nodes), bool)
     for trace in traces:
         reach = []

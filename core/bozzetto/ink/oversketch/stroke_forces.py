@@ -125,7 +125,7 @@ def _against(feet: Index, coarse: Array, nodes: Array) -> bool:
 
 
 def _at_the_end(fine: Array, stations: Array, nodes: Array, along: Array) -> Array:
-    """Stations of a stroke that are put right at the curve's last node.
+    """Return stations of a stroke that are put right at the curve's last node.
 
     A stroke that lies aside of the curve and ends beside its end, goes right to the end,
     wherever its nearest foot is. A stroke that runs on farther goes beyond.
@@ -149,7 +149,7 @@ def _at_the_end(fine: Array, stations: Array, nodes: Array, along: Array) -> Arr
 
 
 def _foot_near(place: Array, station: float, nodes: Array, along: Array) -> float:
-    """Station of the nearest point on the two spans beside a node."""
+    """Return the station of the nearest point on the two spans beside a node."""
     node = int(np.searchsorted(along, station))
     best, least = station, np.inf
     for k in (node - 1, node):

@@ -276,7 +276,7 @@ def _expect_tuple(value: Any, what: str) -> None:
 
 
 def _paint(paint: Any) -> None:
-    """Roles were looked at when the item was made."""
+    """Refuse what is no paint; names of roles were checked when the item was made."""
     fine = isinstance(paint, str) or all(isinstance(part, Integral) for part in paint)
     if not fine:
         raise Unsound(f"the colour {paint!r}: write three whole numbers from 0 to 255, or a role")

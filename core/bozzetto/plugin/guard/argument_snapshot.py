@@ -113,7 +113,7 @@ _known: dict[type[Any], tuple[tuple[str, ...], Reader]] = {}
 
 
 def _fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
-    """Names of the fields of a dataclass or of the slots of our own, and how to read them."""
+    """Return the names of the fields of a dataclass or of slots, and how to read them."""
     if kind not in _known:
         _known[kind] = _find_fields(kind)
     return _known[kind]

@@ -252,7 +252,7 @@ def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
 
 
 def _unknown_keys(said: dict[str, Any]) -> list[str]:
-    """Warnings about keys that mean nothing to this version."""
+    """Return warnings about keys that mean nothing to this version."""
     unknown = [f"“{key}”" for key in said if key not in _PluginTable.__struct_fields__]
     for modeler in said["modeler"]:
         for key in modeler:

@@ -143,7 +143,7 @@ class Registry:
             return self._info(self._plugins[package])
 
     def plugins(self) -> tuple[PluginInfo, ...]:
-        """All plugins, by their ids, broken and disabled ones too."""
+        """Return all plugins, by their ids, broken and disabled ones too."""
         with self._lock:
             infos = [self._info(plugin) for plugin in self._plugins.values()]
         return tuple(sorted(infos, key=lambda info: (info.id, info.package)))
@@ -234,7 +234,7 @@ class Registry:
         return plugin.modelers[modeler_id]
 
     def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
-        """Type and version of a modeler's states; None where the modeler cannot be had."""
+        """Return type and version of a modeler's states; None where the modeler is unavailable."""
         try:
             modeler = self.modeler(modeler_id)
         except UserError:

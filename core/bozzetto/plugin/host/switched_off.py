@@ -29,7 +29,7 @@ def settings_file() -> Path:
 
 
 def switched_off() -> frozenset[str] | None:
-    """Ids of the plugins that are switched off; None where nobody ever switched one.
+    """Return ids of the plugins that are switched off; None where nobody ever switched one.
 
     A file that cannot be understood counts as none: no plugin is worth not starting for.
     """

@@ -56,7 +56,7 @@ def cut_to_window(outline: Polygon, width: int, height: int) -> Polygon:
 
 
 def crossed(outline: Polygon) -> NDArray[np.intp]:
-    """Pixels (column, row) that the sides of an outline (n, 2) pass through, or touch nearly.
+    """Return pixels (column, row) that the sides of an outline (n, 2) pass through, or nearly so.
 
     Returns
     -------

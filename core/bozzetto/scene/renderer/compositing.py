@@ -85,7 +85,7 @@ def nearest_sheet(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
 
 
 def _keys(every: Sheet) -> NDArray[np.uint64]:
-    """One integer that sorts by pixel, then by nearness."""
+    """Return integers that sort by pixel, then by nearness."""
     bits = every.nearness.view(np.uint32)
     negative = bits >> np.uint32(31) == 1
     rising = np.where(negative, ~bits, bits | np.uint32(0x80000000))

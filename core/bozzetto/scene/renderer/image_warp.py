@@ -74,7 +74,7 @@ _Strip = tuple[Polygon, float, float, tuple[int, int]]
 
 
 def _strips(pixels: Bytes, place: Place) -> list[_Strip]:
-    """Parts of a picture that are reduced by the same numbers, the nearest first.
+    """Split a picture into strips that are reduced by the same numbers, the nearest first.
 
     Each with its outline, the greatest and the least nearness in it, and the numbers.
     """
@@ -104,7 +104,7 @@ def _strips(pixels: Bytes, place: Place) -> list[_Strip]:
 
 
 def _factors(pixels: Bytes, matrix: Array, middle: Array) -> tuple[int, int]:
-    """By how much to reduce a picture across and down where it is seen at a place."""
+    """Return by how much to reduce a picture across and down where it is seen at a place."""
     u, v, w = matrix @ (*middle, 1.0)
     height, width = pixels.shape[:2]
     slope = (matrix[:2, :2] - np.outer((u / w, v / w), matrix[2, :2])) / w
@@ -157,7 +157,7 @@ def _is_square_on(matrix: Array, size: tuple[int, int], texels: tuple[int, int])
 
 
 def _scaled(texels: Bytes, matrix: Array, size: tuple[int, int]) -> NDArray[np.uint32]:
-    """Texels that are only scaled and shifted: first along rows, then along columns, faster."""
+    """Sample texels that are only scaled and shifted: rows, then columns, which is faster."""
     from PIL import Image
 
     cells, parts = [], []
@@ -219,7 +219,7 @@ def _draw_border(
 
 
 def _bilinear(texels: Bytes, x: Array, y: Array) -> Floats:
-    """Texels interpolated at places, (n, 4); beyond the border the outermost go on."""
+    """Interpolate texels at places, (n, 4); beyond the border the outermost ones are repeated."""
     height, width = texels.shape[:2]
     x, y = np.clip(x - 0.5, 0, width - 1), np.clip(y - 0.5, 0, height - 1)
     left, top = x.astype(np.intp), y.astype(np.intp)

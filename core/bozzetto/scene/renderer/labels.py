@@ -59,7 +59,7 @@ def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
 
 
 def _mask(text: str, size: float, rim: int) -> tuple[NDArray[np.float32], int, int]:
-    """Coverage of a text, and where its left and top edges lie from its anchor."""
+    """Return the coverage of a text, and its left and top edges relative to its anchor."""
     from PIL import Image, ImageDraw, ImageFont
 
     font = ImageFont.load_default(size)

@@ -85,7 +85,7 @@ class Canvas:
         *,
         veiled: bool = False,
     ) -> None:
-        """Lay a colour over pixels, each covered in part; where named twice, most counts.
+        """Blend a colour over pixels, each covered in part; where named twice, most counts.
 
         Behind a veil, what the colour changes in the picture without the veil is seen
         through it.
@@ -150,7 +150,7 @@ X, Y, NEARNESS, WIDTH, ALONG = range(5)
 
 
 def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
-    """Both ends of all segments on the sheet, in front of the eye; (n, 5) each."""
+    """Return both ends of all segments on the sheet, in front of the eye; (n, 5) each."""
     sight = canvas.sight
     points = sight.seen(np.concatenate([item.points for item in batch]))
     widths = [np.broadcast_to(np.float64(item.width), len(item.points)) for item in batch]
@@ -194,7 +194,7 @@ def _joined_points(batch: list[Lines]) -> tuple[Index, Index]:
 
 
 def _cut_to_window(begin: Array, end: Array, canvas: Canvas) -> tuple[Array, Array]:
-    """Segments cut to the window and a border as wide as the line (Liang & Barsky, 1984)."""
+    """Cut segments to the window and a border as wide as the line (Liang & Barsky, 1984)."""
     span = end - begin
     border = np.maximum(begin[:, WIDTH], end[:, WIDTH]) + 2.0
     enter, leave = np.zeros(len(begin)), np.ones(len(begin))
@@ -237,7 +237,7 @@ class _Walk:
 
 
 def _step_counts(begin: Array, end: Array) -> NDArray[np.int64]:
-    """Pixels that each segment crosses along its major axis, caps included."""
+    """Return the pixels that each segment crosses along its major axis, caps included."""
     low, high = _reach(begin, end)
     return np.asarray(np.floor(high) - np.floor(low) + 1, np.int64)
 
@@ -256,7 +256,7 @@ def _steep(begin: Array, end: Array) -> Flags:
 
 
 def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
-    """Every pixel centre along the major axis of every segment, and the line's middle there."""
+    """Return pixel centres along the major axis of every segment, and the line's middle there."""
     low, _ = _reach(begin, end)
     span = end - begin
     steep = _steep(begin, end)
@@ -289,7 +289,7 @@ def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
 
 
 def _spread(walk: _Walk, canvas: Canvas, hidden: str) -> tuple[Index, Floats, NDArray[np.int8]]:
-    """Pixels around each step, how much its capsule covers them, `COVERED` and `VEILED`."""
+    """Return pixels around each step, how much its capsule covers them, `COVERED` and `VEILED`."""
     x = np.where(walk.steep, walk.minor, walk.major)
     y = np.where(walk.steep, walk.major, walk.minor)
     covered, veiled = canvas.behind(x, y, walk.nearness)

@@ -79,7 +79,7 @@ _levels = LevelCache(LEVELS_KEPT)
 
 
 def rung(footprint: float, size: int) -> int:
-    """By how much to reduce a picture along one side.
+    """Return by how much to reduce a picture along one side.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def _made_clear(pixels: Bytes) -> Bytes:
 
 
 def as_pillow(texels: Bytes) -> Image:
-    """Texels (h, w, 4) as an image of four equal channels, without a copy.
+    """Return texels (h, w, 4) as an image of four equal channels, without a copy.
 
     Pillow would multiply and divide by the opacity of "RGBA" at every step; of "CMYK" it
     knows no opacity.

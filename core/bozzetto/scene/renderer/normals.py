@@ -90,7 +90,7 @@ def _grouped_normals(vertex: NDArray[np.int32], face: Index, flat: Array, area: 
 
 
 def mean_curvature(mesh: Mesh) -> Floats:
-    """Mean curvature at the vertices, 1/mm, positive where the surface bulges outwards.
+    """Return mean curvature at the vertices, 1/mm, positive where the surface bulges outwards.
 
     The mean over the edges of the normal curvature along each,
     (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²: exact on spheres.

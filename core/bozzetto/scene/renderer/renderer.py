@@ -52,7 +52,7 @@ HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
 
 
 def _go_on() -> None:
-    """Nobody wants to stop it."""
+    """Continue: nobody wants to stop."""
 
 
 def render(
@@ -147,7 +147,7 @@ def _bands(width: int, height: int, depth: int) -> Iterator[tuple[int, int]]:
 
 
 def _finished(pixels: Floats, *, opaque: bool) -> Bytes:
-    """Bytes of straight alpha."""
+    """Return bytes of straight alpha."""
     if opaque:
         result = (pixels + np.float32(0.5)).astype(np.uint8)
         result[..., 3] = 255
@@ -220,12 +220,12 @@ def _drawn(
 
 
 def _enlarged(pixels: Floats, fineness: int) -> Floats:
-    """Each pixel (h, w, 4) as so many samples along both axes, row by row, (n, 4)."""
+    """Repeat each pixel (h, w, 4) for its samples along both axes, row by row, (n, 4)."""
     return np.repeat(np.repeat(pixels, fineness, 0), fineness, 1).reshape(-1, 4)
 
 
 def _corners(items: Sequence[Shaded], sight: ViewTransform) -> Array | None:
-    """Corners of the boxes round meshes: x, y (px), nearness; None if some are behind the eye."""
+    """Return corners of the meshes' boxes: x, y (px), nearness; None if some are behind the eye."""
     boxes = [item.mesh.bounds for item in items if np.isfinite(item.mesh.bounds).all()]
     corners = [np.array(list(product(*box.T))) for box in boxes]
     seen = sight.seen(np.concatenate([np.zeros((0, 3)), *corners]))
@@ -257,7 +257,7 @@ def _reduced(samples: Floats, fineness: int) -> Floats:
 
 
 def _threshold(nearness: Floats, fineness: int) -> Floats:
-    """Nearness above which a line at a pixel is in front of the surface there, or on it.
+    """Return the nearness above which a line is in front of the surface at a pixel, or on it.
 
     The surface's slope is allowed for, since the line crosses the pixel anywhere: on each
     axis the smaller of the steps to both neighbours, so that an edge of the surface,
@@ -298,7 +298,7 @@ def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None
 
 
 def _style(item: Lines | Points) -> tuple[str | tuple[int, int, int], float, str, bool]:
-    """Neighbours in drawing order that share this are drawn as one."""
+    """Return the style of an item: neighbours in drawing order that share it are drawn as one."""
     return item.color, item.opacity, item.hidden, isinstance(item, Lines)
 
 

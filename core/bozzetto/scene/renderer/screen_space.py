@@ -35,7 +35,7 @@ OUTER, INNER = 0.62, 0.26
 
 
 def _depth(buffer: Buffer, sight: ViewTransform) -> Floats:
-    """Depth in pixel sizes at the target; infinite where nothing is seen."""
+    """Return depth in pixel sizes at the target; infinite where nothing is seen."""
     near = buffer.nearness.reshape(buffer.height, buffer.width)
     if not sight.perspective:
         return np.float32(-sight.focal) * near
@@ -87,14 +87,14 @@ def cavities(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int
 
 
 def _spread(image: Floats) -> Floats:
-    """Sum over the 3 × 3 places around each."""
+    """Return the sum over the 3 × 3 pixels around each."""
     padded = np.pad(image, 1)
     rows = padded[:-2] + padded[1:-1] + padded[2:]
     return np.asarray(rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:], np.float32)
 
 
 def _box(images: Floats) -> Floats:
-    """Mean over (2 REACH + 1)² places of each of several images; zero beyond the border."""
+    """Return the mean over (2 REACH + 1)² pixels of several images; zero beyond the border."""
     size = 2 * REACH + 1
     result = images.astype(np.float64)
     for axis in (1, 2):
@@ -106,7 +106,7 @@ def _box(images: Floats) -> Floats:
 
 
 def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
-    """Bilinear enlargement."""
+    """Enlarge by bilinear interpolation."""
     result = image
     for axis, size in ((0, height), (1, width)):
         place = np.arange(size, dtype=np.float32) / np.float32(stride)
@@ -120,7 +120,7 @@ def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
 
 
 def contours(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
-    """Strength of contour lines at each pixel, shape (h, w), 0 … 1.
+    """Return the strength of contour lines at each pixel, shape (h, w), 0 … 1.
 
     A contour runs along the nearer side where depth jumps by more than the slope
     foretells; an inner edge where the normal jumps.

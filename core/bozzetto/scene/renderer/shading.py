@@ -137,7 +137,7 @@ def _interpolated(
     dx: Floats,
     dy: Floats,
 ) -> Floats:
-    """Affine interpolation of (t, 3, k) corner values at offsets from first corners; (k, n)."""
+    """Interpolate (t, 3, k) corner values affinely at offsets from first corners; (k, n)."""
     edge = places[:, 1:, :2] - places[:, :1, :2]
     area = edge[:, 0, 0] * edge[:, 1, 1] - edge[:, 0, 1] * edge[:, 1, 0]
     scale = np.divide(1.0, area, out=np.zeros_like(area), where=area != 0)[:, None]
@@ -188,7 +188,7 @@ def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
 
 
 def ramp(color: Color) -> Floats:
-    """Colours of a matte surface from no light to `BRIGHTEST`, shape (STEPS, 3), 0 … 255.
+    """Return colours of a matte surface from no light to `BRIGHTEST`, shape (STEPS, 3), 0 … 255.
 
     Shadows keep some warmth instead of going grey; highlights tend to white without
     reaching it.
@@ -211,7 +211,7 @@ def colored(
     palette: Palette,
     cavity: Floats | None = None,
 ) -> Floats:
-    """Colours of what is seen, shape (n, 3), 0 … 255.
+    """Return colours of the visible surface, shape (n, 3), 0 … 255.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def colored(
 
 
 def curvature_colors(curvature: Floats, palette: Palette) -> Floats:
-    """RGBA per vertex: hollows in the second colour, bulges in the accent; (v, 4), 0 … 255.
+    """Return RGBA per vertex: hollows in the second colour, bulges in the accent; (v, 4), 0 … 255.
 
     Scaled by the mesh's own 90th percentile, so that detail shows at any size.
     """

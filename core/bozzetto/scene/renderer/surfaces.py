@@ -249,7 +249,7 @@ def _colors_of(
     shading: Shading,
     cavity: Floats | None = None,
 ) -> Floats:
-    """Colours of what is seen of some meshes, (n, 3), 0 … 255."""
+    """Return colours of the visible parts of some meshes, (n, 3), 0 … 255."""
     part = soup.part[seen.triangle]
     colors = [palette.color(item.color) for item in items]
     polished = np.array([is_polished(item, shading) for item in items])

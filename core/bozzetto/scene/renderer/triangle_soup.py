@@ -55,7 +55,7 @@ class Soup:
         )
 
     def doubled_areas(self) -> Array:
-        """Twice the signed area of each triangle, px²; positive where it shows its front."""
+        """Return twice the signed area of each triangle, px²; positive where it shows its front."""
         x, y = (self.places[:, axis][self.faces] for axis in (0, 1))
         return np.asarray(
             (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0]) - (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0])
@@ -130,7 +130,7 @@ def _clipped(soup: Soup, near: float) -> Soup:
 
 
 def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_first: bool) -> Soup:
-    """One or two triangles for each whose first corner lies alone on its side."""
+    """Return one or two triangles for each whose first corner lies alone on its side."""
     a, depth = faces[:, 0], soup.places[:, 2]
     count = len(faces)
     places, normals, colors = [], [], []

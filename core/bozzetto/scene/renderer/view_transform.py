@@ -54,11 +54,11 @@ class ViewTransform:
         return NEAR * self.reference if self.perspective else -np.inf
 
     def seen(self, points: ArrayLike) -> Array:
-        """World points in the frame of the view: right, up, depth; shape (n, 3), mm."""
+        """Return world points in the frame of the view: right, up, depth; shape (n, 3), mm."""
         return (np.asarray(points, np.float64) - self.eye) @ self.axes.T
 
     def placed(self, seen: Array) -> Array:
-        """Columns x, y (px) and nearness of points not before `near`, shape (n, 3)."""
+        """Return columns x, y (px) and nearness of points not before `near`, shape (n, 3)."""
         result = np.empty_like(seen)
         if self.perspective:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -72,7 +72,7 @@ class ViewTransform:
         return result
 
     def backed(self, nearness: Floats, pixels: float) -> Floats:
-        """Nearness moved away from the eye by as much as so many pixels measure there."""
+        """Return nearness moved away from the eye by as much as so many pixels measure there."""
         mm = np.float32(pixels / self.focal)
         if self.perspective:  # d q = −q² dz / reference, and a pixel measures z / focal
             return nearness * (np.float32(1) - mm)

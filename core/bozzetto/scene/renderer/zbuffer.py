@@ -149,7 +149,7 @@ def _draw(
 def _by_height(
     places: Array, faces: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """Vertices of each triangle from the top of the sheet down."""
+    """Return vertices of each triangle from the top of the sheet down."""
     y = places[:, 1]
     a, b, c = faces.T
     for _ in range(2):  # a bubble sort of three

@@ -96,7 +96,7 @@ def stripes(seen: Fragments, sight: ViewTransform) -> Floats:
 
 
 def _climb(seen: Fragments, sight: ViewTransform) -> Floats:
-    """Sine of the angle by which mirrored lines of sight climb, (n,).
+    """Return the sine of the angle by which mirrored lines of sight climb, (n,).
 
     With the unit vectors n across the surface and s towards the eye, the line of sight goes on
     along 2 (n·s) n − s.
@@ -122,7 +122,7 @@ def _integral(height: Floats) -> Floats:
 
 
 def _over_pixel(values: Floats, pixel: Index, sight: ViewTransform) -> Floats:
-    """By how much values change over their pixels, (n,).
+    """Return by how much values change over their pixels, (n,).
 
     On each axis the smaller of the steps to both neighbours: across a crease or a contour the
     pattern jumps, and that edge shall stay sharp.

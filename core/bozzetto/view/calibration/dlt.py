@@ -77,7 +77,7 @@ class DirectCamera:
     determined: float
 
     def project(self, points: ArrayLike) -> Array:
-        """Places (n, 2), px, of world points (n, 3), mm; NaN at or behind the eye."""
+        """Project world points (n, 3), mm, to places (n, 2), px; NaN at or behind the eye."""
         places = np.reshape(np.asarray(points, float), (-1, 3))
         seen = places @ self.matrix[:, :3].T + self.matrix[:, 3]
         out = np.full((len(places), 2), np.nan)

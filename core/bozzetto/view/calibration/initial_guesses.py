@@ -31,7 +31,7 @@ REFINED: Final = 2
 
 
 def starts(points: Array, marks: Array) -> Poses:
-    """Poses to start from, in the units of `Framing`.
+    """Return poses to start from, in the units of `Framing`.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def resume_poses(points: Array, marks: Array, before: Poses, cropped: bool) -> P
 
 
 def _around() -> Array:
-    """Frames (26, 3, 3) that look from the places of the view cube."""
+    """Return frames (26, 3, 3) that look from the places of the view cube."""
     frames = []
     for direction in CUBE_DIRECTIONS:
         forward = -unit(direction)

@@ -40,7 +40,7 @@ def framed(
     picture: tuple[float, float],
     further: Mapping[str, ArrayLike],
 ) -> tuple[Array, Array, Framing]:
-    """Points and marks as arrays, and the units to work in; arguments as of `resect`.
+    """Return points and marks as arrays, and the units to work in; arguments as of `resect`.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
 
 
 def _for_example(points: Array, further: Mapping[str, ArrayLike]) -> str:
-    """``, for example C4``: the point that helps most, if there is any."""
+    """Return ``, for example C4``: the point that helps most, if there is any."""
     names = list(further)
     best = spread_most(points, [np.asarray(further[name], float) for name in names])
     return "" if best is None else f", for example {names[best]}"

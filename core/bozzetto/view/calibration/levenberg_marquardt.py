@@ -88,7 +88,7 @@ def robust_weights(residuals: Array) -> Array:
 
 
 def variance(cost: float, count: int, unknowns: int) -> float:
-    """Variance of a coordinate of a mark, squared diagonals, from the cost of a fit."""
+    """Return the variance of a coordinate of a mark, squared diagonals, from the cost of a fit."""
     freely = max(0, 2 * count - unknowns)
     return (OTHERWISE * HAND**2 + cost) / (OTHERWISE + freely)
 
@@ -96,7 +96,7 @@ def variance(cost: float, count: int, unknowns: int) -> float:
 def covariance(
     fit: Adjusted, points: Array, counted: Array, noise: float, *, cropped: bool
 ) -> Array:
-    """Covariance (9, 9) of the parameters of a fit of one row; 0 where they are not free.
+    """Return the covariance (9, 9) of the parameters of one row; 0 where they are not free.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def adjusted(
 def _judged(
     seen: Seen, marks: Array, poses: Poses, counted: Array, hold: Array
 ) -> tuple[Array, Array]:
-    """Residuals, and what they cost; infinite where a point that counts is not in front."""
+    """Return residuals and their cost; infinite where a point that counts is not in front."""
     residuals = marks - seen.places
     squares = residuals[:, :, 0] ** 2 + residuals[:, :, 1] ** 2
     # 2 c² (√(1 + q) − 1), written so that small residuals keep their digits
@@ -213,7 +213,7 @@ def _judged(
 
 
 def _against_bounds(poses: Poses, pull: Array) -> Flags:
-    """Parameters at a bound that they are pulled against, (b, 9)."""
+    """Return parameters at a bound that they are pulled against, (b, 9)."""
     against = np.zeros(pull.shape, bool)
     low, high = PERSPECTIVITIES
     strength, force = poses.perspectivity, pull[:, 6]

@@ -163,7 +163,7 @@ class Poses:
 
 
 def rotations(vectors: Array) -> Array:
-    """Rotations about vectors (b, 3) by their lengths in radians, (b, 3, 3).
+    """Return rotations about vectors (b, 3) by their lengths in radians, (b, 3, 3).
 
     Rodrigues' formula; a vector of no length gives the identity.
     """

@@ -30,7 +30,7 @@ class Places:
     covariances: Array
 
     def ellipses(self, probability: float = 0.9) -> Array:
-        """Semi-axes of the ellipses in which the places lie with a probability.
+        """Return semi-axes of the ellipses in which the places lie with a probability.
 
         Returns
         -------

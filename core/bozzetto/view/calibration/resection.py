@@ -108,7 +108,7 @@ class Resection:
     covariance: Array
 
     def project(self, points: ArrayLike) -> Array:
-        """Places (m, 2) of world points (m, 3), mm, in pixels of the picture.
+        """Project world points (m, 3), mm, to places (m, 2) in pixels of the picture.
 
         NaN for points at or behind the eye.
         """
@@ -235,7 +235,7 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
 
 
 def _cheapest(costs: Array, allowed: Flags, count: int) -> Index:
-    """Rows with the least costs among those allowed."""
+    """Return rows with the least costs among those allowed."""
     return np.argsort(np.where(allowed, costs, np.inf), kind="stable")[: min(count, allowed.sum())]
 
 
@@ -244,7 +244,7 @@ def _kind(fit: Adjusted) -> Kind:
 
 
 def _price(fit: Adjusted, count: int, cropped: bool) -> float:
-    """Bayesian information criterion of a fit whose noise is not known."""
+    """Return the Bayesian information criterion of a fit whose noise is not known."""
     size = 2 * count
     unknowns = int(freedom(fit.poses, cropped).sum())
     noise = max(float(fit.costs[0]) / size, EXACT**2)
