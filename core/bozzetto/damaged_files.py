@@ -1,4 +1,4 @@
-"""The border that every loader's table stands behind: what a bad file can raise is told once."""
+"""Errors of damaged files: one place where what readers raise becomes a sentence."""
 
 from __future__ import annotations
 

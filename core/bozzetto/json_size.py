@@ -1,4 +1,4 @@
-"""How much a JSON text holds, seen without understanding it."""
+"""Size of a JSON text in values, counted without parsing it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Processes and the machine they run on: is the one that left something behind still there."""
+"""Processes and their machine: identity, birth, and whether one still runs."""
 
 from __future__ import annotations
 

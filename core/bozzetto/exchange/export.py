@@ -1,4 +1,4 @@
-"""Shapes and drawings to files."""
+"""Export of shapes and drawings to files."""
 
 from __future__ import annotations
 

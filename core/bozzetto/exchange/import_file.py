@@ -1,4 +1,4 @@
-"""Files to shapes, drawings and pictures.
+"""Import of shapes, drawings and pictures from files.
 
 A file is read in a process of its own (`read_process`), with a `Budget`, unless whoever
 asks trusts it. The formats' readers refuse what they can see to be too much; the budget ends

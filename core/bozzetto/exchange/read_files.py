@@ -1,4 +1,4 @@
-"""Bytes from files, with the errors told in plain words."""
+"""Reading of whole files, with errors in plain words."""
 
 from __future__ import annotations
 

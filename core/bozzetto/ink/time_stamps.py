@@ -1,4 +1,4 @@
-"""Time stamps one can divide by."""
+"""Time stamps that increase strictly, so that speeds can be computed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The job: how well to solve, who is waiting, and whether anyone still is."""
+"""Request for a solve: its quality, its progress, and whether anybody still waits."""
 
 from __future__ import annotations
 

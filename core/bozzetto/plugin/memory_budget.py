@@ -1,4 +1,4 @@
-"""One budget of bytes for everything that is remembered in a process."""
+"""Budget of bytes for everything that is remembered in a process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contract of what a modeler may do besides.
+"""Checks of optional abilities of modelers.
 
 Commands, view advice, curves, shapes and pictures taken, taps that are aimed: each check passes
 where the modeler does not do it; see `checks` for the others.

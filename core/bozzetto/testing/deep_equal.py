@@ -1,4 +1,4 @@
-"""Whether two values are the same all through, down to the bytes of their arrays."""
+"""Deep comparison of values, down to the bytes of their arrays."""
 
 from __future__ import annotations
 

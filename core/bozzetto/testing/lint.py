@@ -1,4 +1,4 @@
-"""``bozzetto plugins check``: what an author should know before anybody else does."""
+"""``bozzetto plugins check``: faults of a plugin that its author should know first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contract of what a modeler may remember: nothing that an answer could tell.
+"""Checks of what a modeler remembers: no answer may depend on it.
 
 Answers may be remembered, as long as nobody can see it: whoever asks the same gets the same,
 whatever was asked before, of this document or of another one, in this process or a fresh one.

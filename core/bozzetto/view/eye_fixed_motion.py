@@ -1,4 +1,4 @@
-"""Turning the camera about its eye: the picture that it takes is only mapped to another one.
+"""Motion of a camera about its eye: its picture is only mapped to another one.
 
 Two pictures taken from one eye differ by a homography, whatever the camera's direction and
 opening angle (Hartley & Zisserman, *Multiple View Geometry*, 2nd ed., section 8.4.2). So a

@@ -1,4 +1,4 @@
-"""The view in which something is put on a page: one that a person chose, or one that shows it."""
+"""Views for a page: one that a person chose, or one that shows everything."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames of a view: between azimuth and elevation, rotations, and cameras."""
+"""Rotations and frames of a view, by azimuth and elevation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Objects of a document to files of other programs, with word of all that is not in them."""
+"""Export of a document's objects, with warnings of all that is left out."""
 
 from __future__ import annotations
 

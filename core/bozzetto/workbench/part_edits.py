@@ -1,4 +1,4 @@
-"""Parts of models: read through the lens of their modeler, and changed through it.
+"""Edits of the parts of models, read and changed through their modelers.
 
 What a person can do to a part is the same for every modeler, so it is done here. Nothing
 changes a model: every edit gives another one, with the label for the history. All calls

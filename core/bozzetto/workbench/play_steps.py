@@ -1,4 +1,4 @@
-"""Runs the steps of a drawing as if a person took them one by one."""
+"""Playback of a drawing's steps, as if a person took them one by one."""
 
 from __future__ import annotations
 

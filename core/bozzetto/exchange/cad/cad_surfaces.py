@@ -1,4 +1,4 @@
-"""Patchworks as every reader takes them, and what all formats say of a patch alike."""
+"""Patchworks as every reader takes them, and the names of their patches."""
 
 from __future__ import annotations
 

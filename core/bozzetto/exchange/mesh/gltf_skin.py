@@ -1,4 +1,4 @@
-"""Skins in glTF: joints as nodes, and what every vertex follows."""
+"""Skins in glTF: joints as nodes, and the joints and weights of every vertex."""
 
 from __future__ import annotations
 

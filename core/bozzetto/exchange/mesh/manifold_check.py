@@ -1,4 +1,4 @@
-"""Whether a mesh bounds a volume: checked before anybody prints it."""
+"""Checks that a mesh bounds a volume, before anybody prints it."""
 
 from __future__ import annotations
 

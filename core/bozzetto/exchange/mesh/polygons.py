@@ -1,4 +1,4 @@
-"""From the polygons and loose triangles of files to triangles over shared vertices."""
+"""Polygons and loose triangles of files, as triangles over shared vertices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The words of a text file, counted before they are made."""
+"""Word counts of text files, before the words are made."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""SVG: drawings to strokes, strokes and projected curves to paths.
+"""SVG reader: painted lines and areas become strokes.
 
 One user unit is one millimetre, and the point (x, y) of the file is the world point
 (x, 0, -y): drawings from other programs stand upright on the front view.

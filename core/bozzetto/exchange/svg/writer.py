@@ -1,4 +1,4 @@
-"""SVG: strokes and projected curves to paths."""
+"""SVG writer: strokes and projected curves become paths."""
 
 from __future__ import annotations
 

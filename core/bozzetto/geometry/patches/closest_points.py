@@ -1,4 +1,4 @@
-"""Foot points on patches: the places of a surface that are closest to points in space."""
+"""Closest points on patches to points in space."""
 
 from __future__ import annotations
 

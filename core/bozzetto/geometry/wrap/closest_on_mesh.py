@@ -1,4 +1,4 @@
-"""The places of a mesh that are nearest to points close by."""
+"""Closest points on a mesh to points near it."""
 
 from __future__ import annotations
 

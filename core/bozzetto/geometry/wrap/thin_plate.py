@@ -1,4 +1,4 @@
-"""Skins that hang between what they are held by: a membrane, a thin plate, or something between.
+"""Membranes and thin plates: fair surfaces between given points.
 
 On a mesh with vertices p and umbrella operator L (Kobbelt et al., *Interactive multi-resolution
 modeling on arbitrary meshes*, 1998), a membrane has the least sum of squared edges and a plate the

@@ -1,4 +1,4 @@
-"""Ink made ready for fitting: cleaned, smoothed and spaced whatever the sampling rate was."""
+"""Preparation of ink for fitting: cleaned, smoothed and evenly spaced."""
 
 from __future__ import annotations
 

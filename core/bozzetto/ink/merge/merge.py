@@ -1,4 +1,4 @@
-"""Several ways to order the ink, and a score that needs no truth to choose by."""
+"""Choice among several orderings of the ink, by a score that needs no ground truth."""
 
 from __future__ import annotations
 

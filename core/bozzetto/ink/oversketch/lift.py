@@ -1,4 +1,4 @@
-"""Back into space with a curve that was changed on the sheet: the minimum-surprise lift."""
+"""Minimum-surprise lift: a curve that was changed on the sheet, back in space."""
 
 from __future__ import annotations
 

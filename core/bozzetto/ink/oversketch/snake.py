@@ -1,4 +1,4 @@
-"""A curve that gives way to oversketched strokes: an active contour that converges.
+"""Active contour: a curve that gives way to the strokes drawn over it.
 
 Kara & Shimada, book chapter, section 13.2, move the nodes of a curve by a restitution force,
 a location force towards the strokes, and a force that grows with pen pressure. Taken

@@ -1,4 +1,4 @@
-"""Arguments that a plugin may not change: remembered before a call, put back after it.
+"""Snapshots of arguments that a plugin may not change: compared and restored after a call.
 
 The values handed to a plugin are frozen, but Python lets anyone write past that with
 ``object.__setattr__``, and a drawing's `extra` is a plain dict. What was written is put

@@ -1,4 +1,4 @@
-"""The guard: every call into a plugin passes here, and nothing of a plugin's gets past it.
+"""The guard: every call into a plugin passes here, and no error of a plugin gets past it.
 
 Whatever goes wrong inside becomes a `PluginFault` that names the plugin and keeps the
 traceback; arguments that a plugin wrote to are put back; a plugin that failed three times

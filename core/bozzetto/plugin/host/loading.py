@@ -1,4 +1,4 @@
-"""Importing one plugin and looking at what it delivers."""
+"""Loading of one plugin, and checks of what it delivers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pixels of a picture on the sheet.
+"""Warp of a picture onto the sheet.
 
 Those within are interpolated by Pillow, from a level of detail that suits the distance; those
 on the border, few, are sampled here with their true share.

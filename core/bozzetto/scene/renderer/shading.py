@@ -1,4 +1,4 @@
-"""The matter of surfaces: from visible triangles to colours.
+"""Shading: from visible triangles to colours.
 
 Only what is seen is shaded. Normals are interpolated (Phong) by the plane through a
 triangle's corners, weighted with nearness so that they are right in perspective.

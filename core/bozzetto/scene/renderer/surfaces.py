@@ -1,4 +1,4 @@
-"""Shaded meshes before pictures on a window of the sheet, opaque first, then translucent."""
+"""Meshes and pictures on a window of the sheet, opaque first, then translucent."""
 
 from __future__ import annotations
 

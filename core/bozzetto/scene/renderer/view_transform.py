@@ -1,4 +1,4 @@
-"""From the world to a window of pixels, with a nearness that is affine on the sheet."""
+"""Transform from the world to a window of pixels, with a nearness affine on the sheet."""
 
 from __future__ import annotations
 

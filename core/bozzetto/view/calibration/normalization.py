@@ -1,4 +1,4 @@
-"""Between the pixels and millimetres of a picture and the units in which its camera is solved."""
+"""Normalization between pixels and millimetres and the units in which a camera is solved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every mark judged by the others: its leave-one-out residual, and the marks set aside.
+"""Outliers: every mark judged by the others, by its leave-one-out residual.
 
 A residual says little about a mark, for the camera leans towards it; with few marks it leans
 all the way. What counts is where the mark would be expected by the camera of all the others.
