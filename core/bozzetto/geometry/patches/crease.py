@@ -72,21 +72,6 @@ def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
     return found
 
 
-def joints_of_chain(chain: ArrayLike, *, closed: bool = False) -> tuple[Joint, ...]:
-    """Return the joints of edges that follow each other.
-
-    Parameters
-    ----------
-    chain : (n,) array_like of int
-        Edges as they are run through, ``~e`` where against their sense.
-    closed : bool
-        The last one is joined to the first.
-    """
-    row = [int(edge) for edge in np.asarray(chain, np.intp)]
-    after = row[1:] + row[:1] if closed else row[1:]
-    return tuple((~edge, next_) for edge, next_ in zip(row, after, strict=False))
-
-
 def locked(
     edges: ArrayLike,
     sides: ArrayLike,

@@ -1,4 +1,4 @@
-"""Curvature of bicubic patches: principal, mean and Gaussian, in closed form."""
+"""Principal and mean curvature of bicubic patches, in closed form."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
-from bozzetto.geometry.patches.patch import FLAT_SINE, Places, grid, points_at
+from bozzetto.geometry.patches.patch import FLAT_SINE, grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,26 +31,6 @@ class Curvatures:
     def mean(self) -> Array:
         """Mean curvature, 1/mm, (…)."""
         return 0.5 * (self.most + self.least)
-
-    @property
-    def gaussian(self) -> Array:
-        """Gaussian curvature, 1/mm², (…)."""
-        return self.most * self.least
-
-
-def patch_curvatures(nets: ArrayLike, places: Places) -> Curvatures:
-    """Return curvatures at places on patches, each of shape (n,).
-
-    Parameters
-    ----------
-    nets : (k, 4, 4, 3) array_like
-        mm.
-    places : Places
-        All of them on patches.
-    """
-    nets = np.asarray(nets, float)
-    orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-    return _bent(*(points_at(nets, places, du=du, dv=dv) for du, dv in orders))
 
 
 def grid_curvatures(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Curvatures:

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto.ink.curves.fit import ENOUGH, NOISE_FACTOR
 from bozzetto.ink.curves.least_squares import MORE, MOST, approximate, approximate_adaptively
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.merge.order_by_longest import order_by_longest
@@ -22,6 +21,12 @@ from bozzetto.ink.merge.resample_all import Ordering, ResampledInk, resample_all
 
 Strategy = Literal["principal", "spanning", "following", "strip"]
 Way = Callable[[ResampledInk], Ordering | None]
+
+ENOUGH: Final = 1.2
+"""Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
+
+NOISE_FACTOR: Final = 1.3
+"""`ENOUGH` as a multiple of the ink's own noise: what lies within is not meant."""
 
 GOOD: Final = 3.0
 """Score (pixels) of a quick strategy that makes the strip, which is slow, superfluous."""

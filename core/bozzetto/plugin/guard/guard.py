@@ -11,7 +11,7 @@ import logging
 import threading
 import traceback
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
@@ -76,7 +76,6 @@ class Guard:
     def __init__(self, plugin_of: Callable[[str], str] = str) -> None:
         self._plugin_of = plugin_of
         self._faults: Counter[str] = Counter()
-        self._listeners: list[Callable[[PluginFault], None]] = []
         self._lock = threading.Lock()
         self._inside: dict[threading.Thread, tuple[str, str]] = {}
 
@@ -312,22 +311,6 @@ class Guard:
         log.error("%s\n%s", found, found.details)
         return found
 
-    def on_fault(self, callback: Callable[[PluginFault], None]) -> Callable[[], None]:
-        """Have a function called with every fault, on the thread where it happened.
-
-        Returns
-        -------
-        callable
-            Ends that.
-        """
-        self._listeners.append(callback)
-
-        def dispose() -> None:
-            if callback in self._listeners:
-                self._listeners.remove(callback)
-
-        return dispose
-
     def faults(self, plugin_id: str) -> int:
         """Count the failures of a plugin in this session."""
         return self._faults[plugin_id]
@@ -348,10 +331,7 @@ class Guard:
         fault = PluginFault(plugin, what, _last(details))
         with self._lock:
             self._faults[plugin] += 1
-            listeners: Sequence[Callable[[PluginFault], None]] = tuple(self._listeners)
         log.error("%s\n%s", fault, fault.details)
-        for listener in listeners:
-            listener(fault)
         return fault
 
 

@@ -1,4 +1,4 @@
-"""A cubic B-spline through the points of one curve."""
+"""Cubic B-splines through the points of one curve, with the least squares of the core."""
 
 from __future__ import annotations
 
@@ -13,12 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink.curves.least_squares import approximate, approximate_adaptively
 from bozzetto.ink.curves.preprocess import Prepared, checked_points, prepare
-
-ENOUGH: Final = 1.2
-"""Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
-
-NOISE_FACTOR: Final = 1.3
-"""`ENOUGH` as a multiple of the ink's own noise: what lies within is not meant."""
+from bozzetto.ink.merge.merge import ENOUGH, NOISE_FACTOR
 
 FEWEST_CONTROLS: Final = 4
 """A cubic needs four control points."""
