@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError, UserError, words_of
+from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.camera_record import (
     CameraRecord,
     CanvasRecord,
@@ -23,6 +23,7 @@ from bozzetto.exchange.camera_record import (
     camera_record,
     canvas_record,
 )
+from bozzetto.exchange.ink.ink_steps import decoded
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.exchange.page_layout import Sheet
 from bozzetto.exchange.safe_xml import Element, parsed, writable
@@ -133,15 +134,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         _stroke(trace, camera, shift, pressure_top=most if most > 1 else 1.0, number=number)
         for number, trace in enumerate(ink.traces, 1)
     ]
-    extra = _json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any])
+    extra = decoded(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
     return Drawing(Strokes(strokes), camera, name, extra)
-
-
-def _json(text: str, kind: Any) -> Any:
-    try:
-        return msgspec.json.decode(text.encode(), type=kind)
-    except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
-        raise FormatError(f"An annotation cannot be understood: {words_of(error)}.") from error
 
 
 class _View(msgspec.Struct):
@@ -150,7 +144,7 @@ class _View(msgspec.Struct):
 
 
 def _camera(text: str) -> Camera:
-    view: _View = _json(text, _View)
+    view: _View = decoded(text, _View, "an annotation")
     return camera_from(view.camera, view.canvas)
 
 

@@ -120,13 +120,15 @@ class Guard:
         except Overrun as overrun:
             # Not counted here: the one who waited for the answer says so (`blame`).
             before.restore()
-            raise PluginFault(plugin, f"{what} did not answer in time", _told(overrun)) from None
+            raise PluginFault(
+                plugin, f"{what} did not answer in time", _traceback_of(overrun)
+            ) from None
         except BaseException as problem:
             before.restore()
             name = type(problem).__name__
             said = message_of(problem)
             reason = f"{what} failed ({name}{': ' if said else ''}{said})"
-            raise self._fault(plugin, reason, _told(problem)) from None
+            raise self._fault(plugin, reason, _traceback_of(problem)) from None
         finally:
             if around is None:
                 del self._inside[here]
@@ -292,7 +294,9 @@ class Guard:
             plugin = self._plugin_of(modeler_id)
             said = message_of(problem)
             raise self._fault(
-                plugin, f"{modeler_id} made {what} that cannot be used ({said})", _told(problem)
+                plugin,
+                f"{modeler_id} made {what} that cannot be used ({said})",
+                _traceback_of(problem),
             ) from None
 
     # -- faults --------------------------------------------------------------------------------
@@ -339,5 +343,5 @@ def _last(details: str) -> str:
     return details[-LONGEST_DETAILS:]
 
 
-def _told(problem: BaseException) -> str:
+def _traceback_of(problem: BaseException) -> str:
     return "".join(traceback.format_exception(problem))
