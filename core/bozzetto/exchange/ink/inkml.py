@@ -292,7 +292,9 @@ def _stroke(
             _camera(own["camera"]) if "camera" in own else camera,
             **columns,
             tool=tool,  # type: ignore[arg-type]
-            color=_json(own["color"], tuple[int, int, int]) if "color" in own else None,
+            color=decoded(own["color"], tuple[int, int, int], "an annotation")
+            if "color" in own
+            else None,
             group=own.get("curve", ""),
         )
     except UserError as error:
