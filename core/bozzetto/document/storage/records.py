@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 from msgspec import Meta
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, OpaqueState, Underlay
@@ -62,16 +63,7 @@ class UnderlayHeader(msgspec.Struct, frozen=True):
         """Return the underlay; raises `DocumentError` where the array holds no pixels."""
         if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or not pixels.size:
             raise DocumentError(f"The underlay “{self.name}” has no picture.")
-        return Underlay(
-            self.id,
-            self.name,
-            pixels,
-            self.corner,
-            self.across,
-            self.down,
-            self.opacity,
-            self.visible,
-        )
+        return Underlay(pixels=pixels, **asdict(self))
 
 
 class WaitingHeader(msgspec.Struct, frozen=True):
@@ -101,30 +93,14 @@ class StoredModel:
 def store_model(model: Model) -> StoredModel:
     """Take a model apart for writing."""
     state = model.state
-    header = ModelHeader(
-        model.id,
-        model.name,
-        model.modeler,
-        state.version if isinstance(state, OpaqueState) else model.state_version,
-        model.placement,
-        model.visible,
-        model.locked,
-        model.color,
-    )
+    version = state.version if isinstance(state, OpaqueState) else model.state_version
+    header = ModelHeader(**_fields_of(model, ModelHeader) | {"state_version": version})
     return StoredModel(header, encode_state(state))
 
 
 def store_underlay(underlay: Underlay) -> UnderlayHeader:
     """Return the record of an underlay beside its pixels."""
-    return UnderlayHeader(
-        underlay.id,
-        underlay.name,
-        underlay.corner,
-        underlay.across,
-        underlay.down,
-        underlay.opacity,
-        underlay.visible,
-    )
+    return UnderlayHeader(**_fields_of(underlay, UnderlayHeader))
 
 
 def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
@@ -139,6 +115,11 @@ def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
         )
         for one in waiting
     ]
+
+
+def _fields_of(source: object, record: type[msgspec.Struct]) -> dict[str, Any]:
+    """Return the fields of a record from the attributes of the same names."""
+    return {name: getattr(source, name) for name in record.__struct_fields__}
 
 
 def _writable(text: str) -> str:
@@ -157,17 +138,7 @@ def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | No
     closed = OpaqueState(
         header.state_version, stored.encoded.json, stored.encoded.strokes, stored.encoded.arrays
     )
-    model = Model(
-        header.id,
-        header.name,
-        header.modeler,
-        closed,
-        header.placement,
-        header.visible,
-        header.locked,
-        header.color,
-        header.state_version,
-    )
+    model = Model(state=closed, **asdict(header))
     known = states.state_type(header.modeler)
     if known is None:
         return model, (

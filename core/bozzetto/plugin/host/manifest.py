@@ -28,6 +28,7 @@ from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
 
 import msgspec
+from msgspec.structs import asdict
 
 from bozzetto.errors import UserError, words_of
 
@@ -206,16 +207,9 @@ def read_manifest(folder: Path) -> Manifest:
     for modeler_id in ids:
         if ids.count(modeler_id) > 1:
             raise ManifestError(f"In {MANIFEST}: two modelers have the id {modeler_id!r}.")
-    return Manifest(
-        table.id,
-        table.title,
-        table.summary,
-        table.version,
-        table.api,
-        tuple(_entry(modeler) for modeler in table.modeler),
-        tuple(_unknown_keys(said)),
-        table.checks_files,
-    )
+    plain = asdict(table)
+    modelers = tuple(map(_entry, plain.pop("modeler")))
+    return Manifest(**plain, modelers=modelers, warnings=tuple(_unknown_keys(said)))
 
 
 def _entry(table: _ModelerTable) -> ModelerEntry:
@@ -226,18 +220,7 @@ def _entry(table: _ModelerTable) -> ModelerEntry:
         _check_inside(sample.file, "sample", (".json", ".svg", ".inkml"))
         samples.append(Sample(sample.file, sample.title))
     _check_inside(table.icon, "icon", (".svg",))
-    return ModelerEntry(
-        table.id,
-        table.title,
-        table.icon,
-        table.hint,
-        tuple(samples),
-        table.panel,
-        table.listed,
-        table.order,
-        table.reads_shapes,
-        table.facts,
-    )
+    return ModelerEntry(**asdict(table) | {"samples": tuple(samples)})
 
 
 def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:

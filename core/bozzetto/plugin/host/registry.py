@@ -399,19 +399,14 @@ class Registry:
 
 def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
     return ModelerInfo(
-        entry.id,
-        entry.title,
-        entry.hint,
-        plugin.id,
-        plugin.folder,
-        plugin.folder / entry.icon,
-        tuple(plugin.folder / sample.file for sample in entry.samples),
-        tuple(sample.title for sample in entry.samples),
-        entry.panel,
-        entry.listed,
-        entry.order,
-        entry.reads_shapes,
-        entry.facts,
+        **vars(entry)
+        | {
+            "plugin": plugin.id,
+            "folder": plugin.folder,
+            "icon": plugin.folder / entry.icon,
+            "samples": tuple(plugin.folder / sample.file for sample in entry.samples),
+            "sample_titles": tuple(sample.title for sample in entry.samples),
+        }
     )
 
 
