@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bozzetto.cli.output import hand_over
+from bozzetto.cli.output import write_output
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad import cad_surfaces as surface_pieces
 from bozzetto.exchange.cad.iges import write_shapes as iges
@@ -366,10 +366,10 @@ def test_the_command_line_hands_a_skin_over(tmp_path):
         is_foreign=lambda model: False,
         cautions=lambda model, job: (),
     )
-    hand_over(bench, Document([car]), tmp_path / "out" / "car.STP")
+    write_output(bench, Document([car]), tmp_path / "out" / "car.STP")
     assert (tmp_path / "out" / "car.STP").read_bytes() == step(SHAPES)
     with pytest.raises(UserError, match=r"“\.3ds” does not do here.*\.step"):
-        hand_over(bench, Document([car]), tmp_path / "car.3ds")
+        write_output(bench, Document([car]), tmp_path / "car.3ds")
 
 
 def test_3mf_takes_them_too():
