@@ -22,7 +22,7 @@ from bozzetto.scene.renderer.lines_and_points import (
     draw_points,
 )
 from bozzetto.scene.renderer.shading import Shading
-from bozzetto.scene.renderer.surfaces import Pictures, Veil, draw_surfaces, see_through
+from bozzetto.scene.renderer.surfaces import Pictures, Style, Veil, draw_surfaces, see_through
 from bozzetto.scene.renderer.view_transform import ViewTransform, view_transform
 from bozzetto.view.camera import Camera
 
@@ -109,25 +109,15 @@ def render(
             f"A picture of {width} × {height} pixels is too large. Stay below "
             f"{MOST_PIXELS // 1_000_000} million pixels, for example 8000 × 8000."
         )
-    fineness = FINENESS if antialias else 1
+    style = Style(palette, shading, FINENESS if antialias else 1, checkpoint)
+    paper = (*palette.paper, 1.0) if background else (0.0,) * 4
     items = [item for _, item in scene.items()]
     result = np.empty((height, width, 4), np.uint8)
-    for top, bottom in _bands(width, height, fineness * fineness * _layers(items, shading)):
+    for top, bottom in _bands(width, height, style.fineness**2 * _layers(items, shading)):
         above = max(0, top - HALO)
         below = min(height, bottom + HALO)
         window = (0, above, width, below - above)
-        pixels = _drawn(
-            items,
-            camera,
-            palette,
-            (width, height),
-            window,
-            scale,
-            shading,
-            background,
-            fineness,
-            checkpoint,
-        )
+        pixels = _drawn(items, camera, (width, height), window, scale, paper, style)
         band = pixels.reshape(below - above, width, 4)[top - above : bottom - above]
         result[top:bottom] = _finished(band, opaque=background)
     return result
@@ -161,19 +151,17 @@ def _finished(pixels: Floats, *, opaque: bool) -> Bytes:
 def _drawn(
     items: Sequence[Item],
     camera: Camera,
-    palette: Palette,
     size: tuple[int, int],
     window: Window,
     scale: float,
-    shading: Shading,
-    background: bool,
-    fineness: int,
-    checkpoint: Callable[[], None],
+    background: tuple[float, ...],
+    style: Style,
 ) -> Floats:
     """Render a window of the picture, shape (h · w, 4): colour times opacity, opacity."""
     width, height = size
     _, _, w, h = window
-    paper = np.array((*palette.paper, 1.0) if background else (0.0,) * 4, np.float32)
+    fineness = style.fineness
+    paper = np.array(background, np.float32)
     pixels = np.empty((h * w, 4), np.float32)
     pixels[:] = paper
     sight = view_transform(camera, height, width, window)
@@ -182,7 +170,7 @@ def _drawn(
     corners = _corners(surfaces, sight)
     before, after = apart([one for one in images if one is not None], corners)
     blend_pictures(pixels, before, sight)
-    checkpoint()
+    style.checkpoint()
     canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
     part = _occupied(corners, sight)
     if part is not None:
@@ -192,9 +180,7 @@ def _drawn(
         inside = np.s_[y : y + part_h, x : x + part_w]
         samples = _enlarged(pixels.reshape(h, w, 4)[inside], fineness)
         pictures = Pictures(before, paper, (x, y))
-        drawn = draw_surfaces(
-            samples, surfaces, pictures, fine, palette, shading, fineness, checkpoint
-        )
+        drawn = draw_surfaces(samples, surfaces, pictures, fine, style)
 
         def rows(values: Floats) -> Floats:
             return values.reshape(fine.height, fine.width, *values.shape[1:])
@@ -213,9 +199,9 @@ def _drawn(
             veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
             blend_pictures(veil.behind, after, sight)
             canvas = replace(canvas, veil=veil)
-        checkpoint()
+        style.checkpoint()
     blend_pictures(pixels, after, sight)
-    _draw_marks(canvas, items, palette)
+    _draw_marks(canvas, items, style.palette)
     return pixels
 
 

@@ -36,6 +36,28 @@ XRAY_INK = 0.55
 """Part of ink in their colour."""
 
 
+@dataclass(frozen=True)
+class Style:
+    """How a picture is made.
+
+    Attributes
+    ----------
+    palette : Palette
+        Colours of the theme.
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
+    fineness : int
+        Samples per pixel along each axis.
+    checkpoint : callable
+        Called between stages; what it raises passes through.
+    """
+
+    palette: Palette
+    shading: Shading
+    fineness: int
+    checkpoint: Callable[[], None]
+
+
 @dataclass(frozen=True, eq=False)
 class Veil:
     """Translucent meshes before lines: nearness and opacity.
@@ -126,10 +148,7 @@ def draw_surfaces(
     items: Sequence[Shaded],
     pictures: Pictures,
     sight: ViewTransform,
-    palette: Palette,
-    shading: Shading,
-    fineness: int,
-    checkpoint: Callable[[], None],
+    style: Style,
 ) -> Drawn:
     """Draw meshes over pictures, and pictures over meshes where those are in front.
 
@@ -144,33 +163,29 @@ def draw_surfaces(
         Pictures in front of or behind some of the meshes.
     sight : ViewTransform
         The transform of the window.
-    palette : Palette
-        Colours of the theme.
-    shading : {"clay", "zebra", "curvature", "normals", "xray"}
-        How surfaces are shaded.
-    fineness : int
-        Samples per pixel along each axis.
-    checkpoint : callable
-        Called between stages.
+    style : Style
+        How the picture is made.
     """
     shaded = [i for i in items if len(i.mesh.faces) and i.opacity > 0]
-    solid = [i for i in shaded if not see_through(i, shading)]
+    solid = [i for i in shaded if not see_through(i, style.shading)]
     buffer = blank(sight.width, sight.height)
     if solid:
-        _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
-        checkpoint()
+        _draw_opaque(pixels, solid, buffer, sight, style)
+        style.checkpoint()
     glass: list[Sheet] = []
     for item in shaded:
-        if see_through(item, shading):
-            sheets = _mesh_sheets(item, sight, palette, shading)
+        if see_through(item, style.shading):
+            sheets = _mesh_sheets(item, sight, style)
             glass += [sheet.before(buffer.nearness) for sheet in sheets] if solid else sheets
-            checkpoint()
-    crossing = pictures.in_front(buffer, glass, fineness)
+            style.checkpoint()
+    crossing = pictures.in_front(buffer, glass, style.fineness)
     hung: list[Sheet] = []
     if len(crossing):
         pixels[crossing[buffer.triangle[crossing] < 0]] = pictures.paper
         hung = [
-            sheet_at(one, crossing, sight.width, pictures.offset, fineness).before(buffer.nearness)
+            sheet_at(one, crossing, sight.width, pictures.offset, style.fineness).before(
+                buffer.nearness
+            )
             for one in pictures.hung
         ]
     veil = None
@@ -197,43 +212,35 @@ def is_polished(item: Shaded, shading: Shading) -> bool:
     return shading == "zebra" or (shading == "clay" and item.finish == "zebra")
 
 
-def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
-    if shading == "curvature":
-        return curvature_colors(mean_curvature(item.mesh), palette)
-    return item.mesh.colors_over(palette.color(item.color))
+def _vertex_colors(item: Shaded, style: Style) -> NDArray[np.generic] | None:
+    if style.shading == "curvature":
+        return curvature_colors(mean_curvature(item.mesh), style.palette)
+    return item.mesh.colors_over(style.palette.color(item.color))
 
 
-def _gathered(
-    items: Sequence[Shaded], sight: ViewTransform, palette: Palette, shading: Shading
-) -> tuple[Soup, Flags]:
-    colors = [_vertex_colors(item, palette, shading) for item in items]
+def _gathered(items: Sequence[Shaded], sight: ViewTransform, style: Style) -> tuple[Soup, Flags]:
+    colors = [_vertex_colors(item, style) for item in items]
     tinted = np.array([own is not None for own in colors])
     return gather([item.mesh for item in items], colors, sight), tinted
 
 
 def _draw_opaque(
-    pixels: Floats,
-    items: Sequence[Shaded],
-    buffer: Buffer,
-    sight: ViewTransform,
-    palette: Palette,
-    shading: Shading,
-    fineness: int,
+    pixels: Floats, items: Sequence[Shaded], buffer: Buffer, sight: ViewTransform, style: Style
 ) -> None:
-    soup, tinted = _gathered(items, sight, palette, shading)
+    soup, tinted = _gathered(items, sight, style)
     rasterize(buffer, soup.places, soup.faces, soup.doubled_areas() > 0)
     seen = fragments(buffer.triangle, soup, sight, tinted=bool(tinted.any()))
     if not len(seen.pixel):
         return
     normal = _spread_normals(seen, buffer)
     cavity = None
-    matte = not all(is_polished(item, shading) for item in items)
-    if matte and shading in ("clay", "curvature"):
-        cavity = cavities(buffer, sight, normal, fineness).ravel()[seen.pixel]
-    rgb = _colors_of(seen, soup, items, tinted, sight, palette, shading, cavity)
-    line = contours(buffer, sight, normal, fineness).ravel()[seen.pixel]
+    matte = not all(is_polished(item, style.shading) for item in items)
+    if matte and style.shading in ("clay", "curvature"):
+        cavity = cavities(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
+    rgb = _colors_of(seen, soup, items, tinted, sight, style, cavity)
+    line = contours(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
     drawn = np.flatnonzero(line)
-    ink = np.array(palette.ink, np.float32)
+    ink = np.array(style.palette.ink, np.float32)
     rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
     pixels[seen.pixel, :3] = rgb
     pixels[seen.pixel, 3] = 1.0
@@ -245,19 +252,18 @@ def _colors_of(
     items: Sequence[Shaded],
     tinted: Flags,
     sight: ViewTransform,
-    palette: Palette,
-    shading: Shading,
+    style: Style,
     cavity: Floats | None = None,
 ) -> Floats:
     """Return colours of the visible parts of some meshes, (n, 3), 0 … 255."""
     part = soup.part[seen.triangle]
-    colors = [palette.color(item.color) for item in items]
-    polished = np.array([is_polished(item, shading) for item in items])
+    colors = [style.palette.color(item.color) for item in items]
+    polished = np.array([is_polished(item, style.shading) for item in items])
     if polished.any():
         seen = with_zebra(seen, part, colors, tinted, polished, sight)
         if cavity is not None:  # what is mirrored lies outside of the hollow
             cavity = np.where(polished[part], np.float32(0), cavity)
-    return colored(seen, part, colors, tinted | polished, shading, palette, cavity)
+    return colored(seen, part, colors, tinted | polished, style.shading, style.palette, cavity)
 
 
 def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
@@ -266,11 +272,9 @@ def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
     return normal.reshape(3, buffer.height, buffer.width)
 
 
-def _mesh_sheets(
-    item: Shaded, sight: ViewTransform, palette: Palette, shading: Shading
-) -> list[Sheet]:
+def _mesh_sheets(item: Shaded, sight: ViewTransform, style: Style) -> list[Sheet]:
     """Return the nearest back and the nearest front of a mesh."""
-    soup, tinted = _gathered([item], sight, palette, shading)
+    soup, tinted = _gathered([item], sight, style)
     front = soup.doubled_areas() > 0
     sheets = []
     for side in (~front, front):
@@ -278,13 +282,13 @@ def _mesh_sheets(
         buffer = blank(sight.width, sight.height)
         rasterize(buffer, half.places, half.faces)
         seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
-        rgb = _colors_of(seen, half, [item], tinted, sight, palette, shading)
+        rgb = _colors_of(seen, half, [item], tinted, sight, style)
         opacity = np.full(len(seen.pixel), item.opacity, np.float32)
         if item.mesh.colors is not None and tinted.any():
             opacity *= seen.color[:, 3] / np.float32(255)
-        if shading == "xray":
+        if style.shading == "xray":
             grazing = np.square(np.float32(1) - seen.facing)
-            rgb += np.float32(XRAY_INK) * (np.array(palette.ink, np.float32) - rgb)
+            rgb += np.float32(XRAY_INK) * (np.array(style.palette.ink, np.float32) - rgb)
             opacity *= np.float32(XRAY_LEAST) + np.float32(XRAY_MOST - XRAY_LEAST) * grazing
         sheets.append(Sheet(seen.pixel, buffer.nearness[seen.pixel], rgb, opacity))
     return sheets
