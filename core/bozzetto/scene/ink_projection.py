@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.picking import Hits, cast_rays
@@ -137,9 +137,7 @@ class _Path:
     along: Array
 
     def places(self, way: Array) -> Array:
-        return np.column_stack(
-            [np.interp(way, self.along, self.points[:, axis]) for axis in (0, 1)]
-        )
+        return points_along(self.points, self.along, way)
 
     def numbers(self, way: Array) -> Array:
         return np.interp(way, self.along, self.number)

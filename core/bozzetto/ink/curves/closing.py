@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.ink.curves.intersections import self_crossings
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 
 END_SHARE: Final = 0.2
 """Share of the length at each end within which the ends may overlap or be trimmed."""
@@ -102,9 +102,7 @@ def close_stroke(points: ArrayLike) -> Array:
         return place
     begin, end = _best_joint(place, along, length)
     inner = (along > begin) & (along < end)
-    first, last = (
-        np.array([np.interp(at, along, place[:, axis]) for axis in (0, 1)]) for at in (begin, end)
-    )
+    first, last = (points_along(place, along, at) for at in (begin, end))
     loop = np.vstack((first, place[inner], last))
     return loop[distinct(loop, closed=True)]
 
@@ -114,10 +112,7 @@ def _best_joint(place: Array, along: Array, length: float) -> tuple[float, float
     reach = END_SHARE * length
     heads = np.linspace(0.0, reach, SEARCH_POINTS)
     tails = length - heads
-    head, tail = (
-        np.column_stack([np.interp(at, along, place[:, axis]) for axis in (0, 1)])
-        for at in (heads, tails)
-    )
+    head, tail = (points_along(place, along, at) for at in (heads, tails))
     gap = np.linalg.norm(head[:, None] - tail, axis=2)
     cost = gap + TRIM_COST * (heads[:, None] + heads)
     best = np.unravel_index(int(np.argmin(cost)), cost.shape)

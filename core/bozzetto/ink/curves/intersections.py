@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Index
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 
 TOUCH: Final = 1e-9
 """Distance that counts as touching, as a share of the diagonal of all points."""
@@ -131,7 +131,7 @@ def _meetings(a: _Segments, b: _Segments, *, itself: bool) -> Crossings:
             break
     found = _one_of_each(np.vstack(points), np.vstack(stretches), 4.0 * touch)
     first, second = found[:, 0], found[:, 1]
-    places = np.column_stack([np.interp(first, a.along, _path(a)[:, axis]) for axis in (0, 1)])
+    places = points_along(_path(a), a.along, first)
     return Crossings(places, _numbers(a, first), _numbers(b, second))
 
 

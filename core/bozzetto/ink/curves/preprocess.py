@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.noise_estimate import sample_noise
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.curves.smooth import convolved
 
 FILTER: Final = 4.0
@@ -137,7 +137,7 @@ def prepare(
     stations = np.linspace(0.0, length, count)[: count - 1 if closed and count > 1 else count]
     own = np.interp(arc_length(points), arc_length(place), along)
     return Prepared(
-        _columns(stations, along, soft),
+        points_along(soft, along, stations),
         np.interp(stations, along, weight),
         own / length if length > 0 else np.zeros(len(points)),
         noise,
@@ -153,7 +153,3 @@ def _increasing(along: Array) -> Array:
     """Return arc lengths without steps of no length, which would make the inverse ambiguous."""
     hair = 1e-9 * along[-1] / len(along)
     return np.asarray(along + hair * np.arange(len(along)))
-
-
-def _columns(stations: Array, along: Array, points: Array) -> Array:
-    return np.column_stack([np.interp(stations, along, column) for column in points.T])

@@ -26,6 +26,25 @@ def arc_length(points: ArrayLike) -> Array:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
+def points_along(points: Array, along: Array, at: ArrayLike) -> Array:
+    """Interpolate a polyline.
+
+    Parameters
+    ----------
+    points : (n, d) float
+        Its corners.
+    along : (n,) float
+        Their values of a parameter, increasing, such as the arc length.
+    at : (m,) or () float
+        Where the results are wanted.
+
+    Returns
+    -------
+    (m, d) or (d,) float
+    """
+    return np.stack([np.interp(at, along, column) for column in points.T], axis=-1)
+
+
 def distinct(points: ArrayLike, *, closed: bool = False) -> Index:
     """Return the indices of the points that differ from the one before.
 
@@ -84,7 +103,7 @@ def resample(
         place = np.vstack((place, place[:1]))
     along = arc_length(place)
     stations = _stations(float(along[-1]), spacing, count, closed)
-    return np.column_stack([np.interp(stations, along, place[:, axis]) for axis in (0, 1)])
+    return points_along(place, along, stations)
 
 
 def _stations(length: float, spacing: float | None, count: int | None, closed: bool) -> Array:
@@ -130,4 +149,4 @@ def steps_along(points: ArrayLike, step: float, most: int) -> Array:
         rest = [steps[~np.isin(span, leaps)]]
         rest += [np.linspace(along[k - 1], along[k], most + 1)[1:] for k in leaps.tolist()]
         steps = np.sort(np.concatenate(rest))
-    return np.column_stack([np.interp(steps, along, column) for column in line.T])
+    return points_along(line, along, steps)

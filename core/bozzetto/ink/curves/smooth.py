@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 
 REACH: Final = 4.0
 """Half width of the kernel in standard deviations; what lies beyond weighs 6e-5."""
@@ -96,7 +96,7 @@ def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: b
     else:
         middles = np.concatenate(([0.0], middles, [length]))
         soft = np.vstack((points[:1], soft, points[-1:]))
-    return np.column_stack([np.interp(at, middles, column) for column in soft.T])
+    return points_along(soft, middles, at)
 
 
 def _integral(points: Array, along: Array, at: Array) -> Array:
@@ -105,7 +105,7 @@ def _integral(points: Array, along: Array, at: Array) -> Array:
     pieces = np.cumsum(0.5 * steps * (points[1:] + points[:-1]), axis=0)
     sums = np.vstack((np.zeros(points.shape[1]), pieces))
     before = np.clip(np.searchsorted(along, at, "right") - 1, 0, len(along) - 2)
-    here = np.column_stack([np.interp(at, along, column) for column in points.T])
+    here = points_along(points, along, at)
     return np.asarray(sums[before] + 0.5 * (at - along[before])[:, None] * (points[before] + here))
 
 

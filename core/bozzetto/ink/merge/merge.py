@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.least_squares import MORE, MOST, approximate, approximate_adaptively
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink.curves.resample import arc_length, points_along
 from bozzetto.ink.merge.order_by_longest import order_by_longest
 from bozzetto.ink.merge.order_by_mst import order_by_mst
 from bozzetto.ink.merge.order_by_parameter import order_by_parameter
@@ -291,8 +291,7 @@ def _refined(points: Array, ink: ResampledInk) -> Array:
     """Return points on a polyline no farther apart than a third of the spacing of the ink."""
     along = arc_length(points)
     count = int(np.ceil(3.0 * along[-1] / ink.spacing)) + 1
-    stations = np.linspace(0.0, along[-1], count)
-    return np.column_stack([np.interp(stations, along, column) for column in points.T])
+    return points_along(points, along, np.linspace(0.0, along[-1], count))
 
 
 def _scatter(points: Array, order: Ordering, spacing: float) -> float:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.preprocess import checked_points, prepare
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink.curves.resample import arc_length, points_along
 
 FINEST: Final = 1.5
 """Least distance of the points, pixels."""
@@ -134,8 +134,7 @@ def _one_way(points: Array) -> Array:
 
 def _spaced(points: Array, length: float, spacing: float) -> Array:
     count = max(1, round(length / spacing)) + 1 if length > 0 else 1
-    stations, along = np.linspace(0.0, length, count), arc_length(points)
-    return np.column_stack([np.interp(stations, along, column) for column in points.T])
+    return points_along(points, arc_length(points), np.linspace(0.0, length, count))
 
 
 def _tangents(points: Array) -> Array:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
 
@@ -149,7 +149,7 @@ def modified(
     shift = settled - start
     if ring is not None:
         along, shift = np.append(along, ring), np.vstack((shift, shift[:1]))
-    shift = np.column_stack([np.interp(arc, along, shift[:, axis]) for axis in (0, 1)])
+    shift = points_along(shift, along, arc)
     moved = np.linalg.norm(shift, axis=1) > MOVED
     return Modified(np.where(moved[:, None], nodes + shift, nodes), moved, steps)
 
@@ -191,7 +191,7 @@ def _within_reach(nodes: Array, along: Array, traces: list[Trace], ring: float |
         reach = []
         for end in (0, -1):
             station = trace.stations[end] % ring if ring else trace.stations[end]
-            foot = [np.interp(station, along, nodes[:, axis]) for axis in (0, 1)]
+            foot = points_along(nodes, along, station)
             reach.append(max(BLEND, 2.0 * float(np.linalg.norm(trace.places[end] - foot))))
         begin, end_ = trace.stations[0] - reach[0], trace.stations[-1] + reach[1]
         beyond = along - begin if ring is None else (along - begin) % ring

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along, resample
 from bozzetto.ink.oversketch.bending_energy import lengths_of
 from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
 
@@ -132,7 +132,7 @@ def _at_the_end(fine: Array, stations: Array, nodes: Array, along: Array) -> Arr
     """
     length, end = along[-1], nodes[-1]
     station = _foot_near(fine[-1], stations[-1], nodes, along)
-    foot = np.array([np.interp(station, along, nodes[:, axis]) for axis in (0, 1)])
+    foot = points_along(nodes, along, station)
     made = np.minimum(stations, station)
     if station >= length:
         at_end = np.flatnonzero(stations >= stations[-1])
@@ -207,7 +207,7 @@ def _lengthened_at_end(nodes: Array, along: Array, traces: list[Trace]) -> tuple
     zone = min(max(STRETCH, 2.0 * gain), 0.5 * length)
     share = np.clip((along - (length - zone)) / zone, 0.0, 1.0)
     stations = along + gain * share**2
-    return np.column_stack([np.interp(stations, way, path[:, k]) for k in (0, 1)]), stations
+    return points_along(path, way, stations), stations
 
 
 @dataclass(frozen=True, eq=False)
