@@ -87,12 +87,14 @@ def export(
         If the ending is unknown, there is nothing that the format holds, a solid is not
         closed (`check_solid`), or the file cannot be written.
     """
-    made = prepared(shapes, path, camera=camera)
+    made = prepare_export(shapes, path, camera=camera)
     write_bytes(path, made.data)
     return made
 
 
-def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> bytes:
+def encode_shapes(
+    shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
+) -> bytes:
     """Return the bytes that `export` would write.
 
     Raises
@@ -100,10 +102,10 @@ def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | No
     UserError
         As `export`.
     """
-    return prepared(shapes, path, camera=camera).data
+    return prepare_export(shapes, path, camera=camera).data
 
 
-def prepared(
+def prepare_export(
     shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
 ) -> Exported:
     """Return what `export` would write, without touching the disk.

@@ -21,7 +21,7 @@ from bozzetto.exchange.formats import Format, Kind, find, function, readers
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
 from bozzetto.exchange.linked_pictures import pictures_named_in
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
-from bozzetto.exchange.mesh.polygons import welded
+from bozzetto.exchange.mesh.polygons import weld
 from bozzetto.exchange.read_files import file_size, read_bytes
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
 from bozzetto.geometry.mesh import Mesh
@@ -219,7 +219,7 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
 def _as_closed(mesh: Mesh) -> Mesh | None:
     if bounds_volume(mesh):
         return mesh
-    kept, faces = welded(mesh.vertices, mesh.faces)
+    kept, faces = weld(mesh.vertices, mesh.faces)
     if len(kept) == len(mesh.vertices):
         return None
     colors = None if mesh.colors is None else mesh.colors[kept]

@@ -45,7 +45,7 @@ class Element:
     text: str = ""
 
 
-def parsed(data: bytes) -> Element:
+def parse_xml(data: bytes) -> Element:
     """Parse an XML file and return its root element.
 
     A document type may be named, as many programs do; what it refers to is not fetched.

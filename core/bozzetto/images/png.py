@@ -56,7 +56,7 @@ def png_bytes(pixels: NDArray[np.uint8], effort: int = BEST_EFFORT) -> bytes:
     return stream.getvalue()
 
 
-def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.uint8]:
+def decode_picture(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.uint8]:
     """Decode a picture that a document holds.
 
     Parameters

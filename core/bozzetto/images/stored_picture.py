@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 from bozzetto.errors import FormatError, UserError
-from bozzetto.images.png import decoded, png_bytes
+from bozzetto.images.png import decode_picture, png_bytes
 
 LONGEST_SIDE: Final = 4096
 """Longest side of the pixels that are kept, and beyond what a sheet shows."""
@@ -138,7 +138,7 @@ class Picture:
         FormatError
             If the bytes are no picture, or of a size that belongs to another file.
         """
-        pixels = frozen(decoded(self.encoded.tobytes(), FORMATS), np.uint8)
+        pixels = frozen(decode_picture(self.encoded.tobytes(), FORMATS), np.uint8)
         height, width = pixels.shape[:2]
         # A scaled side is rounded to whole pixels.
         if abs(width * self.height - height * self.width) > max(self.width, self.height):

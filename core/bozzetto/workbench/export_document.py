@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
-from bozzetto.exchange.export import Exported, prepared
+from bozzetto.exchange.export import Exported, prepare_export
 from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.left_out import LeftOut
 from bozzetto.geometry.shapes import Shapes
@@ -186,7 +186,7 @@ def prepared_file(
             camera = framing(points, view, plans=True)
         else:
             camera = page_view(points, camera, whole=whole)
-    made = prepared(objects.shapes, path, camera=camera)
+    made = prepare_export(objects.shapes, path, camera=camera)
     return replace(made, left_out=(*objects.left_out, *made.left_out))
 
 

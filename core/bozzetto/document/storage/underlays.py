@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import DocumentError, FormatError
-from bozzetto.images.png import decoded, png_bytes
+from bozzetto.images.png import decode_picture, png_bytes
 
 PNG_EFFORT: Final = 1
 """zlib level: a save must not wait for the last tenth of the size."""
@@ -35,7 +35,7 @@ def decode_png(content: bytes) -> NDArray[np.uint8]:
         If it is not a PNG, or larger than `bozzetto.images.png.MAX_PIXELS`.
     """
     try:
-        return decoded(content)
+        return decode_picture(content)
     except FormatError as problem:
         raise DocumentError(problem.message) from problem
 

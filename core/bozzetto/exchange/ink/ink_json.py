@@ -29,7 +29,7 @@ from bozzetto.exchange.camera_record import (
     camera_record,
     canvas_record,
 )
-from bozzetto.exchange.ink.ink_steps import decoded, read_steps, step_record
+from bozzetto.exchange.ink.ink_steps import decode_json, read_steps, step_record
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
@@ -90,17 +90,17 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         Names the place.
     """
     at_most(json_values(data), MAX_NUMBERS, "values")
-    top = decoded(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
+    top = decode_json(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
     if top and not any(key in top for key in KNOWN):
         return Drawing(Strokes(), Camera(), name, _extra(top))
-    if NEEDED[0] not in top or decoded(top["format"], str, "format") != FORMAT:
+    if NEEDED[0] not in top or decode_json(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
     for key in NEEDED[1:]:
         if key not in top:
             raise FormatError(f"“{key}” is missing.")
-    canvas = decoded(top["canvas"], CanvasRecord, "canvas")
-    camera = camera_from(decoded(top["camera"], CameraRecord, "camera"), canvas)
-    raw = decoded(top["strokes"], list[msgspec.Raw], "strokes")
+    canvas = decode_json(top["canvas"], CanvasRecord, "canvas")
+    camera = camera_from(decode_json(top["camera"], CameraRecord, "camera"), canvas)
+    raw = decode_json(top["strokes"], list[msgspec.Raw], "strokes")
     at_most(len(raw), MAX_STROKES, "strokes")
     strokes: list[Stroke] = []
     samples = 0
@@ -116,13 +116,13 @@ def _extra(top: dict[str, msgspec.Raw]) -> dict[str, Any]:
     rest = [key for key in top if key not in KNOWN]
     at_most(len(rest), MAX_KEYS, "keys")
     at_most(sum(json_values(bytes(top[key])) for key in rest), MAX_VALUES, "values")
-    return {key: decoded(top[key], Any, key[:40]) for key in rest}
+    return {key: decode_json(top[key], Any, key[:40]) for key in rest}
 
 
 def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord) -> Stroke:
     place = f"stroke {number}"
     at_most(json_values(bytes(text)), len(COLUMNS) * MAX_SAMPLES_OF_STROKE, "numbers in a stroke")
-    record: _StrokeRecord = decoded(text, _StrokeRecord, place)
+    record: _StrokeRecord = decode_json(text, _StrokeRecord, place)
     columns = {name: getattr(record, name) for name in COLUMNS}
     for name, values in columns.items():
         if values is not None and len(values) != len(record.x):

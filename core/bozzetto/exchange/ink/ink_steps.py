@@ -69,7 +69,7 @@ def read_steps(text: msgspec.Raw, canvas: CanvasRecord, stroke_count: int) -> tu
     FormatError
         Names the step, counted from 1.
     """
-    records = decoded(text, list[dict[str, msgspec.Raw]], "steps")
+    records = decode_json(text, list[dict[str, msgspec.Raw]], "steps")
     at_most(len(records), MAX_STEPS, "steps")
     return tuple(
         _step(record, f"step {number}", canvas, stroke_count)
@@ -89,7 +89,7 @@ def step_record(step: Step) -> dict[str, Any]:
     return record
 
 
-def decoded(text: bytes | str | msgspec.Raw, kind: Any, place: str) -> Any:
+def decode_json(text: bytes | str | msgspec.Raw, kind: Any, place: str) -> Any:
     """Decode typed JSON of an ink file; a refusal begins with the `place`."""
     try:
         return msgspec.json.decode(text, type=kind)
@@ -114,15 +114,15 @@ def _step(
             raise FormatError(f"{place}: there is no “{key[:40]}” in a step with “{verbs[0]}”.")
     camera = None
     if "camera" in record and "camera" in hints:
-        seen = decoded(record["camera"], CameraRecord, f"{place}, camera")
-        own = decoded(record.get("canvas", msgspec.Raw(msgspec.json.encode(canvas))), CanvasRecord,
-                       f"{place}, canvas")  # fmt: skip
+        seen = decode_json(record["camera"], CameraRecord, f"{place}, camera")
+        if "canvas" in record:
+            canvas = decode_json(record["canvas"], CanvasRecord, f"{place}, canvas")
         try:
-            camera = camera_from(seen, own)
+            camera = camera_from(seen, canvas)
         except FormatError as error:
             raise FormatError(f"{place}: {error.message}") from error
     plain = {key: raw for key, raw in record.items() if key not in ("camera", "canvas")}
-    step: Step = decoded(msgspec.json.encode(plain), kind, place)
+    step: Step = decode_json(msgspec.json.encode(plain), kind, place)
     if isinstance(step, TapStep):
         if not all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in step.tap):
             raise FormatError(f"{place}: the place of the tap is beyond all bounds.")

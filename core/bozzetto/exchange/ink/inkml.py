@@ -23,10 +23,10 @@ from bozzetto.exchange.camera_record import (
     camera_record,
     canvas_record,
 )
-from bozzetto.exchange.ink.ink_steps import decoded
+from bozzetto.exchange.ink.ink_steps import decode_json
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.exchange.page_layout import Sheet
-from bozzetto.exchange.safe_xml import Element, parsed, writable
+from bozzetto.exchange.safe_xml import Element, parse_xml, writable
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import MAX_SAMPLES as MAX_STROKE
 from bozzetto.ink.stroke import Stroke, Strokes
@@ -114,7 +114,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     ------
     FormatError
     """
-    root = parsed(data)
+    root = parse_xml(data)
     if root.tag != "ink":
         raise FormatError("This is not an InkML file.")
     ink = _Ink()
@@ -134,7 +134,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         _stroke(trace, camera, shift, pressure_top=most if most > 1 else 1.0, number=number)
         for number, trace in enumerate(ink.traces, 1)
     ]
-    extra = decoded(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
+    extra = decode_json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
     return Drawing(Strokes(strokes), camera, name, extra)
 
 
@@ -144,7 +144,7 @@ class _View(msgspec.Struct):
 
 
 def _camera(text: str) -> Camera:
-    view: _View = decoded(text, _View, "an annotation")
+    view: _View = decode_json(text, _View, "an annotation")
     return camera_from(view.camera, view.canvas)
 
 
@@ -292,7 +292,7 @@ def _stroke(
             _camera(own["camera"]) if "camera" in own else camera,
             **columns,
             tool=tool,  # type: ignore[arg-type]
-            color=decoded(own["color"], tuple[int, int, int], "an annotation")
+            color=decode_json(own["color"], tuple[int, int, int], "an annotation")
             if "color" in own
             else None,
             group=own.get("curve", ""),

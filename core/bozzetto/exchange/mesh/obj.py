@@ -14,7 +14,7 @@ from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import (
     check_places,
     checked_mesh,
-    triangulated,
+    triangulate,
     without_degenerate,
 )
 from bozzetto.exchange.mesh.text_words import check_words
@@ -88,7 +88,7 @@ def read_shapes(data: bytes) -> Shapes:
     if rings.max() >= len(places):
         raise FormatError("A face names a vertex that the file does not hold.")
     check_places(places)
-    faces = without_degenerate(triangulated(places, rings, np.array(sizes, np.int64)))
+    faces = without_degenerate(triangulate(places, rings, np.array(sizes, np.int64)))
     return Shapes(surfaces=(Surface(checked_mesh(places, faces, colors=colors), name=""),))
 
 

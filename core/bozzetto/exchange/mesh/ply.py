@@ -14,7 +14,7 @@ from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import (
     check_places,
     checked_mesh,
-    triangulated,
+    triangulate,
     without_degenerate,
 )
 from bozzetto.exchange.mesh.text_words import check_words
@@ -322,7 +322,7 @@ def _shapes(vertex: Columns, face: Columns) -> Shapes:
     colors = _colors(vertex)
     check_places(places)
     sizes = np.asarray(face[f"{name} length"]).astype(np.int64)
-    faces = without_degenerate(triangulated(places, corners, sizes))
+    faces = without_degenerate(triangulate(places, corners, sizes))
     return Shapes(surfaces=(Surface(checked_mesh(places, faces, colors=colors), name=""),))
 
 

@@ -28,7 +28,7 @@ PER_POLYGON: Final = 1_000
 """Cost of a small polygon, in the same measure."""
 
 
-def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
+def weld(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
     """Make one vertex of all that are at bit for bit the same place.
 
     Parameters
@@ -66,7 +66,7 @@ def without_degenerate(faces: Faces) -> Faces:
     return np.asarray(faces[~is_degenerate(faces)])
 
 
-def triangulated(
+def triangulate(
     vertices: NDArray[np.float64], corners: NDArray[np.int64], sizes: NDArray[np.int64]
 ) -> Faces:
     """Cut polygons into triangles.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_FACES, at_most
-from bozzetto.exchange.mesh.polygons import checked_mesh, welded, without_degenerate
+from bozzetto.exchange.mesh.polygons import checked_mesh, weld, without_degenerate
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
@@ -37,7 +37,7 @@ def read_shapes(data: bytes) -> Shapes:
     if corners is None:
         corners = _text(data)
     loose = checked_mesh(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3))
-    kept, faces = welded(loose.vertices, loose.faces)
+    kept, faces = weld(loose.vertices, loose.faces)
     mesh = checked_mesh(loose.vertices[kept], without_degenerate(faces))
     return Shapes(surfaces=(Surface(mesh, name=""),))
 

@@ -66,7 +66,7 @@ _Record = _Shapes | _Drawing | _Picture | _Pixels
 _VERB_OF: Final = {kind: verb for verb, kind in VERBS.items()}
 
 
-def packed_answer(answer: Answer) -> tuple[bytes, Arrays]:
+def pack_answer(answer: Answer) -> tuple[bytes, Arrays]:
     """Take an answer apart.
 
     Returns
@@ -124,13 +124,13 @@ def _drawing_record(drawing: Drawing) -> tuple[_Record, Arrays]:
     return record, list(columns.values())
 
 
-def unpacked_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
+def unpack_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
     """Put an answer together again.
 
     Parameters
     ----------
     record, arrays
-        As `packed_answer` gave them; the arrays are read-only and backed by ``bytes``.
+        As `pack_answer` gave them; the arrays are read-only and backed by ``bytes``.
     """
     told: _Record = msgspec.msgpack.decode(record, type=_Record)
     match told:

@@ -20,7 +20,7 @@ import msgspec
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.import_file import read_here
-from bozzetto.exchange.read_process.answers import packed_answer
+from bozzetto.exchange.read_process.answers import pack_answer
 
 LENGTH: Final = struct.Struct("<Q")
 """Length of the message that follows, bytes."""
@@ -107,7 +107,7 @@ def _answer(request: Request, answers: BinaryIO) -> bool:
     try:
         _hold_to(request)
         with as_format_errors():
-            record, arrays = packed_answer(read_here(request.kind, os.fsdecode(request.path)))
+            record, arrays = pack_answer(read_here(request.kind, os.fsdecode(request.path)))
         facts = [(array.dtype.str, array.shape) for array in arrays]
         reply = Reply(record, facts)
     except UserError as refusal:

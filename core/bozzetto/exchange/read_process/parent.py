@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from bozzetto.document.storage.zip_container import all_finite
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import Budget
-from bozzetto.exchange.read_process.answers import Answer, unpacked_answer
+from bozzetto.exchange.read_process.answers import Answer, unpack_answer
 
 POLL_SECONDS: Final = 0.05
 """Interval at which it is asked whether the answer is still wanted."""
@@ -268,4 +268,4 @@ def _conversation(
         raise ReaderFault(reply.fault)
     if reply.refused:
         raise (FormatError if reply.is_format else UserError)(reply.refused)
-    return unpacked_answer(reply.record, arrays)
+    return unpack_answer(reply.record, arrays)

@@ -23,7 +23,7 @@ REAL: Final = 1e-6
 some. A crossing too many only cuts a piece in two."""
 
 
-def clipped(path: Subpath, low: Array, high: Array) -> list[Subpath]:
+def clip_path(path: Subpath, low: Array, high: Array) -> list[Subpath]:
     """Return the stretches of a path that lie on a page.
 
     Parameters

@@ -71,12 +71,12 @@ def ellipse(center: Point, radii: Point) -> Subpath:
 
 
 def chord_counts(subpath: Subpath, tolerance: float) -> NDArray[np.int64]:
-    """Return how many chords `flattened` gives to each cubic of a subpath."""
+    """Return how many chords `flatten` gives to each cubic of a subpath."""
     bend = np.linalg.norm(np.diff(subpath.cubics, n=2, axis=1), axis=2).max(axis=1)
     return np.asarray(np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1), np.int64)
 
 
-def flattened(subpath: Subpath, tolerance: float) -> Array:
+def flatten(subpath: Subpath, tolerance: float) -> Array:
     """Return points on a subpath whose chords stay within the tolerance of the curve.
 
     A cubic strays from ``n`` equal chords by at most ``|B''| / 8n²``, and its second

@@ -23,9 +23,9 @@ from bozzetto.exchange.limits import (
     at_most,
 )
 from bozzetto.exchange.page_layout import Sheet, sheet_drawing
-from bozzetto.exchange.safe_xml import Element, parsed
+from bozzetto.exchange.safe_xml import Element, parse_xml
 from bozzetto.exchange.svg.overlaps import Area, without_overlaps
-from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flattened
+from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flatten
 from bozzetto.exchange.svg.shapes import (
     LONGEST_LENGTH,
     NUMBER,
@@ -240,7 +240,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     FormatError
         If it is no SVG, is damaged or too large, defines entities, or holds no line.
     """
-    root = parsed(data)
+    root = parse_xml(data)
     if root.tag != "svg" or root.space not in ("", SPACE):
         raise FormatError("This is not an SVG file.")
     reader = _Reader(root)
@@ -255,7 +255,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     tolerance = max(FLATTENING * size, 1e-300)
     points = sum(int(chord_counts(line.path, tolerance).sum()) for line in found)
     at_most(points, MAX_POINTS, "points")
-    lines = [flattened(line.path, tolerance) for line in found]
+    lines = [flatten(line.path, tolerance) for line in found]
     areas = [
         Area(line.element, line.look.rule) if line.look.filled and line.look.painted else None
         for line in found

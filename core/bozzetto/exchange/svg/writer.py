@@ -13,8 +13,8 @@ from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.page_layout import Sheet
 from bozzetto.exchange.safe_xml import writable
 from bozzetto.exchange.svg.curves import FRONT, camera_matrix, picture
-from bozzetto.exchange.svg.page_clip import clipped
-from bozzetto.exchange.svg.path_data import Subpath, flattened
+from bozzetto.exchange.svg.page_clip import clip_path
+from bozzetto.exchange.svg.path_data import Subpath, flatten
 from bozzetto.exchange.svg.shapes import SPACE
 from bozzetto.exchange.svg.style import Color
 from bozzetto.geometry.shapes import Curve, Shapes
@@ -84,11 +84,11 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
         raise UserError("All curves lie behind the eye. Turn the view to them, then export.")
     if sheet is None:
         chord = BOUNDS * size
-        sheet = Sheet.around([flattened(path, chord) for _, path in seen], MARGIN)
+        sheet = Sheet.around([flatten(path, chord) for _, path in seen], MARGIN)
     else:
         low = np.array((sheet.x, sheet.y))
         high = np.add(low, (sheet.width, sheet.height))
-        seen = [(curve, part) for curve, path in seen for part in clipped(path, low, high)]
+        seen = [(curve, part) for curve, path in seen for part in clip_path(path, low, high)]
         if not seen:
             raise UserError("No curve lies on the page. Turn the view to them, then export.")
     lines = [_path(_pen(path, curve), curve.color, curve.name) for curve, path in seen]

@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.noise_estimate import sample_noise
 from bozzetto.ink.curves.resample import arc_length, distinct, points_along
-from bozzetto.ink.curves.smooth import convolved
+from bozzetto.ink.curves.smooth import convolve
 
 FILTER: Final = 4.0
 """Widest standard deviation of the low-pass along the curve, pixels. Chord lengths of dense
@@ -126,7 +126,7 @@ def prepare(
         width = _width(length, pixel) * min(1.0, noise / (NOISY * pixel))
         if length <= 0 or len(place) < 3 or width < NARROWEST * pixel:
             break
-        soft = convolved(place, along, along, width, closed=closed)
+        soft = convolve(place, along, along, width, closed=closed)
         again = arc_length(soft)
         ratio, along = again[-1] / length, _increasing(again)
         if ratio >= SETTLED:

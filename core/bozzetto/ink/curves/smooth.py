@@ -54,10 +54,10 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
     if sigma <= 0 or len(kept) < (3 if closed else 2):
         return place.copy()
     ring = np.vstack((place[kept], place[:1])) if closed else place[kept]
-    return convolved(ring, arc_length(ring), arc_length(place), sigma, closed=closed)
+    return convolve(ring, arc_length(ring), arc_length(place), sigma, closed=closed)
 
 
-def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: bool) -> Array:
+def convolve(points: Array, along: Array, at: Array, sigma: float, *, closed: bool) -> Array:
     """Convolve a polyline with a Gaussian in a parameter along it.
 
     Parameters

@@ -161,7 +161,7 @@ def _backs(places: Array) -> Flags:
     return np.asarray(area < 0)
 
 
-def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
+def diffuse_light(seen: Fragments, cavity: Floats | None = None) -> Floats:
     """Return how much light matte clay sends to the eye, (n,); 1 shows its colour.
 
     Parameters
@@ -202,7 +202,7 @@ def ramp(color: Color) -> Floats:
     return np.asarray(dark + (bright - dark) * over * over, np.float32)
 
 
-def colored(
+def surface_colors(
     seen: Fragments,
     part: NDArray[np.int32],
     colors: Sequence[Color],
@@ -232,7 +232,7 @@ def colored(
     """
     if shading == "normals":
         return np.asarray((seen.normal.T * 0.5 + 0.5) * 255.0, np.float32)
-    light = lit(seen, cavity)
+    light = diffuse_light(seen, cavity)
     step = np.clip(light * np.float32((STEPS - 1) / BRIGHTEST), 0, STEPS - 1).astype(np.intp)
     ramps = np.concatenate([ramp(color) for color in colors])
     result = ramps.take(part.astype(np.intp) * STEPS + step, 0)

@@ -18,9 +18,9 @@ from bozzetto.scene.renderer.screen_space import cavities, contours
 from bozzetto.scene.renderer.shading import (
     Fragments,
     Shading,
-    colored,
     curvature_colors,
     fragments,
+    surface_colors,
 )
 from bozzetto.scene.renderer.triangle_soup import Soup, gather
 from bozzetto.scene.renderer.view_transform import ViewTransform
@@ -263,7 +263,9 @@ def _colors_of(
         seen = with_zebra(seen, part, colors, tinted, polished, sight)
         if cavity is not None:  # what is mirrored lies outside of the hollow
             cavity = np.where(polished[part], np.float32(0), cavity)
-    return colored(seen, part, colors, tinted | polished, style.shading, style.palette, cavity)
+    return surface_colors(
+        seen, part, colors, tinted | polished, style.shading, style.palette, cavity
+    )
 
 
 def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:

@@ -120,7 +120,7 @@ def covariance(
     return made
 
 
-def adjusted(
+def fit_poses(
     points: Array,
     marks: Array,
     starts: Poses,

@@ -17,8 +17,8 @@ from bozzetto.arrays import Array
 from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
     Adjusted,
-    adjusted,
     covariance,
+    fit_poses,
     freedom,
     variance,
 )
@@ -67,7 +67,7 @@ class Scrutiny:
     leave_one_out: Array
 
 
-def scrutinised(
+def set_outliers_aside(
     points: Array, marks: Array, fit: Adjusted, aside: tuple[int, ...] = (), *, cropped: bool
 ) -> Scrutiny:
     """Judge all marks of a fit of one row, and set aside those that disagree, one by one.
@@ -86,7 +86,7 @@ def scrutinised(
     while True:
         weights = counted * (1.0 - np.eye(count))
         starts = fit.poses[np.zeros(count, np.intp)]
-        others = adjusted(
+        others = fit_poses(
             points, marks, starts, weights, cropped=cropped, steps=STEPS, settled=CLOSE
         )
         left = others.residuals[each, each]
@@ -106,6 +106,6 @@ def scrutinised(
             return Scrutiny(fit, counted, aside, left)
         counted = weights[worst]
         aside = (*aside, worst)
-        fit = adjusted(
+        fit = fit_poses(
             points, marks, others.poses[[worst]], counted[None], cropped=cropped, steps=4 * STEPS
         )

@@ -23,13 +23,13 @@ from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
     STRAY,
     Adjusted,
-    adjusted,
     covariance,
+    fit_poses,
     freedom,
     variance,
 )
 from bozzetto.view.calibration.normalization import Framing
-from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, scrutinised
+from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, set_outliers_aside
 from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
 
@@ -172,18 +172,18 @@ def resect(
     else:
         fits = _searched(known, seen, KINDS if kind == "auto" else (kind,), cropped)
         # The camera with more freedom is the one that can tell which marks are wrong.
-        found = scrutinised(known, seen, fits[0], cropped=cropped)
+        found = set_outliers_aside(known, seen, fits[0], cropped=cropped)
         tried = [found.fit]
         for fit in fits[1:]:
             if found.aside:
                 counted = found.counted[None]
-                fit = adjusted(known, seen, fit.poses, counted, cropped=cropped, steps=STEPS)
+                fit = fit_poses(known, seen, fit.poses, counted, cropped=cropped, steps=STEPS)
             tried.append(fit)
     count = int(found.counted.sum())
     prices = [_price(fit, count, cropped) for fit in tried]
     best = int(np.argmin(prices))
     if best:
-        found = scrutinised(known, seen, tried[best], found.aside, cropped=cropped)
+        found = set_outliers_aside(known, seen, tried[best], found.aside, cropped=cropped)
     scores = {_kind(fit): price for fit, price in zip(tried, prices, strict=True)}
     return _described(known, framing, found, cropped, scores)
 
@@ -194,15 +194,17 @@ def _searched(
     """Return the best pose of each kind, from starts all around."""
     begun = starts(points, marks)
     every = np.ones((len(begun), len(points)))
-    costs = adjusted(points, marks, begun, every, cropped=cropped, steps=0).costs
+    costs = fit_poses(points, marks, begun, every, cropped=cropped, steps=0).costs
     flat = begun.perspectivity == 0.0
     rows = [_cheapest(costs, flat == (kind == "orthographic"), CANDIDATES) for kind in kinds]
     chosen = np.concatenate(rows)
-    near = adjusted(points, marks, begun[chosen], every[chosen], cropped=cropped, steps=FIRST_STEPS)
+    near = fit_poses(
+        points, marks, begun[chosen], every[chosen], cropped=cropped, steps=FIRST_STEPS
+    )
     flat = near.poses.perspectivity == 0.0
     rows = [_cheapest(near.costs, flat == (kind == "orthographic"), FINALISTS) for kind in kinds]
     chosen = np.concatenate(rows)
-    last = adjusted(points, marks, near.poses[chosen], every[chosen], cropped=cropped, steps=STEPS)
+    last = fit_poses(points, marks, near.poses[chosen], every[chosen], cropped=cropped, steps=STEPS)
     sound = last[np.flatnonzero(np.isfinite(last.costs))]
     if not len(sound.poses):
         raise UserError(
@@ -227,10 +229,10 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
         counted[0, list(aside)] = 0.0
         good = counted[0] > 0.0
         begun = resume_poses(points[good], marks[good], before.pose, cropped)
-        fit = adjusted(points, marks, begun, counted, cropped=cropped, steps=STEPS)
+        fit = fit_poses(points, marks, begun, counted, cropped=cropped, steps=STEPS)
         off = np.linalg.norm(fit.residuals[0], axis=1)
         if np.isfinite(fit.costs[0]) and np.median(off) < LOST and (off[list(aside)] > BACK).all():
-            return scrutinised(points, marks, fit, aside, cropped=cropped)
+            return set_outliers_aside(points, marks, fit, aside, cropped=cropped)
     return None
 
 
