@@ -120,7 +120,7 @@ def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
         if ending in one.endings:
             return one
     known = ", ".join(ending for one in formats for ending in one.endings)
-    said = f"“{ending}” does not do here" if ending else "The file name has no ending"
+    said = f"“{ending}” cannot be used here" if ending else "The file name has no ending"
     raise UserError(f"{said}. Use one of {known}.")
 
 

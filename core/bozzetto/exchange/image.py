@@ -62,7 +62,7 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
             "Make it smaller first."
         ) from None
     except UnidentifiedImageError:
-        raise FormatError("This is no picture of a kind that can be read.") from None
+        raise FormatError("This is not a picture in a format that can be read.") from None
     except MemoryError:
         raise
     except Exception as error:

@@ -151,7 +151,7 @@ class PartTree:
         """
         part = self.part(part_id)
         if group_id and group_id not in self.groups:
-            raise UserError(f"“{self.part(group_id).name}” is no group. Choose a group.")
+            raise UserError(f"“{self.part(group_id).name}” is not a group. Choose a group.")
         if group_id in {inner.id for inner in self.family(part_id)}:
             raise UserError(f"“{part.name}” cannot be put into itself. Choose another group.")
         others = tuple(other for other in self.parts if other.id != part_id)
@@ -198,7 +198,7 @@ class PartTree:
         """
         group = self.part(group_id)
         if group_id not in self.groups:
-            raise UserError(f"“{group.name}” is no group. Choose a group.")
+            raise UserError(f"“{group.name}” is not a group. Choose a group.")
         freed = {
             part.id: replace(
                 released(part, group), within=group.within, visible=part.visible and group.visible

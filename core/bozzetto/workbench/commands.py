@@ -83,7 +83,7 @@ class ModelCommands:
         if model.locked:
             raise UserError(f"“{model.name}” is locked. Unlock it in the object list first.")
         if not self.can_run(model, command):
-            raise UserError(f"“{command.title}” means nothing here now. {command.help}".rstrip())
+            raise UserError(f"“{command.title}” cannot be done here now. {command.help}".rstrip())
         guard, modeler = self._registry.guard, self._registry.modeler(model.modeler)
         seen = context.moved(model.placement.inverse())
         state = guard.call(model.modeler, f"{command.id}.run", command.run, model.state, seen)

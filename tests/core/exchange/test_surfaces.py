@@ -368,7 +368,7 @@ def test_the_command_line_hands_a_skin_over(tmp_path):
     )
     write_output(bench, Document([car]), tmp_path / "out" / "car.STP")
     assert (tmp_path / "out" / "car.STP").read_bytes() == step(SHAPES)
-    with pytest.raises(UserError, match=r"“\.3ds” does not do here.*\.step"):
+    with pytest.raises(UserError, match=r"“\.3ds” cannot be used here.*\.step"):
         write_output(bench, Document([car]), tmp_path / "car.3ds")
 
 

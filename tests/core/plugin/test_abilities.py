@@ -59,7 +59,7 @@ def test_a_command_makes_a_new_state(shell):
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        ("flip", "“Flip” means nothing here now. Exchange left and right."),
+        ("flip", "“Flip” cannot be done here now. Exchange left and right."),
         ("refuse", "This cannot be done. Do something else."),
         ("fly", "Marks has no command 'fly'; there are: flip, refuse."),
     ],

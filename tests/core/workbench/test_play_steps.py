@@ -145,7 +145,7 @@ def test_parts_are_arranged_by_steps():
     [
         (RenameStep("X", "Nose"), "Step 2: There is no part “Nose”; there are: Part 1"),
         (SetStep({"detail": 1}, "Part 1"), "Step 2: There is no parameter 'detail'; “Part 1” has"),
-        (MoveStep("Part 1", 0, "Part 1"), "Step 2: “Part 1” is no group"),
+        (MoveStep("Part 1", 0, "Part 1"), "Step 2: “Part 1” is not a group"),
         (ShowStep(True, ""), "Step 3: No part is chosen"),
     ],
 )

@@ -238,7 +238,7 @@ class Replay:
             models[entry.header.id] = StoredModel(entry.header, encoded)
         if change.order is not None:
             if len(set(change.order)) < len(change.order) or not set(change.order) <= set(models):
-                raise DocumentError("The journal orders objects that there are not.")
+                raise DocumentError("The journal orders objects that it does not hold.")
             models = {model_id: models[model_id] for model_id in change.order}
         stored = replace(self.stored, models=tuple(models.values()))
         if change.surroundings is not None:
@@ -274,7 +274,7 @@ def _state_name(place: int) -> str:
 
 def _one(arrays: Sequence[NDArray[Any]], number: int) -> NDArray[Any]:
     if not 0 <= number < len(arrays):
-        raise DocumentError("The journal refers to an array that there is not.")
+        raise DocumentError("The journal refers to an array that it does not hold.")
     return arrays[number]
 
 
@@ -284,5 +284,5 @@ def _named(strokes: Sequence[Stroke], pairs: Runs) -> tuple[Stroke, ...]:
     if total > MAX_NAMED * len(strokes) or any(
         first < 0 or count < 1 or first + count > len(strokes) for first, count in pairs
     ):
-        raise DocumentError("The journal refers to strokes that there are not.")
+        raise DocumentError("The journal refers to strokes that it does not hold.")
     return tuple(s for first, count in pairs for s in strokes[first : first + count])

@@ -281,7 +281,7 @@ class ContainerReader:
             If there is no such entry, it is longer than `limit`, or its checksum fails.
         """
         if self._entry(name).size > limit:
-            raise DocumentError(f"This document's part {name} is too long to be true.")
+            raise DocumentError(f"This document's part {name} is longer than it can be.")
         return bytes(self._content(name))
 
     def json(self, name: str) -> bytes:
@@ -351,9 +351,9 @@ def _directory(data: Content) -> dict[str, _Entry]:
         content += entry.size
         growth += max(0, entry.size - entry.packed)
         if growth > MAX_GROWTH:
-            raise DocumentError("This document unpacks to more than it can honestly hold.")
+            raise DocumentError("This document unpacks to far more than its size allows.")
         if entry.size > MAX_RATIO * max(entry.packed, RATIO_FLOOR) or content > MAX_CONTENT_BYTES:
-            raise DocumentError("This document unpacks to more than it can honestly hold.")
+            raise DocumentError("This document unpacks to far more than its size allows.")
         if name.endswith("/") and not entry.size:
             continue  # a folder, as other zip programs note them
         if name in entries or not is_safe_name(name):

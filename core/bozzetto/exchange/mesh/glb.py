@@ -280,7 +280,7 @@ def _surface(
     order = np.arange(len(places))
     if primitive.indices is not None:
         if item(gltf.accessors, primitive.indices, "accessor").component_type == FLOAT:
-            raise FormatError("Its indices are no whole numbers.")
+            raise FormatError("Its indices are not whole numbers.")
         order = _values(gltf, blob, primitive.indices, 1)[:, 0].astype(np.int64)
     faces = without_degenerate(_faces(order, primitive.mode).astype(np.int64))
     if not len(faces):

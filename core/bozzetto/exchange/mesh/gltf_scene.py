@@ -134,7 +134,7 @@ def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.floa
     while stack:
         index, above, depth = stack.pop()
         if index in seen:
-            raise FormatError("Its nodes are no tree: one has two parents.")
+            raise FormatError("Its nodes are not a tree: one has two parents.")
         seen.add(index)
         at_most(depth, MAX_DEPTH, "levels of nodes")
         node: Node = item(gltf.nodes, index, "node")

@@ -88,7 +88,7 @@ def check_solid(solid: Solid) -> SolidFacts:
     status = made.status()
     if status != manifold3d.Error.NoError:
         raise UserError(
-            f"“{solid.name}” is no proper solid ({status.name}). Undo the last step on it, "
+            f"“{solid.name}” is not a valid solid ({status.name}). Undo the last step on it, "
             "or solve it again at a finer quality."
         )
     parts = made.decompose()

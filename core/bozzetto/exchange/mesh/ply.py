@@ -291,7 +291,7 @@ def _text(element: _Element, words: list[bytes], at: int) -> tuple[Columns, int]
     except IndexError:
         raise _short() from None
     except ValueError:
-        raise FormatError("There is something among the numbers that is none.") from None
+        raise FormatError("A value in this file is not a number.") from None
     columns |= {f"{name} length": np.array(column) for name, column in sizes.items()}
     return columns, at
 

@@ -42,7 +42,8 @@ def points_along(points: Array, along: Array, at: ArrayLike) -> Array:
     -------
     (m, d) or (d,) float
     """
-    return np.stack([np.interp(at, along, column) for column in points.T], axis=-1)
+    places = np.asarray(at, float)
+    return np.stack([np.interp(places, along, column) for column in points.T], axis=-1)
 
 
 def distinct(points: ArrayLike, *, closed: bool = False) -> Index:

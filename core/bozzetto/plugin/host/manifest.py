@@ -170,7 +170,7 @@ def find_folder(package: str) -> Path:
         )
     spec = importlib.util.find_spec(package)
     if spec is None:
-        raise ManifestError(f"There is no package {package!r}. Install it, or mend its name.")
+        raise ManifestError(f"There is no package {package!r}. Install it, or correct its name.")
     for place in spec.submodule_search_locations or ():
         if (Path(place) / MANIFEST).is_file():
             return Path(place)

@@ -208,7 +208,7 @@ def _searched(
     sound = last[np.flatnonzero(np.isfinite(last.costs))]
     if not len(sound.poses):
         raise UserError(
-            "No camera has all these points before it at their marks. Check which point each "
+            "No camera sees all these points at their marks. Check which point each "
             "mark belongs to."
         )
     flat = sound.poses.perspectivity == 0.0
