@@ -57,7 +57,7 @@ MAX_FACES: Final = 40_000_000
 
 MAX_STROKES: Final = 200_000
 MAX_STEPS: Final = 200_000
-"""As many as strokes: most steps draw one."""
+"""Limit of steps, the same as of strokes: most steps draw one."""
 
 MAX_SAMPLES: Final = 20_000_000
 """Samples of all strokes together; one stroke is bounded by `Stroke` itself."""

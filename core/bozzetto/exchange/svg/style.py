@@ -18,10 +18,10 @@ Color = tuple[int, int, int]
 SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
 
 PROPERTIES: Final[tuple[str, ...]] = ("display", "fill", "stroke", "fill-rule", "visibility")
-"""What is asked of an element's look; nothing else is kept of a style sheet."""
+"""Properties that are read; nothing else is kept of a style sheet."""
 
 Said = dict[str, str]
-"""What is said of an element: some of `PROPERTIES` and their values."""
+"""Properties of an element: some of `PROPERTIES`, with their values."""
 
 LONGEST_COLOR: Final = 100
 """Longest name of a colour, characters."""

@@ -138,7 +138,8 @@ def _checked(curve: ArrayLike) -> Array:
     line = np.asarray(curve, float).reshape(-1, 3)
     if not np.isfinite(line).all() or np.abs(line).max(initial=0.0) > FARTHEST:
         raise UserError(
-            "A curve has coordinates that are not finite, or far too large. Leave it out, or draw it again."
+            "A curve has coordinates that are not finite, or far too large. Leave it out, or "
+            "draw it again."
         )
     fresh = np.append(True, (line[1:] != line[:-1]).any(axis=1))[: len(line)]
     return np.asarray(line[fresh])
