@@ -80,11 +80,11 @@ class Field:
     Attributes
     ----------
     name : str
-        Of the field.
+        Name of the field.
     kind : {"number", "integer", "switch", "choice", "text", "color"}
     default : object
     values : tuple of str
-        Of a choice.
+        Values of a choice.
     """
 
     name: str

@@ -87,7 +87,7 @@ def write_output(
     target : Path
         The file to write; its ending names the format.
     names : sequence of str, optional
-        Of the objects wanted; by default all that are visible.
+        Names of the objects wanted; by default all that are visible.
     view : str, optional
         The standard view of a flat file; see `prepared_file`.
     refuse_baseless : bool

@@ -14,9 +14,9 @@ def library(name: str, extra: str) -> Any:
     Parameters
     ----------
     name : str
-        Of the module.
+        Name of the module.
     extra : str
-        Of the package, as in ``bozzetto[extra]``.
+        Extra of the package, as in ``bozzetto[extra]``.
 
     Raises
     ------

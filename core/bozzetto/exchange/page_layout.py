@@ -93,7 +93,7 @@ def sheet_drawing(
     sheet : Sheet, optional
         The canvas; left out, or where the lines lie far off it, the bounds of the lines.
     name : str
-        Of the drawing.
+        Name of the drawing.
     colors : sequence
         One for each line.
     """

@@ -80,7 +80,7 @@ class Rig:
         Returns
         -------
         rotations : (n, 3, 3) float64 array
-            Of every joint, in the model's axes.
+            Rotation of every joint, in the model's axes.
         places : (n, 3) float64 array
             mm.
         """

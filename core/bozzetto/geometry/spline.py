@@ -234,7 +234,7 @@ class Spline:
         Parameters
         ----------
         normal : (d,) array_like
-            Of any length.
+            Normal of the plane, of any length.
         offset : float
             Distance of the plane from the origin along the unit normal.
         """

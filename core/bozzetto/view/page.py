@@ -53,7 +53,7 @@ def framing(
     name : str
         See `standard_view`.
     size : (width, height)
-        Of the page, pixels.
+        Size of the page, pixels.
     plans : bool
         Views along an axis are parallel ones.
 
@@ -80,11 +80,11 @@ def page_view(
     Parameters
     ----------
     points : (n, 3) array_like
-        Of all that is to be seen, mm.
+        Points of all that is to be seen, mm.
     camera : Camera, optional
         The person's view.
     size : (width, height), optional
-        Of the page, pixels; by default the camera's canvas, or `PAGE`.
+        Size of the page, pixels; by default the camera's canvas, or `PAGE`.
     whole : bool
         Whether the view must show all points or some are enough.
     """

@@ -134,7 +134,7 @@ class LoadReport:
     read_only : bool
         The file is of a newer version that may be shown, and must not be written over.
     stamp : FileStamp, optional
-        Of the content that was read, where it came from a file.
+        Stamp of the content that was read, where it came from a file.
     """
 
     warnings: tuple[str, ...] = ()

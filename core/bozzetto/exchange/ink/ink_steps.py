@@ -60,7 +60,7 @@ def read_steps(text: msgspec.Raw, canvas: CanvasRecord, stroke_count: int) -> tu
     text : Raw
         JSON.
     canvas : CanvasRecord
-        Of the file; a step's own camera looks through it unless it brings another.
+        Canvas of the file; a step's own camera looks through it unless it brings another.
     stroke_count : int
         Strokes that the file holds.
 

@@ -108,7 +108,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     data : bytes
         Content of the file.
     name : str
-        Of the drawing.
+        Name of the drawing.
 
     Raises
     ------

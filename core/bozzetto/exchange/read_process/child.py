@@ -45,7 +45,7 @@ class Request(msgspec.Struct):
     path : bytes
         As the system spells it, from the root.
     seconds, megabytes : int
-        Of the `Budget`.
+        Limits of the `Budget`.
     """
 
     kind: str
@@ -60,7 +60,7 @@ class Reply(msgspec.Struct):
     Attributes
     ----------
     record : bytes
-        Of the answer; the arrays follow the reply.
+        Record of the answer; the arrays follow the reply.
     arrays : list of (str, tuple of int)
         Element type and shape of each.
     refused, fault : str

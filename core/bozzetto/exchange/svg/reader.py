@@ -76,7 +76,7 @@ class _Own:
     Attributes
     ----------
     said : Said
-        Of its look.
+        Properties of its look.
     matrix : (3, 3) array or None
         Its transform, if it has one.
     paths : list of Subpath or None
@@ -233,7 +233,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     data : bytes
         Content of the file.
     name : str
-        Of the drawing.
+        Name of the drawing.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class Look:
     rule : {"nonzero", "evenodd"}
         What counts as its inside.
     color : (r, g, b) or None
-        Of the line, where it is a plain colour.
+        Colour of the line, where it is a plain colour.
     visible : bool
     """
 

@@ -69,7 +69,7 @@ def bernstein(at: ArrayLike, order: int = 0) -> Array:
     at : (n,) array_like
         Parameters, 0 … 1.
     order : int
-        Of the derivative: 0 … 3.
+        Order of the derivative: 0 … 3.
 
     Returns
     -------
@@ -249,7 +249,7 @@ def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
     nets : (k, 4, 4, 3) array_like
         Control points, mm.
     axis : int
-        Of the coordinate that changes its sign.
+        Number of the coordinate that changes its sign.
     """
     made = turned_over(nets)
     made[..., axis] *= -1.0

@@ -142,7 +142,7 @@ def curve_distances(curves: Sequence[ArrayLike], mesh: Mesh) -> Array:
     curves : sequence of (n, 3) array_like
         As for `shrink_wrap`, mm.
     mesh : Mesh
-        Of triangles that are not much longer than wide.
+        A mesh of triangles that are not much longer than wide.
 
     Returns
     -------

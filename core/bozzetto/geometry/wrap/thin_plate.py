@@ -92,10 +92,10 @@ def even_energy(level: int, tension: float, bending: float) -> Energy:
     level : int
         How often the icosahedron is subdivided.
     tension : float
-        Of the membrane, above 0.
+        Stiffness of the membrane, above 0.
     bending : float
-        Of the plate. Its ratio to the tension is the square of the number of edges over which
-        the skin bends.
+        Stiffness of the plate. Its ratio to the tension is the square of the number of edges
+        over which the skin bends.
     """
     membrane, plate = _operators(level)
     return tension * membrane + bending * plate

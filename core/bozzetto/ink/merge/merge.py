@@ -131,7 +131,7 @@ def settle(
     Returns
     -------
     Settled
-        Of all strategies the one with the least score.
+        The result with the least score.
 
     Raises
     ------

@@ -61,9 +61,9 @@ def _cheapest(cost: Array, passed: Array) -> tuple[Index, float]:
     Parameters
     ----------
     cost : (m, n) float
-        Of a row at a column.
+        Cost of a row at a column.
     passed : (m, n) float
-        Of passing all columns up to this one, in this row.
+        Cost of passing all columns up to this one, in this row.
     """
     rows, columns = cost.shape
     numbers = np.arange(columns)

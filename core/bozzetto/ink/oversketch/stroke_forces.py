@@ -70,7 +70,7 @@ def trace_of(
     pressure : (m,) float
         Pressure of the pen at each sample, 0 … 1.
     nodes : (n, 2) float
-        Of the curve, px.
+        Nodes of the curve, px.
     along : (n,) float
         Their arc length.
     ring : float or None
@@ -236,7 +236,7 @@ class Pull:
         Parameters
         ----------
         places : (n, 2) float
-            Of the nodes of this pull, px.
+            Nodes of this pull, px.
 
         Returns
         -------
@@ -272,7 +272,7 @@ def pulls_of(trace: Trace, stations: Array, ring: float | None) -> Iterator[Pull
     trace : Trace
         The stroke, with the stretch of the curve along which it runs.
     stations : (n,) float
-        Of the nodes, px.
+        Stations of the nodes, px.
     ring : float or None
         Length of a closed curve; None for an open one.
     """

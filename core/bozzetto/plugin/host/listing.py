@@ -48,7 +48,7 @@ class Standing:
     Attributes
     ----------
     status : {"ready", "loaded", "disabled", "broken", "absent"}
-        Of its plugin; "absent" where none has it.
+        Status of its plugin; "absent" where none has it.
     plugin : str
         Id of the plugin; "" where it is absent.
     """

@@ -33,13 +33,13 @@ class PlacedPicture:
     Attributes
     ----------
     left, top : int
-        Of its part of the window, px.
+        Corner of its part of the window, px.
     colors : (h, w, 4) uint8
         Multiplied by the picture's own opacity; 0 beside it.
     plane : (3,) float
         Nearness of its plane at (x, y, 1), px of the window.
     opacity : float
-        Of the whole, 0 … 1.
+        Opacity of the whole picture, 0 … 1.
     """
 
     left: int
@@ -87,7 +87,7 @@ def blend_pictures(pixels: Floats, pictures: Sequence[PlacedPicture], sight: Vie
     pictures : sequence of PlacedPicture
         The pictures to blend, in any order.
     sight : ViewTransform
-        Of the window.
+        The transform of the window.
     """
     ordered = _from_far(pictures)
     if ordered is None:
@@ -114,7 +114,7 @@ def apart(
     pictures : sequence of PlacedPicture
         The pictures, in any order.
     corners : (n, 3) float or None
-        Of boxes round the meshes: x, y (px), nearness. None where some are behind the eye.
+        Corners of boxes round the meshes: x, y (px), nearness. None where some are behind the eye.
 
     Returns
     -------

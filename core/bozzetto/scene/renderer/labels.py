@@ -47,7 +47,7 @@ def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
     Parameters
     ----------
     x : float
-        Of the point, px.
+        Place of the point, px.
     wide, sheet : float
         Width of the text, and of the sheet, px.
     offset : float

@@ -118,7 +118,7 @@ def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) 
     canvas : Canvas
         Pixels to draw on, and what may hide lines.
     batch : list of Lines
-        Of equal opacity and equal way of being hidden.
+        Lines of equal opacity that surfaces hide in the same way.
     color : (3,) float
         RGB, 0 … 255.
     """

@@ -85,7 +85,7 @@ def fragments(
     Parameters
     ----------
     triangle : (h · w,) int32
-        Of a buffer; −1 where nothing is seen.
+        Triangles of a buffer; −1 where nothing is seen.
     soup : Soup
         The triangles on the sheet.
     sight : ViewTransform

@@ -65,7 +65,7 @@ class Veil:
     Attributes
     ----------
     nearness, opacity : (h · w,) float32
-        Of the nearest of them; −inf and 0 where there is none.
+        Values of the nearest of them; −inf and 0 where there is none.
     behind : (h · w, 4) float32
         The picture without them.
     """
@@ -82,7 +82,7 @@ class Drawn:
     Attributes
     ----------
     nearness : (h · w,) float32
-        Of the opaque surfaces; −inf where there is none.
+        Nearness of the opaque surfaces; −inf where there is none.
     veil : Veil or None
         None if no mesh is translucent.
     """

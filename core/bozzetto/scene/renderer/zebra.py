@@ -54,7 +54,7 @@ def with_zebra(
     part : (n,) int32
         Which part each pixel shows.
     colors : sequence of (r, g, b)
-        Of the parts, where they have none at their vertices.
+        Colours of the parts, where they have none at their vertices.
     tinted, polished : (parts,) bool
         Which parts show their vertex colours, and which mirror the tubes; these have a colour
         in every pixel then.

@@ -36,7 +36,7 @@ def starts(points: Array, marks: Array) -> Poses:
     Returns
     -------
     Poses
-        Of each direction an orthographic one and one for each of `STRENGTHS`.
+        An orthographic pose for each direction, and one for each of `STRENGTHS`.
     """
     turns = np.concatenate((AROUND, _direct(points, marks)))
     strengths = np.repeat((0.0, *STRENGTHS), len(turns))

@@ -24,11 +24,11 @@ class Framing:
     Parameters
     ----------
     centroid : (3,) float
-        Of the points, mm.
+        Centroid of the points, mm.
     radius : float
         Their root mean square distance from it, mm.
     viewport : (width, height)
-        Of the picture, px.
+        Size of the picture, px.
     """
 
     centroid: Array

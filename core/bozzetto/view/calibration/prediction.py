@@ -22,8 +22,8 @@ class Places:
     pixels : (m, 2) float
         Pixels of the picture; NaN for points behind the eye or next to it, or beyond all bounds.
     covariances : (m, 2, 2) float
-        Of the places, px², for what the camera is unsure of; a hand that marks them adds its
-        own noise. NaN likewise.
+        Covariances of the places, px², for what the camera is unsure of; a hand that marks
+        them adds its own noise. NaN likewise.
     """
 
     pixels: Array

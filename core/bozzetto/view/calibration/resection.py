@@ -152,8 +152,8 @@ def resect(
         Points that could be marked, by names. If the marks are too few or lie in a plane, the
         message names the one that helps most.
     before : Resection, optional
-        Of marks that have changed little since, while one of them is dragged, say: the search
-        starts there and nowhere else, unless that leads nowhere, and the kind of the camera
+        Result for marks that have changed little since, while one of them is dragged, say:
+        the search starts there and nowhere else, unless that leads nowhere, and the kind of the camera
         stays what it was. Ask without it once the marks have come to rest.
 
     Raises
