@@ -153,8 +153,8 @@ def resect(
         message names the one that helps most.
     before : Resection, optional
         Result for marks that have changed little since, while one of them is dragged, say:
-        the search starts there and nowhere else, unless that leads nowhere, and the kind of the camera
-        stays what it was. Ask without it once the marks have come to rest.
+        the search starts there and nowhere else, unless that leads nowhere, and the kind of
+        the camera stays what it was. Ask without it once the marks have come to rest.
 
     Raises
     ------
