@@ -58,7 +58,7 @@ def questions(bench: Workbench, model: Model) -> list[Question]:
     model : Model
         The model to ask about.
     """
-    return [Question(name, _refusals_told(ask)) for name, ask in _all(bench, model)]
+    return [Question(name, _with_refusals(ask)) for name, ask in _all(bench, model)]
 
 
 def answers(bench: Workbench, row: list[Question]) -> dict[str, str]:
@@ -66,7 +66,7 @@ def answers(bench: Workbench, row: list[Question]) -> dict[str, str]:
     return {question.name: fingerprint(question.ask(bench)) for question in row}
 
 
-def _refusals_told(ask: Ask) -> Ask:
+def _with_refusals(ask: Ask) -> Ask:
     def asked(bench: Workbench) -> Any:
         try:
             return ask(bench)

@@ -212,7 +212,7 @@ class RecoveryStore:
             If it was claimed already, or the disk fails.
         """
         folder = self.folder / session.id
-        with _told(session, folder, "read"):
+        with _disk_errors(session, folder, "read"):
             self._claim(session)
             try:
                 return _recovered(folder, session, states, progress)
@@ -235,7 +235,7 @@ class RecoveryStore:
             If the data cannot be deleted, or another process has claimed them.
         """
         folder = self.folder / session.id
-        with _told(session, folder, "deleted"):
+        with _disk_errors(session, folder, "deleted"):
             if session.id not in self._claims:
                 self._claim(session)
             try:
@@ -286,7 +286,7 @@ class RecoveryStore:
 
 
 @contextlib.contextmanager
-def _told(session: CrashedSession, folder: Path, what: str) -> Iterator[None]:
+def _disk_errors(session: CrashedSession, folder: Path, what: str) -> Iterator[None]:
     """Say what the disk refused, and where the data are."""
     try:
         yield

@@ -75,7 +75,7 @@ class _Own:
 
     Attributes
     ----------
-    said : Said
+    properties : Properties
         Properties of its look.
     matrix : (3, 3) array or None
         Its transform, if it has one.
@@ -83,10 +83,10 @@ class _Own:
         Its outline, once it was asked for.
     """
 
-    __slots__ = ("matrix", "paths", "said")
+    __slots__ = ("matrix", "paths", "properties")
 
     def __init__(self, element: Element, sheets: Sheets) -> None:
-        self.said = sheets.said(element)
+        self.properties = sheets.properties(element)
         text = element.attributes.get("transform")
         self.matrix = transform(text) if text else None
         self.paths: list[Subpath] | None = None
@@ -145,12 +145,12 @@ class _Reader:
             self.clones += 1
             at_most(self.clones, MAX_CLONES, "repeated elements")
         own = self.own(element)
-        if own.said.get("display") == "none":
+        if own.properties.get("display") == "none":
             return
         if own.matrix is not None:
             with np.errstate(all="ignore"):
                 matrix = matrix @ own.matrix
-        look = self.sheets.look(own.said, inherited)
+        look = self.sheets.look(own.properties, inherited)
         if element.tag == "use":
             self.repeat(element, matrix, look, depth)
         elif element.tag in GROUPS or frame is not None:

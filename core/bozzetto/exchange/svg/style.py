@@ -20,7 +20,7 @@ SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
 PROPERTIES: Final[tuple[str, ...]] = ("display", "fill", "stroke", "fill-rule", "visibility")
 """Properties that are read; nothing else is kept of a style sheet."""
 
-Said = dict[str, str]
+Properties = dict[str, str]
 """Properties of an element: some of `PROPERTIES`, with their values."""
 
 LONGEST_COLOR: Final = 100
@@ -82,10 +82,12 @@ class Sheets:
                         known = self._rules.setdefault(selector, {})
                         known.update((name, (order, value)) for name, value in said.items())
 
-    def said(self, element: Element) -> Said:
+    def properties(self, element: Element) -> Properties:
         """Return the properties of an element: attributes, then rules, above all its own style."""
         attributes = element.attributes
-        said: Said = {name: attributes[name] for name in PROPERTIES if name in attributes}
+        properties: Properties = {
+            name: attributes[name] for name in PROPERTIES if name in attributes
+        }
         if self._rules:
             classes = [f".{word}" for word in attributes.get("class", "").split()]
             identity = f"#{attributes.get('id', '')}"
@@ -94,16 +96,16 @@ class Sheets:
                 for key in group:
                     for name, told in self._rules.get(key, {}).items():
                         found[name] = max(told, found.get(name, told))
-                said |= {name: value for name, (_, value) in found.items()}
+                properties |= {name: value for name, (_, value) in found.items()}
         if own := attributes.get("style"):
-            said |= _declarations(own)
-        return said
+            properties |= _declarations(own)
+        return properties
 
-    def look(self, said: Said, inherited: Look) -> Look:
+    def look(self, properties: Properties, inherited: Look) -> Look:
         """Return the look of an element that has these properties."""
-        if not said:
+        if not properties:
             return inherited
-        told = {name: value for name, value in said.items() if value != "inherit"}
+        told = {name: value for name, value in properties.items() if value != "inherit"}
         fill, stroke, rule = told.get("fill"), told.get("stroke"), told.get("fill-rule")
         visibility = told.get("visibility")
         return Look(
@@ -136,7 +138,7 @@ def _without_comments(text: str) -> str:
     return "".join((*kept, text[at:]))
 
 
-def _declarations(text: str) -> Said:
+def _declarations(text: str) -> Properties:
     """Return properties that matter and their values, as in ``fill: none; stroke: red``."""
     result = {}
     for entry in text.split(";"):
