@@ -7,9 +7,9 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from xml.parsers import expat
 
-from bozzetto.errors import Unfinished, UserError, words_of
+from bozzetto.errors import FormatError, Unfinished, UserError
+from bozzetto.exchange.safe_xml import parse_xml
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.manifest import ManifestError, find_folder, read_manifest
 from bozzetto.plugin.host.registry import Registry
@@ -103,31 +103,24 @@ def icon_fault(path: Path) -> str:
     content = path.read_bytes()
     if len(content) > LARGEST_ICON:
         return f"an icon has at most {LARGEST_ICON} bytes"
-    found: list[str] = []
-    names: list[str] = []
-
-    def element(name: str, attributes: dict[str, str]) -> None:
-        names.append(name)
-        if name.lower().rpartition(":")[2] in ("script", "foreignobject", "image", "style"):
-            found.append(f"<{name}>")
-        for key, value in attributes.items():
-            outside = key.rpartition(":")[2] == "href" and not value.startswith("#")
-            if key.lower().startswith("on") or outside or "url(http" in value.lower():
-                found.append(key)
-
-    def doctype(*_: object) -> None:
-        found.append("<!DOCTYPE>")
-
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = element
-    parser.StartDoctypeDeclHandler = doctype
-    parser.EntityDeclHandler = doctype
     try:
-        parser.Parse(content, True)
-    except expat.ExpatError as problem:
-        return f"not an SVG file: {words_of(problem)}"
-    if names[0].rpartition(":")[2] != "svg":
-        return f"its first element is <{names[0]}> and not <svg>"
+        root = parse_xml(content)
+    except FormatError as problem:
+        return f"not an SVG file: {problem.message}"
+    if root.tag != "svg":
+        return f"its first element is <{root.tag}> and not <svg>"
+    found = ["<!DOCTYPE>"] if b"<!DOCTYPE" in content else []
+    waiting = [root]
+    while waiting:
+        element = waiting.pop(0)
+        waiting[:0] = element.children
+        if element.tag.lower() in ("script", "foreignobject", "image", "style"):
+            found.append(f"<{element.tag}>")
+        for key, value in element.attributes.items():
+            name = key.rpartition(" ")[2]
+            outside = name == "href" and not value.startswith("#")
+            if name.lower().startswith("on") or outside or "url(http" in value.lower():
+                found.append(name)
     return f"an icon must not contain {', '.join(found)}" if found else ""
 
 
