@@ -307,10 +307,15 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
     return _read(path, limit)[0]
 
 
+def open_at_once(path: str, flags: int) -> int:
+    """Open a file without waiting: a pipe that nobody writes to would hold its reader for ever."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
 def _read(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, os.stat_result]:
     name = Path(path).name
     try:
-        with open(path, "rb", buffering=0) as file:
+        with open(path, "rb", buffering=0, opener=open_at_once) as file:
             facts = os.fstat(file.fileno())
             if not stat.S_ISREG(facts.st_mode):
                 raise UserError(f"“{name}” is not a file that can be opened. Choose another.")

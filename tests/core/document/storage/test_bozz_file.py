@@ -357,6 +357,10 @@ def test_files_that_cannot_be_read_are_explained(tmp_path):
     if os.path.exists("/dev/null"):
         with pytest.raises(UserError, match="not a file"):
             read_document("/dev/null", Nobody())
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.bozz")
+        with pytest.raises(UserError, match="not a file"):
+            read_document(tmp_path / "pipe.bozz", Nobody())
     (tmp_path / "empty.bozz").write_bytes(b"")
     with pytest.raises(DocumentError, match="cut short"):
         read_document(tmp_path / "empty.bozz", Nobody())
