@@ -17,7 +17,7 @@ from bozzetto.view.rotations import triple
 
 @dataclass(frozen=True)
 class PenSettings:
-    """Settings of the pen, such as its usual pressure.
+    """Settings of the pen and of the hand that draws.
 
     Parameters
     ----------

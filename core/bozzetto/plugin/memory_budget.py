@@ -69,7 +69,7 @@ class MemoryBudget:
         with self._lock:
             self._most = most
             gone = self._shrink()
-        _tell(gone)
+        _forget_each(gone)
 
     def keep(self, entry: Entry) -> None:
         """Count an entry in as the newest one.
@@ -86,7 +86,7 @@ class MemoryBudget:
             else:
                 self._count_in(entry)
                 gone = self._shrink()
-        _tell(gone)
+        _forget_each(gone)
 
     def use(self, entry: Entry) -> None:
         """Make an entry the newest one, if it is still kept."""
@@ -108,7 +108,7 @@ class MemoryBudget:
             gone = list(self._entries)
             for entry in gone:
                 self._count_out(entry)
-        _tell(gone)
+        _forget_each(gone)
 
     def resize(self, entry: Entry, size: Size) -> None:
         """Count an entry again whose value has changed."""
@@ -122,7 +122,7 @@ class MemoryBudget:
                 self._held += self._more(size) - self._less(entry.size)
                 entry.size = size
                 gone = self._shrink()
-        _tell(gone)
+        _forget_each(gone)
 
     def _shrink(self) -> list[Entry]:
         gone = []
@@ -142,7 +142,10 @@ class MemoryBudget:
         self._held -= self._less(entry.size)
 
     def _more(self, size: Size) -> int:
-        """Add what nothing held before; a size keeps its objects alive, and so their ids."""
+        """Count a size in and return the bytes that nothing held before.
+
+        A size keeps its objects alive, and so their ids.
+        """
         more = size.small
         for thing, count in size.large:
             holders = self._holders.get(id(thing), 0)
@@ -151,7 +154,7 @@ class MemoryBudget:
         return more
 
     def _less(self, size: Size) -> int:
-        """Subtract what nothing holds any more."""
+        """Count a size out and return the bytes that nothing holds any more."""
         less = size.small
         for thing, count in size.large:
             holders = self._holders.pop(id(thing)) - 1
@@ -162,7 +165,7 @@ class MemoryBudget:
         return less
 
 
-def _tell(gone: Iterable[Entry]) -> None:
-    """Drop entries outside the lock: their owners take locks of their own."""
+def _forget_each(gone: Iterable[Entry]) -> None:
+    """Forget entries, outside the budget's lock: their owners take locks of their own."""
     for entry in gone:
         entry.forget()

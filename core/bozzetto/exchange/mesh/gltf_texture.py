@@ -25,7 +25,7 @@ SAMPLER: Final = {
 
 
 class Corners(NamedTuple):
-    """Origin of each vertex of the file.
+    """Vertices of the file, made of those of a mesh.
 
     Attributes
     ----------

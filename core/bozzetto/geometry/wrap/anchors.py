@@ -23,7 +23,7 @@ the curve need not shear."""
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """Points that hold a shrunk surface.
+    """Vertices of a shrunk surface that are fixed to curves.
 
     Attributes
     ----------

@@ -39,7 +39,7 @@ UNSURE: Final = 5.0
 62 % of the curves that are wrong and 6 % of those that are right."""
 
 BROAD: Final = 0.02
-"""The same as a share of the diagonal of the curve's box: a large scribble may be wider, as
+"""`UNSURE` as a share of the diagonal of the curve's box: a large scribble may be wider, as
 long as its score is no worse than its own width explains (`HONEST`)."""
 
 FINAL: Final = 2

@@ -31,7 +31,7 @@ SHORTEST: Final = 3
 """Points of the shortest piece that has a direction."""
 
 FAR: Final = 8.0
-"""The same gap once nothing else is left: the strokes are set off widely."""
+"""`BEYOND` once nothing else is left: the strokes are set off widely."""
 
 GAP: Final = 10.0
 """Widest gap, in steps, over which ink beside no other carries the guide on."""
