@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 
 class PanelHost(Protocol):
-    """The door between a plugin's Qt panel and the object that is selected.
+    """Access of a plugin's Qt panel to the object that is selected.
 
     Use it on the thread of the window only.
     """
