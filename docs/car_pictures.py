@@ -86,7 +86,7 @@ def built(name: str) -> tuple[Workbench, Model]:
     from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
-    model = bench.from_drawing("bozzetto.car", read_drawing(CARS / f"{name}.json"), {})
+    model = bench.sources.from_drawing("bozzetto.car", read_drawing(CARS / f"{name}.json"), {})
     return bench, replace(model, state=replace(model.state, selected="", wheelbase=0.0))
 
 

@@ -56,11 +56,13 @@ def shapes() -> None:
     from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
-    heart = bench.from_drawing("bozzetto.silhouette", read_drawing(OUTLINES / "heart.svg"), {})
+    heart = bench.sources.from_drawing(
+        "bozzetto.silhouette", read_drawing(OUTLINES / "heart.svg"), {}
+    )
     seen = bench.model_scene(heart, bench.solve(heart, Job()))
     save(picture(seen, size=(800, 600), shading="zebra"), "heart.png")
     for name in ("horse", "fish", "key"):
-        model = bench.from_drawing(
+        model = bench.sources.from_drawing(
             "bozzetto.silhouette", read_drawing(SAMPLES / f"{name}.json"), {}
         )
         scene = bench.scene(Document((model,)), Job())
@@ -100,7 +102,7 @@ def gallery() -> None:
 
     bench = Workbench(Registry())
     for path in sorted(GALLERY.glob("*.json")):
-        model = bench.from_drawing("bozzetto.silhouette", read_drawing(path), {})
+        model = bench.sources.from_drawing("bozzetto.silhouette", read_drawing(path), {})
         scene = bench.scene(Document((model,)), Job())
         solid = Scene(tuple(layer for layer in scene.layers if layer.name == "shape"))
         save(picture(solid, size=(640, 500)), path.with_suffix(".png").name, GALLERY)

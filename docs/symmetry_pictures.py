@@ -58,7 +58,7 @@ def shown(path: Path) -> tuple[Scene, Scene]:
     from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
-    model = bench.from_drawing("bozzetto.symmetry", read_drawing(path), {})
+    model = bench.sources.from_drawing("bozzetto.symmetry", read_drawing(path), {})
     model = replace(model, state=replace(model.state, selected="", grid=False))
     layers = bench.scene(Document((model,)), Job()).layers
     curves = tuple(

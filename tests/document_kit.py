@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
-from bozzetto.document.model import Document, Model, NamedView, Underlay
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Document, Model, NamedView, OpaqueState, Underlay
 from bozzetto.document.waiting_ink import Waiting, WaitingStroke
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement

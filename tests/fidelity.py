@@ -278,7 +278,7 @@ def solve_ms(drawing: Path, quality: Any, surface: str) -> float:
         # What was solved before is remembered; a hair to the side is another drawing.
         hair = 1e-3 * next(_HAIRS)
         aside = Strokes([Stroke(s.x + hair, s.y, s.camera, tool=s.tool) for s in ink.strokes])
-        model = bench.from_drawing(
+        model = bench.sources.from_drawing(
             "bozzetto.silhouette", replace(ink, strokes=aside), {"surface": surface}
         )
         begun = time.process_time()

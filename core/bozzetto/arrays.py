@@ -1,4 +1,4 @@
-"""Arrays that stay as they are: copies backed by immutable memory."""
+"""Arrays: names of their types, and copies that stay as they are, backed by immutable memory."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-__all__ = ["frozen"]
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Index = NDArray[np.intp]
+Flags = NDArray[np.bool_]
+Bytes = NDArray[np.uint8]
 
 
 def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> NDArray[Any]:
@@ -16,6 +20,7 @@ def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> N
     Parameters
     ----------
     values : array_like
+        Numbers; they are copied only where needed.
     dtype : dtype
         float32, float64, int32, uint32, uint16 or uint8.
     columns : int, optional

@@ -19,26 +19,9 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
-import numpy as np
-
 from bozzetto.errors import UserError
 from bozzetto.file_locks import take
 from bozzetto.temporary_files import temporary_path
-
-__all__ = [
-    "DISK",
-    "Disk",
-    "FileChanged",
-    "FileStamp",
-    "Over",
-    "Written",
-    "atomic_write",
-    "backup_path",
-    "explain",
-    "read_bytes",
-    "read_stamped",
-    "write_bytes",
-]
 
 PIECE: Final = 1 << 20
 """Bytes that are read at a time for a checksum."""
@@ -123,24 +106,24 @@ class Disk:
     """The calls to the operating system that saving needs."""
 
     def resolve(self, path: Path) -> Path:
-        """The file that a path means, links followed."""
+        """Return the file that a path means, links followed."""
         return Path(os.path.realpath(path))
 
     def facts(self, path: Path) -> os.stat_result | None:
-        """What the system says of a file, or None where there is no file."""
+        """Return the system's facts on a file, or None where there is no file."""
         try:
             return os.stat(path)
         except FileNotFoundError:
             return None
 
     def create(self, path: Path, mode: int) -> BinaryIO:
-        """A new file, open for writing and locked; fails if there is one."""
+        """Create a file, open for writing and locked; fail if there is one."""
         file = open(path, "x+b", opener=lambda name, flags: os.open(name, flags, mode))
         take(file.fileno())  # not a leftover, then
         return file
 
     def stamp(self, file: BinaryIO) -> FileStamp:
-        """Which content an open file has."""
+        """Return the stamp of an open file's content."""
         return _stamp(file)
 
     def dress(self, path: Path, like: Path, facts: os.stat_result) -> None:
@@ -201,7 +184,7 @@ DISK = Disk()
 
 
 def backup_path(path: Path, number: int) -> Path:
-    """The name of the n-th backup of a file; 1 is the newest."""
+    """Return the name of the n-th backup of a file; 1 is the newest."""
     return path.with_name(f"{path.name}~{number}")
 
 
@@ -226,6 +209,7 @@ def atomic_write(
     over : FileStamp or Over
         The content that may be replaced. A file that is gone may always be written again.
     disk : Disk
+        The operating system; tests give one that fails.
 
     Raises
     ------
@@ -278,7 +262,7 @@ def _check_writable(facts: os.stat_result | None) -> None:
 def _check_expected(
     target: Path, facts: os.stat_result, over: FileStamp | Over, disk: Disk
 ) -> None:
-    """See whether a file has the content that may be replaced."""
+    """Check that a file has the content that may be replaced."""
     if over is Over.ANYTHING:
         return
     expected = over if isinstance(over, FileStamp) else None
@@ -304,13 +288,13 @@ def _stamp_of(facts: os.stat_result, checksum: int) -> FileStamp:
 
 
 def read_stamped(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, FileStamp]:
-    """As `read_bytes`; and the stamp of what was read, for `atomic_write`."""
+    """Read a file as `read_bytes`; return the stamp of its content, for `atomic_write`, too."""
     content, facts = _read(path, limit)
     return content, _stamp_of(facts, zlib.crc32(content))
 
 
 def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
-    """A file's content, read-only; its length is looked at first.
+    """Return a file's content, read-only; its length is looked at first.
 
     The memory is numpy's, which comes in large pages: reading 40 MB takes a third of the
     time that it takes into ``bytes``.
@@ -323,10 +307,15 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> memoryview:
     return _read(path, limit)[0]
 
 
+def open_at_once(path: str, flags: int) -> int:
+    """Open a file without waiting: a pipe that nobody writes to would hold its reader for ever."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
 def _read(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, os.stat_result]:
     name = Path(path).name
     try:
-        with open(path, "rb", buffering=0) as file:
+        with open(path, "rb", buffering=0, opener=open_at_once) as file:
             facts = os.fstat(file.fileno())
             if not stat.S_ISREG(facts.st_mode):
                 raise UserError(f"“{name}” is not a file that can be opened. Choose another.")
@@ -334,6 +323,8 @@ def _read(path: str | os.PathLike[str], limit: int) -> tuple[memoryview, os.stat
                 raise UserError(
                     f"“{name}” is longer than {limit / 1e9:.1f} GB, which is too long to be opened."
                 )
+            import numpy as np  # here: most who write files have no use for it
+
             content = np.empty(facts.st_size, np.uint8).data
             done = 0
             while got := file.readinto(content[done:]):
@@ -380,7 +371,7 @@ def _keep_backups(target: Path, count: int, disk: Disk) -> None:
 
 
 def explain(problem: OSError, name: str) -> str:
-    """What a failed call of the operating system means for the person who saves."""
+    """Explain to the person who saves what a failed call of the operating system means."""
     untouched = "Nothing was changed."
     if problem.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return (

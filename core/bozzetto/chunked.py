@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, Self, TypeVar, overload
 
-__all__ = ["Chunked"]
-
 Item = TypeVar("Item")
 
 
@@ -78,7 +76,7 @@ class Chunked(Sequence[Item]):
         return f"{type(self).__name__}({len(self)})"
 
     def _locate(self, index: int) -> tuple[int, int]:
-        """Chunk and place within it; raises IndexError."""
+        """Return the chunk and the place within it; raise IndexError for none."""
         within = range(self._length)[index]
         for place, chunk in enumerate(self.chunks):
             if within < len(chunk):

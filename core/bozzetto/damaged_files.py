@@ -1,4 +1,4 @@
-"""The border that every loader's table stands behind: what a bad file can raise is told once."""
+"""Errors of damaged files: one place where what readers raise becomes a sentence."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from typing import Final
 
 from bozzetto.errors import FormatError
 
-__all__ = ["told_as_format_error"]
-
 DAMAGE: Final = (
     ArithmeticError,  # among them OverflowError
     UnicodeError,
@@ -21,7 +19,7 @@ DAMAGE: Final = (
     zlib.error,
     EOFError,
 )
-"""What readers and the libraries below them raise on contents that make no sense."""
+"""Exceptions of readers, and of the libraries below them, on contents that make no sense."""
 
 TOO_LARGE: Final = (
     "It needs more memory than a file may take. Split it or simplify it in the program that "
@@ -32,7 +30,7 @@ DAMAGED: Final = "It is damaged, or not what its name says. Save it again where 
 
 
 @contextmanager
-def told_as_format_error(error: type[FormatError] = FormatError) -> Iterator[None]:
+def as_format_errors(error: type[FormatError] = FormatError) -> Iterator[None]:
     """Turn what only a file's content can have caused into a sentence.
 
     Parameters

@@ -26,7 +26,7 @@ LONGEST: Final = 300
 
 
 class UserError(Exception):
-    """A mistake that a person can mend; the message says what to do next.
+    """A mistake that a person can correct; the message says what to do next.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Cancelled(Exception):
 
 
 def words_of(problem: BaseException) -> str:
-    """What an exception says, in words for a person: the middle of a sentence, on one line.
+    """Return the message of an exception for the middle of a sentence, on one line.
 
     Whatever another library raised goes through here on its way into a message. The addresses
     of objects go, and so does the full stop; who says nothing is told by the kind of fault.
@@ -87,7 +87,7 @@ def words_of(problem: BaseException) -> str:
 
 
 def message_of(problem: BaseException) -> str:
-    """The message of an exception, for a person who is told its kind, too; "" if there is none."""
+    """Return the message of an exception, or "", for a person who is told its kind, too."""
     try:
         said = str(problem)
     except Exception:  # its own __str__ may be a plugin's, and fail

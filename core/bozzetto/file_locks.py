@@ -7,10 +7,8 @@ import os
 import sys
 from enum import Enum
 
-__all__ = ["Taken", "take", "untake"]
-
 FAR: int = 1 << 40
-"""Where the one locked byte lies on Windows, which does not let others read locked bytes."""
+"""Place of the one locked byte on Windows, which does not let others read locked bytes."""
 
 
 class Taken(Enum):
@@ -23,7 +21,7 @@ class Taken(Enum):
 
 
 def take(handle: int) -> Taken:
-    """Try to lock an open file, without waiting."""
+    """Lock an open file if that is possible without waiting."""
     try:
         if sys.platform == "win32":
             import msvcrt

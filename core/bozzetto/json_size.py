@@ -1,10 +1,8 @@
-"""How much a JSON text holds, seen without understanding it."""
+"""Size of a JSON text in values, counted without parsing it."""
 
 from __future__ import annotations
 
 from typing import Final
-
-__all__ = ["MAX_VALUES", "json_values"]
 
 MAX_VALUES: Final = 1_500_000
 """Values in a text whose form is not known: as objects a hundred megabytes or two, and made in
@@ -12,6 +10,6 @@ a tenth of a second."""
 
 
 def json_values(text: bytes | memoryview) -> int:
-    """At least as many as there are values in a JSON text: commas, brackets and braces."""
+    """Return an upper bound for the values in a JSON text: commas, brackets and braces."""
     content = bytes(text)
     return 1 + sum(content.count(mark) for mark in (b",", b"[", b"{"))

@@ -11,8 +11,6 @@ import ctypes
 import sys
 from typing import Any, Final
 
-__all__ = ["bound_heap", "give_back"]
-
 PARTS: Final = 2
 """Parts that the heap is divided into: one for the window's thread, one for all others. Their
 number is else eight for each core, and a part's free end is never given back by a trim."""
@@ -31,7 +29,7 @@ M_ARENA_MAX: Final = -8
 
 
 def bound_heap() -> bool:
-    """Bound what the heap keeps for later; False where that is not known to work.
+    """Bound the freed memory that the heap keeps; False where that is not known to work.
 
     Called once, before the first thread is started.
     """
@@ -58,7 +56,7 @@ def give_back() -> bool:
 
 
 def _glibc() -> Any | None:
-    """The C library, if it is the one that knows these calls."""
+    """Return the C library, if it is the one that knows these calls."""
     if not sys.platform.startswith("linux"):
         return None
     library = ctypes.CDLL(None)

@@ -14,8 +14,6 @@ from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from bozzetto.errors import UserError
 
-__all__ = ["Field", "Parameter", "parameter_fields", "parse_parameter", "set_parameters"]
-
 State = TypeVar("State")
 Kind = Literal["number", "integer", "switch", "choice", "text", "color"]
 Color = tuple[int, int, int]
@@ -82,11 +80,11 @@ class Field:
     Attributes
     ----------
     name : str
-        Of the field.
+        Name of the field.
     kind : {"number", "integer", "switch", "choice", "text", "color"}
     default : object
     values : tuple of str
-        Of a choice.
+        Values of a choice.
     """
 
     name: str
@@ -134,7 +132,7 @@ class Field:
 
 
 def parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
-    """The parameters of a state type, in the order of its fields; remembered."""
+    """Return the parameters of a state type, in the order of its fields; remembered."""
     return _parameter_fields(state_type)  # type: ignore[arg-type]  # types are hashable
 
 
@@ -182,7 +180,9 @@ def set_parameters(state: State, values: dict[str, object], owner: str = "this m
     Parameters
     ----------
     state : dataclass
+        The state before.
     values : dict
+        New values by the names of the fields.
     owner : str
         Whose parameters these are, for messages.
 
@@ -228,7 +228,7 @@ def parse_parameter(field: Field, text: str) -> object:
 
 
 def _written_color(text: str) -> object:
-    """The parts of a colour written as ``#rrggbb``, or the text itself."""
+    """Return the parts of a colour written as ``#rrggbb``, or the text itself."""
     digits = text.strip().removeprefix("#")
     try:
         return tuple(bytes.fromhex(digits)) if len(digits) == 6 else text

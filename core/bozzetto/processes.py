@@ -1,16 +1,12 @@
-"""Processes and the machine they run on: is the one that left something behind still there."""
+"""Processes and their machine: identity, birth, and whether one still runs."""
 
 from __future__ import annotations
 
 import os
-import socket
 import sys
-import uuid
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
-
-__all__ = ["birth", "is_running", "machine_id"]
 
 MACHINE_FILES: Final = ("/etc/machine-id", "/var/lib/dbus/machine-id")
 RANDOM_NODE: Final = 1 << 40
@@ -19,7 +15,7 @@ RANDOM_NODE: Final = 1 << 40
 
 @lru_cache(maxsize=1)
 def machine_id() -> str:
-    """A name of this machine that stays when its host name changes."""
+    """Return a name of this machine that stays when its host name changes."""
     for place in MACHINE_FILES:
         try:
             content = Path(place).read_text().strip()
@@ -27,12 +23,15 @@ def machine_id() -> str:
             continue
         if content:
             return content
+    import socket
+    import uuid
+
     node = uuid.getnode()
     return socket.gethostname() if node & RANDOM_NODE else f"{node:012x}"
 
 
 def birth(pid: int) -> str:
-    """Which start of the machine, and when since then, a process was born; "" if unknown."""
+    """Return when a process was born, by the machine's start and the time since; "" if unknown."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
         # The name before the last bracket may hold blanks; the start is the 22nd field.

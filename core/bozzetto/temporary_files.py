@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import secrets
 import zlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -19,20 +18,18 @@ from typing import Final
 from bozzetto.file_locks import Taken, take
 from bozzetto.processes import is_running, machine_id
 
-__all__ = ["remove_leftovers", "temporary_path"]
-
 NAME: Final = re.compile(r"\.bozzetto-([0-9a-f]{8})-(\d{1,10})-[0-9a-f]{12}\.tmp")
 
 
 def temporary_path(target: Path) -> Path:
-    """An unused name in the folder of the file that is to be written."""
-    return target.with_name(f".bozzetto-{_machine()}-{os.getpid()}-{secrets.token_hex(6)}.tmp")
+    """Return an unused name in the folder of the file that is to be written."""
+    return target.with_name(f".bozzetto-{_machine()}-{os.getpid()}-{os.urandom(6).hex()}.tmp")
 
 
 def remove_leftovers(folders: Iterable[Path]) -> int:
-    """Delete temporary files of processes that are gone; how many there were.
+    """Delete temporary files of processes that are gone; return how many there were.
 
-    A folder that cannot be read, or a file that cannot be deleted, is passed over.
+    A folder that cannot be read, or a file that cannot be deleted, is skipped.
     """
     removed = 0
     for folder in set(folders):

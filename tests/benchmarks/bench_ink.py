@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from bozzetto.ink.curves.fit import fit_spline
 from bozzetto.ink.merge import settle
 from tests.benchmarks.timing import Row, in_turn, median_ms
+from tests.spline_fits import fit_spline
 
 
 def wave(count: int, seed: int = 0) -> np.ndarray:

@@ -14,7 +14,7 @@ from bozzetto.ink.curves.nearest import nearest_curve
 from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.ink.oversketch.snake import modified
 from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.ink_projection import laid
+from bozzetto.scene.ink_projection import project_stroke
 from bozzetto.view.camera import Camera
 from tests.benchmarks.bench_scene import scene_of, view_of
 from tests.benchmarks.timing import Row, processor_ms
@@ -66,7 +66,7 @@ def rows() -> Iterator[Row]:
     width, height = view.viewport
     t = np.linspace(0, 1, SAMPLES)
     stroke = Stroke(width * (0.1 + 0.8 * t), height * (0.5 + 0.2 * np.sin(7 * t)), view)
-    took = processor_ms(lambda: laid(stroke, scene))
+    took = processor_ms(lambda: project_stroke(stroke, scene))
     yield Row("snake", f"{SAMPLES} samples laid on 100k triangles", took)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.document.recovery.journal import JournalWriter, read_records
 from bozzetto.document.storage.bozz_file import decode_document
 from bozzetto.exchange.formats import find, function, readers
@@ -280,7 +280,7 @@ def read(ending: str, content: bytes) -> object:
     if ending == ".template":
         return read_template(content)
     chosen = find(f"a{ending}", readers())
-    with told_as_format_error():
+    with as_format_errors():
         if "mesh" in chosen.holds:
             return function(chosen, "read_shapes")(content)
         if "ink" in chosen.holds:

@@ -41,15 +41,19 @@ def corpus() -> list[bytes]:
     for info in bench().registry.modelers():
         samples = sorted(info.samples, key=lambda path: path.stat().st_size)[:SMALLEST_FIRST]
         for sample in samples:
-            model = bench().from_drawing(info.id, read_drawing(sample, trusted=True), {})
+            model = bench().sources.from_drawing(info.id, read_drawing(sample, trusted=True), {})
             made.append(encode_document(Document((model,))))
     corners = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]]
     mesh = Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     shapes = Shapes(surfaces=(Surface(mesh),))
-    made.append(encode_document(Document((bench().from_shapes("bozzetto.mesh", shapes, "m"),))))
+    made.append(
+        encode_document(Document((bench().sources.from_shapes("bozzetto.mesh", shapes, "m"),)))
+    )
     curve = Curve(1, np.array([0, 0, 1, 2, 2.0]), np.array([[0, 0, 0], [50, 0, 0], [0, 50, 20.0]]))
     shapes = Shapes(curves=(curve,))
-    made.append(encode_document(Document((bench().from_shapes("bozzetto.skin", shapes, "s"),))))
+    made.append(
+        encode_document(Document((bench().sources.from_shapes("bozzetto.skin", shapes, "s"),)))
+    )
     return made
 
 

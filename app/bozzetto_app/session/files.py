@@ -411,7 +411,7 @@ class Files(QObject):
         active = session.active_modeler
         context, history = session.context(), session.history
 
-        def work(job: Job) -> tuple[Model, bool]:
+        def work(job: Job) -> tuple[Model, bool, tuple[str, ...]]:
             from bozzetto.exchange.formats import find, readers
             from bozzetto.exchange.import_file import read_drawing, read_mesh
 
@@ -421,24 +421,27 @@ class Files(QObject):
             bench = session.workbench
             if "mesh" in find(path, readers()).holds:
                 shapes = read_mesh(path, checkpoint=reading)
-                return bench.from_shapes(MESH_MODELER, shapes, path.stem), False
+                return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, ()
             drawing = read_drawing(path, checkpoint=reading)
             facts_only = not len(drawing.strokes)
             modeler = (facts_only and session.registry.told_by(drawing.extra)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
             here = context if facts_only else replace(context, camera=drawing.camera)
-            return bench.from_drawing(modeler, drawing, {}, here), bool(drawing.pictures)
+            model = bench.sources.from_drawing(modeler, drawing, {}, here)
+            return model, bool(drawing.pictures), drawing.left_out
 
-        def done(answer: tuple[Model, bool]) -> None:
+        def done(answer: tuple[Model, bool, tuple[str, ...]]) -> None:
             if session.history is not history:
                 return
-            model, pictured = answer
+            model, pictured, left_out = answer
             if not pictured:
                 self.imported.emit()
             session.take_drawn(tr("Files", "Import {name}", name=path.name), model, is_new=True)
             if pictured:
                 session.picturing.taken.emit(model.id)
+            if left_out:  # stays until the next one, as with exports
+                session.noticed.emit(Notice("error", " ".join(left_out)))
 
         self._reads.submit(Request(work, done, session.complain))
 

@@ -83,7 +83,7 @@ class Using(QObject):
                 bench.parts.only(model, parts[model.id]) if model.id in parts else model
                 for model in models
             ]
-            return bench.from_models(modeler_id, meant, job)
+            return bench.sources.from_models(modeler_id, meant, job)
 
         def done(model: Model) -> None:
             if session.history is history:

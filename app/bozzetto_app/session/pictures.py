@@ -113,7 +113,7 @@ class Picturing(QObject):
     def _takes(self, modeler: str) -> bool:
         """In a worker: whether a modeler works on pictures; its plugin may have to be imported."""
         try:
-            return bool(modeler) and self._session.workbench.takes_pictures(modeler)
+            return bool(modeler) and self._session.workbench.sources.takes_pictures(modeler)
         except UserError:
             return False  # it cannot be used at all, which is told elsewhere
 
@@ -138,9 +138,13 @@ class Picturing(QObject):
 
         def work(job: Job) -> tuple[Model | None, Model] | None:
             if base is None:
-                return None, bench.from_picture(modeler, picture, {}, context)
+                return None, bench.sources.from_picture(modeler, picture, {}, context)
             known = next((model for model in session.document if model.id == base), None)
-            return None if known is None else (known, bench.with_picture(known, picture, context))
+            return (
+                None
+                if known is None
+                else (known, bench.sources.with_picture(known, picture, context))
+            )
 
         def done(answer: tuple[Model | None, Model] | None) -> None:
             if answer is None or session.history is not history:

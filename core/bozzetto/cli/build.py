@@ -13,16 +13,14 @@ from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
     complain,
-    hand_over,
-    keep_apart,
+    fault_message,
+    refuse_overwriting,
     warn,
-    words_of_fault,
     workbench,
+    write_output,
     write_report,
 )
 from bozzetto.errors import UserError
-
-__all__ = ["build"]
 
 MAX_PLACES = 3
 """Places of a mistake that an error line names."""
@@ -41,7 +39,7 @@ def build(options: argparse.Namespace) -> int:
     for target in targets:
         if target.suffix.lower() != ".bozz":
             find(target, writers("mesh", "surfaces", "curves"))
-    keep_apart(inputs, targets, options.report)
+    refuse_overwriting(inputs, targets, options.report)
     reports: list[dict[str, Any]] = []
     code = 0
     for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
@@ -53,7 +51,7 @@ def build(options: argparse.Namespace) -> int:
             if len(inputs) == 1:
                 raise
             fault = isinstance(problem, PluginFault)
-            words = words_of_fault(problem) if fault else str(problem)
+            words = fault_message(problem) if fault else str(problem)
             complain(f"{source.name}: {words}")
             code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
             continue
@@ -80,14 +78,15 @@ def _build_one(
 
     picture = read_picture(source, trusted=options.trust_file) if is_picture(source) else None
     drawing = read_drawing(source, trusted=options.trust_file) if picture is None else None
+    warn(() if drawing is None else drawing.left_out)
     try:
         if picture is not None:
-            model = bench.from_picture(modeler_id, picture, values)
+            model = bench.sources.from_picture(modeler_id, picture, values)
         else:
-            model = bench.from_drawing(modeler_id, drawing, values)
+            model = bench.sources.from_drawing(modeler_id, drawing, values)
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
-        written = hand_over(
+        written = write_output(
             bench,
             Document((model,), camera=camera),
             target,
@@ -102,7 +101,7 @@ def _build_one(
 
 
 def _places(problem: UserError, drawing: Any) -> str:
-    """Where a mistake lies, in the coordinates of the drawing's file: nothing lights up here."""
+    """Return where a mistake lies, in the coordinates of the drawing's file."""
     if not problem.places or drawing is None:
         return ""
     import numpy as np
@@ -118,7 +117,7 @@ def _places(problem: UserError, drawing: Any) -> str:
 
 
 def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
-    """What ``--set`` says: parameters of the modeler, of its parts, and of one part by name."""
+    """Return the values of ``--set``: of the modeler, of all its parts, or of a named part."""
     from bozzetto.parameters import parameter_fields, parse_parameter
     from bozzetto.plugin.parts import HasParts
 

@@ -6,14 +6,12 @@ import argparse
 from typing import Any
 
 from bozzetto.cli.output import (
-    hand_over,
-    keep_apart,
     open_document,
+    refuse_overwriting,
     workbench,
+    write_output,
     write_report,
 )
-
-__all__ = ["export"]
 
 
 def export(options: argparse.Namespace) -> int:
@@ -21,10 +19,10 @@ def export(options: argparse.Namespace) -> int:
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.export_document import chosen_models, unusable
 
-    keep_apart([options.document], [options.output], options.report)
+    refuse_overwriting([options.document], [options.output], options.report)
     bench = workbench()
     document = open_document(bench, options.document)
-    made = hand_over(bench, document, options.output, options.object, view=options.view)
+    made = write_output(bench, document, options.output, options.object, view=options.view)
     if options.report:
         models, _ = chosen_models(document, options.object)
         said: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""What a file holds, told without building anything."""
+"""Facts about files, told without building anything."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.formats import find, readers
 from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh
 
-__all__ = ["facts_of"]
-
 
 def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
-    """What a document, drawing, mesh or picture holds, in plain JSON values.
+    """Return facts about a document, drawing, mesh or picture, as plain JSON values.
 
     Parameters
     ----------
     path : Path
+        The file.
     trusted : bool
         As in `import_file.read_mesh`.
 
@@ -52,6 +51,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
                 f"{name}, {picture.width} × {picture.height} px"
                 for name, picture in drawing.pictures.items()
             ],
+            "left_out": list(drawing.left_out),
         }
     parts = list(read_mesh(path, trusted=trusted).meshes())
     bounds = np.array([part.mesh.bounds for part in parts])

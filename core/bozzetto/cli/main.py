@@ -21,18 +21,16 @@ from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
     complain,
-    hand_over,
+    fault_message,
     make_folder,
     open_document,
     warn,
-    words_of_fault,
     workbench,
+    write_output,
 )
 from bozzetto.cli.plugins import ACTIONS
 from bozzetto.cli.plugins import plugins as run_plugins
 from bozzetto.errors import UserError
-
-__all__ = ["COMMANDS", "SWITCHES", "main"]
 
 COMMANDS = ("build", "export", "render", "info", "samples", "plugins")
 """Words after which no window opens."""
@@ -85,7 +83,7 @@ def _run(argv: Sequence[str] | None) -> int:
         complain(problem.message)
         return EXIT_ERROR
     except PluginFault as fault:
-        complain(words_of_fault(fault))
+        complain(fault_message(fault))
         return EXIT_FAULT
 
 
@@ -202,7 +200,7 @@ def _render(options: argparse.Namespace) -> int:
 def _picture_of(
     bench: Any, document: Any, view: str | None, size: tuple[int, int] = (1200, 900), **style: Any
 ) -> Any:
-    """A document as the window shows it; `style` as in `scene.picture`.
+    """Return a document as the window shows it; `style` as in `scene.picture`.
 
     Without a name of a view it is the document's own if all lies in it, else the three-quarter
     view.
@@ -220,14 +218,14 @@ def _picture_of(
 
 
 def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
-    """A document, or one made from a mesh file."""
+    """Return a document, or one made from a mesh file."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.import_file import read_mesh
 
     if path.suffix.lower() == ".bozz":
         return open_document(bench, path)
     return Document(
-        (bench.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
+        (bench.sources.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
     )
 
 
@@ -284,13 +282,13 @@ def _samples(options: argparse.Namespace) -> int:
     for info in bench.registry.modelers():
         for sample in info.samples:
             drawing = read_drawing(sample, trusted=True)  # it came with its plugin
-            document = Document((bench.from_drawing(info.id, drawing, {}),))
+            document = Document((bench.sources.from_drawing(info.id, drawing, {}),))
             shapes = bench.shapes(document, Job())
             stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"
             targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]
             targets = [target for target in targets if has_room(target, shapes)]
             for target in (*targets, stem.with_name(f"{stem.name}.bozz")):
-                hand_over(bench, document, target)
+                write_output(bench, document, target)
                 print(f"wrote {target}")
             picture = stem.with_name(f"{stem.name}.png")
             write_png(picture, _picture_of(bench, document, "three-quarter"))

@@ -1,4 +1,4 @@
-"""What the commands share: how they say what went wrong, and how they write what they made."""
+"""Messages and files of the commands."""
 
 from __future__ import annotations
 
@@ -11,20 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from bozzetto.errors import UserError
-
-__all__ = [
-    "EXIT_ERROR",
-    "EXIT_FAULT",
-    "complain",
-    "hand_over",
-    "keep_apart",
-    "make_folder",
-    "open_document",
-    "warn",
-    "words_of_fault",
-    "workbench",
-    "write_report",
-]
 
 ASK_FOR_IT = "To write it all the same, say --allow-template."
 
@@ -43,13 +29,13 @@ def warn(messages: Iterable[str]) -> None:
         print(f"warning: {' '.join(message.split())}", file=sys.stderr)
 
 
-def words_of_fault(fault: Exception) -> str:
-    """A plugin's fault in one line."""
+def fault_message(fault: Exception) -> str:
+    """Return a plugin's fault in one line."""
     return f"{fault} Its author can find the place with “bozzetto -v …”."
 
 
 def workbench() -> Any:
-    """A workbench with all plugins but those that the person switched off."""
+    """Return a workbench with all plugins but those that the person switched off."""
     from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.host.switched_off import switched_off
     from bozzetto.workbench.workbench import Workbench
@@ -67,7 +53,9 @@ def open_document(bench: Any, path: Path) -> Any:
     return document
 
 
-def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | None) -> None:
+def refuse_overwriting(
+    inputs: Sequence[Path], targets: Sequence[Path], report: Path | None
+) -> None:
     """Refuse to write one file over another of the same command."""
     read = {os.path.realpath(path) for path in inputs}
     written = [os.path.realpath(path) for path in (*targets, *([report] if report else []))]
@@ -79,7 +67,7 @@ def keep_apart(inputs: Sequence[Path], targets: Sequence[Path], report: Path | N
         raise UserError(f"{report} is a folder. The report needs a file name.")
 
 
-def hand_over(
+def write_output(
     bench: Any,
     document: Any,
     target: Path,
@@ -93,10 +81,13 @@ def hand_over(
     Parameters
     ----------
     bench : Workbench
+        Runs the modelers.
     document : Document
+        What to write.
     target : Path
+        The file to write; its ending names the format.
     names : sequence of str, optional
-        Of the objects wanted; by default all that are visible.
+        Names of the objects wanted; by default all that are visible.
     view : str, optional
         The standard view of a flat file; see `prepared_file`.
     refuse_baseless : bool

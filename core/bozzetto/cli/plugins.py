@@ -12,14 +12,12 @@ from bozzetto.errors import UserError
 if TYPE_CHECKING:
     from bozzetto.plugin.host.registry import PluginInfo
 
-__all__ = ["ACTIONS", "plugins"]
-
 ACTIONS = ("list", "check", "enable", "disable")
-"""What can be done with plugins."""
+"""Actions of the command."""
 
 
 def plugins(options: argparse.Namespace) -> int:
-    """Do one of the `ACTIONS`; the exit code."""
+    """Do one of the `ACTIONS` and return the exit code."""
     if options.action == "list":
         _list()
         return 0
@@ -84,7 +82,7 @@ def _switch(name: str, on: bool) -> None:
 
 
 def _named(name: str, found: tuple[PluginInfo, ...]) -> PluginInfo | None:
-    """The plugin that a person means: by its id, its package, or the last part of its id."""
+    """Return the plugin that a person means: by its id, its package, or the last part of its id."""
     for meant in (
         [info for info in found if info.id == name],
         [info for info in found if info.package == name],

@@ -1,4 +1,4 @@
-"""How a model that came of waiting ink gets into the history."""
+"""Models that come of waiting ink, and their place in the history."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import without
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["take"]
-
 
 def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()) -> None:
     """Put a model into the present document, in the place of the ink that it came of.
@@ -22,7 +20,9 @@ def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()
     Parameters
     ----------
     history : History
+        The history of the document; it gets the new snapshot.
     label : str
+        For the menus: "Undo <label>".
     model : Model
         A new one, or another state of one that is there.
     used : sequence of Stroke
@@ -46,7 +46,7 @@ def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()
 
 
 def _place_lifted(history: History, used: Sequence[Stroke]) -> int | None:
-    """The step with which the last of some strokes was lifted, if this is its first answer.
+    """Return the step that lifted the last of some strokes, if this is its first answer.
 
     None as well where the shapes have changed since: the outcome is a step of its own then.
     """

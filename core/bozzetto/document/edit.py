@@ -1,4 +1,4 @@
-"""What a person can do to the objects, views and underlays of a document.
+"""Edits of the objects, views and underlays of a document.
 
 Every function takes a document and gives an `Edit`: the new document, and the label under
 which the history keeps it. None of them changes anything; a locked object refuses.
@@ -14,26 +14,6 @@ from bozzetto.document.model import Document, Model, NamedView, Underlay, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.view.camera import Camera
-
-__all__ = [
-    "Edit",
-    "add_model",
-    "add_underlay",
-    "add_view",
-    "change_state",
-    "change_underlay",
-    "color_model",
-    "delete_models",
-    "delete_underlay",
-    "delete_view",
-    "duplicate_model",
-    "lock_model",
-    "move_model",
-    "place_model",
-    "rename_model",
-    "rename_view",
-    "show_model",
-]
 
 Color = tuple[int, int, int]
 
@@ -140,17 +120,6 @@ def add_view(document: Document, name: str, camera: Camera) -> Edit:
     views = tuple(view for view in document.views if view.name != name.strip())
     view = NamedView(name.strip(), camera)
     return Edit(replace(document, views=(*views, view)), f"Keep view “{view.name}”")
-
-
-def rename_view(document: Document, name: str, new_name: str) -> Edit:
-    """Call a view something else."""
-    wish = new_name.strip()
-    if wish != name and any(view.name == wish for view in document.views):
-        raise UserError(f"There is a view “{wish}” already. Choose another name.")
-    place = _view_place(document, name)
-    views = list(document.views)
-    views[place] = NamedView(wish, views[place].camera)
-    return Edit(replace(document, views=tuple(views)), f"Rename view to “{wish}”")
 
 
 def delete_view(document: Document, name: str) -> Edit:

@@ -10,14 +10,12 @@ from typing import Final
 from bozzetto.document.model import Document
 from bozzetto.document.shared_bytes import difference
 
-__all__ = ["History"]
-
 BYTE_LIMIT: Final = 256 << 20
 """Default bound of what old snapshots may hold that the present one does not, bytes."""
 
 
 STEP_BYTES: Final = 4096
-"""What a step costs beside its data: its share of the object list, a bit of everything."""
+"""Bytes of a step beside its data: its share of the object list, a bit of everything."""
 
 
 BACK: Final = "Undo"
@@ -77,22 +75,22 @@ class History:
 
     @property
     def entries(self) -> tuple[str, ...]:
-        """What the history panel lists: the origin, then one label per step."""
+        """Labels for the history panel: the origin, then one per step."""
         return tuple(step.label for step in self._steps)
 
     @property
     def position(self) -> int:
-        """Which of the `entries` is the present one."""
+        """Index of the present one among the `entries`."""
         return self._position
 
     @property
     def undo_label(self) -> str | None:
-        """What `undo` would take back, or None."""
+        """Label of the step that `undo` would take back, or None."""
         return self._steps[self._position].label if self._position else None
 
     @property
     def redo_label(self) -> str | None:
-        """What `redo` would do again, or None."""
+        """Label of the step that `redo` would do again, or None."""
         after = self._steps[self._position + 1 :]
         return after[0].label if after else None
 
@@ -103,7 +101,7 @@ class History:
 
     @property
     def held_bytes(self) -> int:
-        """About how many bytes other snapshots hold that the present one does not."""
+        """Estimate of the bytes that other snapshots hold and the present one does not."""
         return self._held
 
     def apply(
@@ -124,6 +122,7 @@ class History:
         label : str
             For the menus: "Undo <label>".
         document : Document
+            The new snapshot.
         merge_key : str, optional
             A step with the key of the step just before becomes one with it, until
             `end_merge`, an undo or a save: the drag of a slider is one step.
@@ -191,7 +190,7 @@ class History:
         self._open = False
 
     def place_where(self, holds: Callable[[Document], bool]) -> int | None:
-        """The place of the first step behind which, up to the present, something always holds."""
+        """Return the first step from which, up to the present, something always holds."""
         found = None
         for place in range(self._position, 0, -1):
             if not holds(self._steps[place].document):
@@ -214,7 +213,7 @@ class History:
         self.redo()
 
     def _put(self, place: int, document: Document, *, is_other: bool) -> None:
-        """Exchange the snapshot of a step, and reckon anew what it and the next one hold."""
+        """Exchange the snapshot of a step, and count again what it and the next one hold."""
         step = self._steps[place]
         if document is step.document:
             return
@@ -244,15 +243,15 @@ class History:
         self._open = False
 
     def undo(self) -> Document:
-        """Go one step back, where there is one; the present snapshot."""
+        """Go one step back, where there is one, and return the present snapshot."""
         return self.go_to(self._position - 1)
 
     def redo(self) -> Document:
-        """Go one step forward, where there is one; the present snapshot."""
+        """Go one step forward, where there is one, and return the present snapshot."""
         return self.go_to(self._position + 1)
 
     def go_to(self, position: int) -> Document:
-        """Go to one of the `entries` (the nearest there is); the present snapshot."""
+        """Go to one of the `entries` (the nearest there is) and return the present snapshot."""
         self._open = False
         target = max(0, min(position, len(self._steps) - 1))
         for step in self._steps[self._position + 1 : target + 1]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import re
-import uuid
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, cast
@@ -17,10 +17,8 @@ from bozzetto.document.waiting_ink import Waiting
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.images.png import MAX_PIXELS
+from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
-
-__all__ = ["Document", "Model", "NamedView", "Underlay", "check_name", "new_id"]
-
 
 ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
 """Ids of models, modelers and underlays: they become folders in the file."""
@@ -29,12 +27,12 @@ NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
 """Names of models, views and underlays: no control characters, no halves of characters."""
 
 STANDING: Final = Placement()
-"""Where a model stands that nobody has moved."""
+"""Placement of a model that nobody has moved."""
 
 
 def new_id() -> str:
-    """A fresh identifier for a model or an underlay."""
-    return uuid.uuid4().hex[:16]
+    """Return a fresh identifier for a model or an underlay."""
+    return os.urandom(8).hex()
 
 
 def _check_id(text: str) -> None:
@@ -46,6 +44,24 @@ def check_name(text: str) -> None:
     """Raise `UserError` if an object, a part, a view or an underlay cannot be called that."""
     if re.match(NAME_PATTERN, text) is None:
         raise UserError("A name has between 1 and 200 characters, without line breaks.")
+
+
+@dataclass(frozen=True, eq=False)
+class OpaqueState:
+    """The state of a model whose modeler is absent: kept as it was stored.
+
+    Parameters
+    ----------
+    version : int
+        The modeler's ``state_version`` when it was stored.
+    json, strokes, arrays
+        As in `state_codec.EncodedState`; never looked into.
+    """
+
+    version: int
+    json: bytes
+    strokes: Sequence[Stroke] = ()
+    arrays: tuple[NDArray[Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -174,7 +190,7 @@ class Document:
         return len(self.models)
 
     def place_of(self, model_id: str) -> int:
-        """Where a model stands in the object list.
+        """Return the place of a model in the object list.
 
         Raises
         ------
@@ -187,7 +203,7 @@ class Document:
         raise UserError("That object is no longer in the document. Choose another one.")
 
     def model(self, model_id: str) -> Model:
-        """The model of that id.
+        """Return the model of that id.
 
         Raises
         ------
@@ -208,7 +224,7 @@ class Document:
         return replace(self, models=models.inserted(place, model))
 
     def without_model(self, model_id: str) -> Document:
-        """Leave a model out."""
+        """Return the document without a model."""
         return replace(self, models=self._models.without(self.place_of(model_id)))
 
     def with_waiting(self, waiting: Waiting) -> Document:
@@ -216,7 +232,7 @@ class Document:
         return self if waiting is self.waiting else replace(self, waiting=waiting)
 
     def unused_name(self, wish: str) -> str:
-        """`wish`, with a number behind it where the name is taken."""
+        """Return `wish`, with a number behind it where the name is taken."""
         taken = {model.name for model in self.models}
         if wish not in taken:
             return wish

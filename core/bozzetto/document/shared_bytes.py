@@ -1,4 +1,4 @@
-"""How many bytes two snapshots do not share, found by identity."""
+"""Bytes that two snapshots do not share, found by identity."""
 
 from __future__ import annotations
 
@@ -11,14 +11,12 @@ import numpy as np
 from bozzetto.chunked import Chunked
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["difference"]
-
 OBJECT_BYTES: Final = 96
-"""What an object costs beside its arrays and texts: pointers, counts, small numbers."""
+"""Bytes of an object beside its arrays and texts: pointers, counts, small numbers."""
 
 
 def difference(before: Any, after: Any) -> tuple[int, int]:
-    """Bytes reachable only from one and only from the other of two values.
+    """Return the bytes reachable only from one and only from the other of two values.
 
     Values are snapshots made of frozen dataclasses, tuples, chunked sequences, strokes and
     arrays. What is one object in both is not looked into, so the cost follows the change
@@ -45,7 +43,7 @@ def difference(before: Any, after: Any) -> tuple[int, int]:
 
 
 def _apart(before: Iterable[Any], after: Iterable[Any]) -> tuple[list[Any], list[Any]]:
-    """What is in one row and not in the other, in order."""
+    """Return what is in one row and not in the other, in order."""
     before, after = tuple(before), tuple(after)
     shared = {id(item) for item in before} & {id(item) for item in after}
     return (
@@ -55,7 +53,7 @@ def _apart(before: Iterable[Any], after: Iterable[Any]) -> tuple[list[Any], list
 
 
 def _pairs(before: list[Any], after: list[Any]) -> tuple[int, int]:
-    """Differences of rows whose items correspond as far as both go."""
+    """Return the differences of rows whose items correspond as far as both go."""
     both = min(len(before), len(after))
     totals = [difference(a, b) for a, b in zip(before, after, strict=False)]
     removed = sum(r for r, _ in totals) + sum(map(_size, before[both:]))
@@ -64,7 +62,7 @@ def _pairs(before: list[Any], after: list[Any]) -> tuple[int, int]:
 
 
 def _size(value: Any) -> int:
-    """Bytes of a value and all that it holds."""
+    """Return the bytes of a value and all that it holds."""
     if isinstance(value, np.ndarray | Stroke):
         return value.nbytes + OBJECT_BYTES
     if isinstance(value, bytes | str):

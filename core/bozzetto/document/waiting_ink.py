@@ -18,16 +18,6 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.stroke import Stroke
 
-__all__ = [
-    "Waiting",
-    "WaitingStatus",
-    "WaitingStroke",
-    "marked",
-    "strokes_of",
-    "touched",
-    "without",
-]
-
 WaitingStatus = Literal["new", "unfinished", "refused", "failed"]
 
 MAX_REASON: Final = 2000
@@ -83,12 +73,12 @@ Waiting = tuple[WaitingStroke, ...]
 
 
 def strokes_of(waiting: Iterable[WaitingStroke]) -> tuple[Stroke, ...]:
-    """The strokes themselves."""
+    """Return the strokes themselves."""
     return tuple(one.stroke for one in waiting)
 
 
 def without(waiting: Waiting, strokes: Iterable[Stroke]) -> Waiting:
-    """What is left when some strokes are taken, compared by identity."""
+    """Return what is left when some strokes are taken, compared by identity."""
     taken = set(map(id, strokes))
     left = tuple(one for one in waiting if id(one.stroke) not in taken)
     return waiting if len(left) == len(waiting) else left
@@ -104,7 +94,7 @@ def marked(
     reason: str = "",
     places: Sequence[tuple[float, float]] = (),
 ) -> Waiting:
-    """What became of some strokes; the places belong to the last of them."""
+    """Return the ink with what became of some strokes; the places belong to the last of them."""
     meant = set(map(id, strokes))
     if not any(id(one.stroke) in meant for one in waiting):
         return waiting
@@ -125,11 +115,12 @@ def marked(
 
 
 def touched(waiting: Waiting, eraser: Stroke, reach: float) -> tuple[Stroke, ...]:
-    """The strokes that an eraser ran over.
+    """Return the strokes that an eraser met.
 
     Parameters
     ----------
     waiting : tuple of WaitingStroke
+        The ink that waits.
     eraser : Stroke
         Its path; strokes are compared as they are seen through its camera.
     reach : float

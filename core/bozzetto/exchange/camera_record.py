@@ -11,8 +11,6 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import MAX_COORDINATE
 from bozzetto.view.camera import Camera
 
-__all__ = ["CameraRecord", "CanvasRecord", "camera_from", "camera_record", "canvas_record"]
-
 Number = Annotated[float, Meta(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
 Triple = tuple[Number, Number, Number]
 
@@ -36,7 +34,7 @@ class CameraRecord(msgspec.Struct, omit_defaults=True):
 
 
 def camera_record(camera: Camera) -> dict[str, Any]:
-    """A camera as a JSON object."""
+    """Return a camera as a JSON object."""
     return {
         "kind": camera.kind,
         "eye": camera.eye,
@@ -48,12 +46,12 @@ def camera_record(camera: Camera) -> dict[str, Any]:
 
 
 def canvas_record(camera: Camera) -> dict[str, float]:
-    """A camera's canvas as a JSON object."""
+    """Return a camera's canvas as a JSON object."""
     return {"width": camera.viewport[0], "height": camera.viewport[1]}
 
 
 def camera_from(record: CameraRecord, canvas: CanvasRecord) -> Camera:
-    """The camera that a record describes.
+    """Return the camera that a record describes.
 
     Raises
     ------

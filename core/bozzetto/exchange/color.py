@@ -9,17 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.shapes import Solid, Surface
 
-__all__ = ["WHITE", "linear_to_srgb", "srgb_to_linear", "vertex_colors"]
-
 WHITE: Final = (255, 255, 255)
 """The colour of what has none, in files that must have one."""
 
 KNEE: Final = 0.04045
-"""Where the sRGB curve leaves its straight foot (IEC 61966-2-1)."""
+"""End of the straight part of the sRGB curve (IEC 61966-2-1)."""
 
 
 def srgb_to_linear(values: ArrayLike) -> NDArray[np.float64]:
-    """Linear light 0 … 1 from sRGB values 0 … 255."""
+    """Convert sRGB values 0 … 255 to linear light 0 … 1."""
     v = np.asarray(values, float) / 255.0
     return np.where(v <= KNEE, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
 
@@ -32,7 +30,7 @@ def linear_to_srgb(values: ArrayLike) -> NDArray[np.uint8]:
 
 
 def vertex_colors(part: Solid | Surface) -> NDArray[np.uint8] | None:
-    """RGBA of every vertex, shape (v, 4): the mesh's own, else the part's colour, else None.
+    """Return RGBA of every vertex, (v, 4): the mesh's own, else the part's colour, else None.
 
     Where the mesh's own do not cover a part without a colour, it is white.
     """

@@ -1,4 +1,4 @@
-"""Shapes and drawings to files."""
+"""Export of shapes and drawings to files."""
 
 from __future__ import annotations
 
@@ -17,10 +17,8 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
 
-__all__ = ["Exported", "encoded", "export", "has_room", "prepared", "write_drawing"]
-
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
-"""What people call a kind of content, where it is not the kind's own name."""
+"""Words for a kind of content, where it is not the kind's own name."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +41,12 @@ class Exported:
     left_out: tuple[LeftOut, ...]
 
     def warnings(self) -> tuple[str, ...]:
-        """What a person must know of it, a sentence each."""
+        """Warnings for the person, a sentence each."""
         file = f"{self.format.short} file"
         return tuple(part.sentence(file) for part in self.left_out if part.is_content)
 
     def as_values(self) -> dict[str, Any]:
-        """Plain JSON values for a report."""
+        """Return plain JSON values for a report."""
         named: dict[str, tuple[Any, ...]] = {
             "solids": self.parts.solids,
             "surfaces": self.parts.surfaces,
@@ -89,26 +87,28 @@ def export(
         If the ending is unknown, there is nothing that the format holds, a solid is not
         closed (`check_solid`), or the file cannot be written.
     """
-    made = prepared(shapes, path, camera=camera)
+    made = prepare_export(shapes, path, camera=camera)
     write_bytes(path, made.data)
     return made
 
 
-def encoded(shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None) -> bytes:
-    """The bytes that `export` would write.
+def encode_shapes(
+    shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
+) -> bytes:
+    """Return the bytes that `export` would write.
 
     Raises
     ------
     UserError
         As `export`.
     """
-    return prepared(shapes, path, camera=camera).data
+    return prepare_export(shapes, path, camera=camera).data
 
 
-def prepared(
+def prepare_export(
     shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
 ) -> Exported:
-    """What `export` would write, without touching the disk.
+    """Return what `export` would write, without touching the disk.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def prepared(
 
 
 def _readably_named(shapes: Shapes) -> Shapes:
-    """Shapes with names at which no reader stops, whatever the format."""
+    """Return shapes with names that every reader accepts, whatever the format."""
     return replace(
         shapes,
         solids=tuple(replace(part, name=readable(part.name)) for part in shapes.solids),
@@ -148,7 +148,7 @@ def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
 
 
 def _kinds_in(shapes: Shapes) -> set[Kind]:
-    """What shapes can be handed over as."""
+    """Return the kinds of content that shapes hold."""
     has: dict[Kind, bool] = {
         "mesh": bool(shapes.patchworks) or any(len(part.mesh.faces) for part in shapes.meshes()),
         "surfaces": bool(shapes.patchworks),

@@ -27,9 +27,8 @@ from typing import Any, Final, Literal
 
 from bozzetto.errors import UserError
 
-__all__ = ["FORMATS", "Format", "Kind", "find", "function", "readers", "writers"]
-
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
+Feature = Literal["colors", "bones"]
 
 
 @dataclass(frozen=True)
@@ -49,12 +48,12 @@ class Format:
     writes, reads : bool
         Which ways we go.
     module : str
-        Where the functions are.
-    flat : bool
-        Shapes are written as seen through a camera.
+        The module of the functions, in this package.
     keeps : tuple of {"colors", "bones"}
         What is written of a mesh besides its shape: painted colours, and the bones that it
-        hangs on.
+        follows.
+    flat : bool
+        Shapes are written as seen through a camera.
     """
 
     id: str
@@ -64,90 +63,51 @@ class Format:
     writes: bool
     reads: bool
     module: str
+    keeps: tuple[Feature, ...] = ()
     flat: bool = False
-    keeps: tuple[Literal["colors", "bones"], ...] = ()
 
     @property
     def short(self) -> str:
-        """What people call its files, such as "STEP"."""
+        """Short name for people, such as "STEP"."""
         return self.endings[0].removeprefix(".").upper()
 
 
-def _here(module: str) -> str:
-    return f"bozzetto.exchange.{module}"
-
-
 EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
-"""What CAD programs take as it is."""
+"""Kinds of content that CAD programs take as they are."""
 
-FORMATS: Final[tuple[Format, ...]] = (
-    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, _here("mesh.stl")),
-    Format(
-        "3mf",
-        "3MF for printing",
-        (".3mf",),
-        ("mesh",),
-        True,
-        False,
-        _here("mesh.threemf"),
-        keeps=("colors",),
-    ),
-    Format(
-        "glb",
-        "glTF binary",
-        (".glb",),
-        ("mesh",),
-        True,
-        True,
-        _here("mesh.glb"),
-        keeps=("colors", "bones"),
-    ),
-    Format(
-        "obj",
-        "Wavefront OBJ",
-        (".obj",),
-        ("mesh",),
-        True,
-        True,
-        _here("mesh.obj"),
-        keeps=("colors",),
-    ),
-    Format(
-        "ply", "PLY mesh", (".ply",), ("mesh",), True, True, _here("mesh.ply"), keeps=("colors",)
-    ),
-    Format(
-        "svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, _here("svg.reader"), True
-    ),
-    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, _here("cad.step")),
-    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, _here("cad.iges")),
-    Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, _here("cad.dxf")),
-    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, _here("cad.rhino")),
-    Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, _here("ink.ink_json")),
-    Format("inkml", "InkML", (".inkml",), ("ink",), True, True, _here("ink.inkml")),
-    Format(
-        "image",
-        "Picture",
-        (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp"),
-        ("image",),
-        False,
-        True,
-        _here("image"),
-    ),
+PAINTED: Final[tuple[Feature, ...]] = ("colors",)
+
+PICTURES: Final = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
+
+FORMATS: Final = (
+    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, "mesh.stl"),
+    Format("3mf", "3MF for printing", (".3mf",), ("mesh",), True, False, "mesh.threemf", PAINTED),
+    Format("glb", "glTF binary", (".glb",), ("mesh",), True, True, "mesh.glb", ("colors", "bones")),
+    Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, "mesh.obj", PAINTED),
+    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED),
+    Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, "svg.reader", flat=True),
+    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, "cad.step"),
+    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges"),
+    Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, "cad.dxf"),
+    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, "cad.rhino"),
+    Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, "ink.ink_json"),
+    Format("inkml", "InkML", (".inkml",), ("ink",), True, True, "ink.inkml"),
+    Format("image", "Picture", PICTURES, ("image",), False, True, "image"),
 )
 
 
 def writers(*kinds: Kind) -> tuple[Format, ...]:
-    """Formats that can be written; only those that hold one of the kinds, where given."""
+    """Return formats that can be written; only those that hold one of the kinds, where given."""
     return tuple(f for f in FORMATS if f.writes and (not kinds or set(kinds) & set(f.holds)))
 
 
 def readers(*kinds: Kind) -> tuple[Format, ...]:
-    """Formats that can be read; only those that hold one of the kinds, where given."""
+    """Return formats that can be read; only those that hold one of the kinds, where given."""
     return tuple(f for f in FORMATS if f.reads and (not kinds or set(kinds) & set(f.holds)))
 
 
 def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
-    """The format that a file's ending names.
+    """Find the format that a file's ending names.
 
     Raises
     ------
@@ -160,10 +120,10 @@ def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
         if ending in one.endings:
             return one
     known = ", ".join(ending for one in formats for ending in one.endings)
-    said = f"“{ending}” does not do here" if ending else "The file name has no ending"
+    said = f"“{ending}” cannot be used here" if ending else "The file name has no ending"
     raise UserError(f"{said}. Use one of {known}.")
 
 
 def function(format: Format, name: str) -> Any:
-    """A function of a format's module, imported now."""
-    return getattr(import_module(format.module), name)
+    """Import a function of a format's module."""
+    return getattr(import_module(f"bozzetto.exchange.{format.module}"), name)

@@ -16,15 +16,13 @@ from bozzetto.images.png import rgba_pixels
 if TYPE_CHECKING:
     from PIL import Image
 
-__all__ = ["read_pixels"]
-
 DECODERS: Final = ("PNG", "JPEG", "TIFF", "WEBP", "BMP")
 
 BYTES_PER_PIXEL: Final = {"PNG": 8, "JPEG": 8, "BMP": 8, "TIFF": 8, "WEBP": 20}
 """Memory that decoding takes, with what is handed over: measured, the decoders' own included."""
 
 MAX_BYTES: Final = 600_000_000
-"""Of all that together; it lies within the `Budget`."""
+"""Bytes of all that together; within the `Budget`."""
 
 ROWS_AT_ONCE: Final = 64
 """Rows of grey of more than eight bits that are looked at in one go."""
@@ -64,7 +62,7 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
             "Make it smaller first."
         ) from None
     except UnidentifiedImageError:
-        raise FormatError("This is no picture of a kind that can be read.") from None
+        raise FormatError("This is not a picture in a format that can be read.") from None
     except MemoryError:
         raise
     except Exception as error:
@@ -73,7 +71,7 @@ def read_pixels(data: bytes) -> NDArray[np.uint8]:
 
 
 def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:
-    """The values of a picture of one channel, some rows at a time."""
+    """Yield the values of a picture of one channel, some rows at a time."""
     width, height = picture.size
     for first in range(0, height, ROWS_AT_ONCE):
         strip = picture.crop((0, first, width, min(first + ROWS_AT_ONCE, height)))
@@ -81,7 +79,7 @@ def _strips(picture: Image.Image) -> Iterator[NDArray[np.float64]]:
 
 
 def _top(picture: Image.Image) -> float:
-    """The value of white, where there are more than eight bits; of floats the largest."""
+    """Return the value of white, where there are more than eight bits; of floats the largest."""
     if picture.mode.startswith("I"):
         return 65535.0
     if not picture.mode.startswith("F"):
@@ -90,7 +88,7 @@ def _top(picture: Image.Image) -> float:
 
 
 def _eight_bits(picture: Image.Image, top: float) -> Image.Image:
-    """Grey of more than eight bits, which Pillow would clip instead of scaling."""
+    """Scale grey of more than eight bits, which Pillow would clip instead."""
     from PIL import Image
 
     if not picture.mode.startswith(("I", "F")):

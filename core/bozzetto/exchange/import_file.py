@@ -1,4 +1,4 @@
-"""Files to shapes, drawings and pictures.
+"""Import of shapes, drawings and pictures from files.
 
 A file is read in a process of its own (`read_process`), with a `Budget`, unless whoever
 asks trusts it. The formats' readers refuse what they can see to be too much; the budget ends
@@ -15,28 +15,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
 from bozzetto.exchange.linked_pictures import pictures_named_in
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
-from bozzetto.exchange.mesh.polygons import welded
+from bozzetto.exchange.mesh.polygons import weld
 from bozzetto.exchange.read_files import file_size, read_bytes
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Shapes, Solid
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
-
-__all__ = [
-    "is_picture",
-    "read_drawing",
-    "read_here",
-    "read_image",
-    "read_mesh",
-    "read_picture",
-]
 
 
 def is_picture(path: str | os.PathLike[str]) -> bool:
@@ -56,6 +47,7 @@ def read_mesh(
     Parameters
     ----------
     path : path
+        The file; its ending names the format.
     trusted : bool
         Read it in this process and without a `Budget`.
     checkpoint : callable, optional
@@ -185,6 +177,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
     kind : {"mesh", "drawing", "image", "picture"}
         A drawing is read without the pictures that it names.
     path : path
+        The file; its ending names the format.
 
     Raises
     ------
@@ -195,7 +188,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
     data = read_bytes(path, limit)
     stem = PurePath(path).stem
     try:
-        with told_as_format_error():
+        with as_format_errors():
             match kind:
                 case "mesh":
                     return _with_solids(function(chosen, "read_shapes")(data), stem)
@@ -211,7 +204,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
 
 
 def _with_solids(shapes: Shapes, stem: str) -> Shapes:
-    """What is closed as solids; what has no name called like the file."""
+    """Turn closed surfaces into solids; parts without a name are called like the file."""
     solids, surfaces = list(shapes.solids), []
     for part in shapes.surfaces:
         closed = _as_closed(part.mesh)
@@ -226,7 +219,7 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
 def _as_closed(mesh: Mesh) -> Mesh | None:
     if bounds_volume(mesh):
         return mesh
-    kept, faces = welded(mesh.vertices, mesh.faces)
+    kept, faces = weld(mesh.vertices, mesh.faces)
     if len(kept) == len(mesh.vertices):
         return None
     colors = None if mesh.colors is None else mesh.colors[kept]
@@ -235,7 +228,7 @@ def _as_closed(mesh: Mesh) -> Mesh | None:
 
 
 def _chosen(kind: str, path: str | os.PathLike[str]) -> tuple[Format, int]:
-    """The format of a file to be read, and how large it may be; a folder has none."""
+    """Return the format of a file to be read, and how large it may be; refuse a folder."""
     if os.path.isdir(path):
         raise UserError(f"“{os.fspath(path)}” is a folder. Choose a file inside it.")
     held: Kind = {"mesh": "mesh", "drawing": "ink"}.get(kind, "image")  # type: ignore[assignment]

@@ -1,4 +1,4 @@
-"""What a file of some format has no place for, in words that a person can act on."""
+"""Content for which a format has no place, in words that a person can act on."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from typing import Any, Final
 from bozzetto.exchange.formats import Format
 from bozzetto.geometry.shapes import Shapes, Solid
 
-__all__ = ["LeftOut", "parts_left_out", "with_place"]
-
 MESH_FILES: Final = {"solid": "3MF or STL", "open surface": "GLB or OBJ"}
-"""Where parts that are made of triangles go, by what they are called."""
+"""Formats that take parts made of triangles, by the name of the part."""
 
 
 @dataclass(frozen=True)
@@ -40,11 +38,11 @@ class LeftOut:
     is_content: bool = True
 
     def sentence(self, file: str) -> str:
-        """One line, such as "Left out of the STEP file: …"; `file` is "STEP file"."""
+        """Return one line, such as "Left out of the STEP file: …"; `file` is "STEP file"."""
         return f"Left out of the {file}: {self.what} ({self.reason}); {self.advice}."
 
     def as_values(self) -> dict[str, Any]:
-        """Plain JSON values for a report."""
+        """Return plain JSON values for a report."""
         return {
             "what": self.what,
             "names": list(self.names),
@@ -54,7 +52,7 @@ class LeftOut:
 
 
 def with_place(shapes: Shapes, chosen: Format) -> Shapes:
-    """The parts that a format has a place for; exact surfaces may become triangles there."""
+    """Return the parts that a format has a place for; exact surfaces may become triangles there."""
     holds = chosen.holds
     mesh = "mesh" in holds
     return Shapes(
@@ -66,7 +64,7 @@ def with_place(shapes: Shapes, chosen: Format) -> Shapes:
 
 
 def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
-    """What of some shapes does not come into a file of a format.
+    """Return what of some shapes is left out of a file of a format.
 
     Parts, and of the parts that are written their painted colours and their bones.
     """
@@ -96,7 +94,7 @@ def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
 
 
 def _properties_left_out(solids: Sequence[Solid], chosen: Format) -> list[LeftOut]:
-    """What solids lose that are written."""
+    """Return which properties the written solids lose."""
     found = []
     painted = [s for s in solids if s.mesh.colors is not None or s.texture is not None]
     if painted and "colors" not in chosen.keeps:

@@ -1,4 +1,4 @@
-"""How much a file from outside may ask of us, and one of ours of others."""
+"""Limits of files from outside, and of ours for other programs."""
 
 from __future__ import annotations
 
@@ -10,34 +10,13 @@ from typing import Final
 
 from bozzetto.errors import FormatError
 
-__all__ = [
-    "MAX_CONTROL_POINTS",
-    "MAX_COORDINATE",
-    "MAX_DEPTH",
-    "MAX_ELEMENTS",
-    "MAX_FACES",
-    "MAX_INK_BYTES",
-    "MAX_MESH_BYTES",
-    "MAX_PIXELS",
-    "MAX_SAMPLES",
-    "MAX_STEPS",
-    "MAX_STROKES",
-    "MAX_VERTICES",
-    "MAX_WORDS",
-    "Budget",
-    "at_most",
-    "budget_for",
-    "exceeds",
-    "unlimited",
-]
-
 USUAL_BYTES: Final = 64 << 20
 """Size up to which a file has one `Budget`, bytes; a larger one gets more, in proportion."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """What reading one file may cost; beyond it the reading process is ended.
+    """Cost allowed for reading one file; beyond it the reading process is ended.
 
     Attributes
     ----------
@@ -57,7 +36,7 @@ class Budget:
 
 
 def budget_for(size: int) -> Budget:
-    """The budget of a file of so many bytes."""
+    """Return the budget of a file of so many bytes."""
     usual = Budget()
     share = max(1.0, size / USUAL_BYTES)
     return Budget(
@@ -78,7 +57,7 @@ MAX_FACES: Final = 40_000_000
 
 MAX_STROKES: Final = 200_000
 MAX_STEPS: Final = 200_000
-"""As many as strokes: most steps draw one."""
+"""Limit of steps, the same as of strokes: most steps draw one."""
 
 MAX_SAMPLES: Final = 20_000_000
 """Samples of all strokes together; one stroke is bounded by `Stroke` itself."""
@@ -111,7 +90,7 @@ _trusting: ContextVar[bool] = ContextVar("trusting", default=False)
 
 @contextmanager
 def unlimited() -> Iterator[None]:
-    """Lift the limits of number within the block: for files that a person vouches for."""
+    """Lift the limits of number within the block: for files that a person trusts."""
     before = _trusting.set(True)
     try:
         yield

@@ -10,8 +10,6 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import at_most
 from bozzetto.images.stored_picture import Picture
 
-__all__ = ["pictures_named_in"]
-
 MOST_PICTURES: Final = 64
 """Pictures of one drawing: nobody sketches one thing from more sides."""
 

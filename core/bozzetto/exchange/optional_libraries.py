@@ -7,18 +7,16 @@ from typing import Any
 
 from bozzetto.errors import UserError
 
-__all__ = ["library"]
-
 
 def library(name: str, extra: str) -> Any:
-    """A library that comes with an extra, imported now.
+    """Import a library that comes with an extra.
 
     Parameters
     ----------
     name : str
-        Of the module.
+        Name of the module.
     extra : str
-        Of the package, as in ``bozzetto[extra]``.
+        Extra of the package, as in ``bozzetto[extra]``.
 
     Raises
     ------

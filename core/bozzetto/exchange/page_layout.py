@@ -7,19 +7,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["Sheet", "sheet_drawing"]
-
-Array = NDArray[np.float64]
 Color = tuple[int, int, int]
 
 DISTANCE: Final = 500.0
-"""How far the camera stands off the sheet, mm; without effect on a parallel view."""
+"""Distance of the camera from the sheet, mm; without effect on a parallel view."""
 
 FAR: Final = 64.0
 """Distance of the sheet's corner from a drawing, in sizes of the drawing, beyond which the
@@ -46,7 +43,7 @@ class Sheet:
 
     @classmethod
     def around(cls, lines: Sequence[Array], margin: float = 0.0) -> Sheet:
-        """The smallest sheet that holds all points, with a share of its size around it."""
+        """Return the smallest sheet that holds all points, with a share of its size around it."""
         points = np.concatenate(lines)
         low, high = points.min(0), points.max(0)
         rim = max(margin * float((high - low).max()), LEAST)
@@ -56,7 +53,7 @@ class Sheet:
 
     @classmethod
     def of_front_view(cls, camera: Camera) -> Sheet | None:
-        """The sheet that a parallel front view shows; None for any other camera."""
+        """Return the sheet that a parallel front view shows; None for any other camera."""
         front = np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
         if camera.kind != "orthographic" or np.abs(camera.axes - front).max() > LEVEL:
             return None
@@ -65,7 +62,7 @@ class Sheet:
         return cls(x, -z, width, camera.height)
 
     def camera(self) -> Camera:
-        """The front view on which one pixel is one unit."""
+        """Return the front view on which one pixel is one unit."""
         x, z = self.x + self.width / 2, -(self.y + self.height / 2)
         return Camera(
             kind="orthographic",
@@ -76,7 +73,7 @@ class Sheet:
         )
 
     def to_units(self, pixels: Array, camera: Camera) -> Array:
-        """User units of canvas pixels, for the camera that shows this sheet."""
+        """Convert canvas pixels to user units, for the camera that shows this sheet."""
         return np.asarray(pixels * (self.height / camera.viewport[1]) + (self.x, self.y))
 
 
@@ -87,7 +84,7 @@ def sheet_drawing(
     *,
     colors: Sequence[Color | None],
 ) -> Drawing:
-    """Imported lines as strokes.
+    """Make strokes of imported lines.
 
     Parameters
     ----------
@@ -96,7 +93,7 @@ def sheet_drawing(
     sheet : Sheet, optional
         The canvas; left out, or where the lines lie far off it, the bounds of the lines.
     name : str
-        Of the drawing.
+        Name of the drawing.
     colors : sequence
         One for each line.
     """

@@ -1,23 +1,17 @@
-"""Bytes from files, with the errors told in plain words."""
+"""Reading of whole files, with errors in plain words."""
 
 from __future__ import annotations
 
 import os
 import stat
-from typing import BinaryIO, Final
+from typing import BinaryIO
 
+from bozzetto.atomic_files import open_at_once
 from bozzetto.errors import FormatError, UserError, words_of
-
-__all__ = ["file_size", "read_bytes"]
-
-NOT_WAITING: Final = (
-    getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
-)
-"""Opening a pipe that nobody writes to would wait for ever."""
 
 
 def file_size(path: str | os.PathLike[str], limit: int) -> int:
-    """The size of a file that can be read, bytes; raises as `read_bytes`, and reads nothing."""
+    """Return the size of a file that can be read, bytes; raises as `read_bytes`, reads nothing."""
     with _opened(os.fspath(path)) as file:
         return _checked_size(os.fstat(file.fileno()).st_size, os.fspath(path), limit)
 
@@ -52,9 +46,9 @@ def _checked_size(size: int, name: str, limit: int) -> int:
 
 
 def _opened(name: str) -> BinaryIO:
-    """A file open for reading; a pipe or a device is not waited for."""
+    """Open a file for reading; a pipe or a device is not waited for."""
     try:
-        handle = os.open(name, os.O_RDONLY | NOT_WAITING)
+        file = open(name, "rb", opener=open_at_once)
     except FileNotFoundError:
         raise UserError(f"There is no file “{name}”. Check its name and folder.") from None
     except IsADirectoryError:
@@ -65,10 +59,7 @@ def _opened(name: str) -> BinaryIO:
         raise UserError(f"“{name}” may not be read. Check its permissions.") from None
     except (OSError, ValueError) as error:
         raise UserError(f"“{name}” cannot be read: {words_of(error)}.") from error
-    mode = os.fstat(handle).st_mode
-    if not stat.S_ISREG(mode):
-        os.close(handle)
-        if stat.S_ISDIR(mode):
-            raise UserError(f"“{name}” is a folder. Choose a file inside it.")
+    if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        file.close()
         raise UserError(f"“{name}” is not a file that can be read. Choose another.")
-    return os.fdopen(handle, "rb")
+    return file

@@ -10,8 +10,6 @@ from xml.parsers import expat
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, at_most
 
-__all__ = ["Element", "parsed", "writable"]
-
 XML_SPACE: Final = "http://www.w3.org/XML/1998/namespace"
 
 GZIP: Final = b"\x1f\x8b"
@@ -20,7 +18,7 @@ NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ff
 
 
 def writable(text: str) -> str:
-    """The text without the characters that XML 1.0 has no way to write."""
+    """Remove the characters that XML 1.0 has no way to write."""
     return NOT_XML.sub("", text)
 
 
@@ -47,8 +45,8 @@ class Element:
     text: str = ""
 
 
-def parsed(data: bytes) -> Element:
-    """The root element of an XML file.
+def parse_xml(data: bytes) -> Element:
+    """Parse an XML file and return its root element.
 
     A document type may be named, as many programs do; what it refers to is not fetched.
     One that defines something is refused before that is looked at, and with it every

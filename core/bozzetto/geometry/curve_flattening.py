@@ -5,20 +5,17 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
-
-__all__ = ["FLATNESS", "flattened"]
-
-Array = NDArray[np.float64]
 
 FLATNESS: Final = 0.25
 """Distance, px, between a curve and its polyline that nobody sees; over the pixels per mm of
 a view it is a tolerance for `flattened`."""
 
 MOST_HALVINGS: Final = 12
-"""How often a piece is halved at most: beyond that a curve is thousands of sheets wide."""
+"""Limit of halvings of a piece: beyond it a curve is thousands of sheets wide."""
 
 
 def flattened(pieces: ArrayLike, tolerance: float) -> tuple[Array, Array]:
@@ -74,7 +71,7 @@ def flattened(pieces: ArrayLike, tolerance: float) -> tuple[Array, Array]:
 
 
 def _halves(control: Array) -> tuple[Array, Array]:
-    """Both halves of each piece (de Casteljau)."""
+    """Return both halves of each piece (de Casteljau)."""
     a, b, c, d = np.moveaxis(control, 1, 0)
     ab, bc, cd = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d)
     abc, bcd = 0.5 * (ab + bc), 0.5 * (bc + cd)
@@ -82,7 +79,7 @@ def _halves(control: Array) -> tuple[Array, Array]:
     return np.stack((a, ab, abc, middle), axis=1), np.stack((middle, bcd, cd, d), axis=1)
 
 
-def _is_flat(control: Array, tolerance: float) -> NDArray[np.bool_]:
+def _is_flat(control: Array, tolerance: float) -> Flags:
     """Whether each piece is within the tolerance of its chord."""
     a, b, c, d = np.moveaxis(control, 1, 0)
     chord = d - a

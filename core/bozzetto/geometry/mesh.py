@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from bozzetto.arrays import frozen
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Mesh"]
-
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -76,7 +74,7 @@ class Mesh:
         return sum(array.nbytes for array in arrays if array is not None)
 
     def placed(self, placement: Placement) -> Mesh:
-        """The mesh moved by a placement; turned over if the placement mirrors."""
+        """Return the mesh moved by a placement; turned inside out where the placement mirrors."""
         if placement.is_identity:
             return self
         faces = self.faces[:, ::-1] if placement.mirrors else self.faces
@@ -90,7 +88,7 @@ class Mesh:
         )
 
     def colors_over(self, base: tuple[int, int, int]) -> NDArray[np.uint8] | None:
-        """RGBA per vertex where the colour of the whole shows through; None without colours."""
+        """Return RGBA per vertex where the whole's colour shows through; None without colours."""
         if self.colors is None or self.cover is None:
             return self.colors
         share = self.cover[:, None].astype(np.float64) / 255.0
@@ -98,7 +96,7 @@ class Mesh:
         return np.asarray(np.rint(under + share * (self.colors - under)), np.uint8)
 
     def vertex_normals(self) -> NDArray[np.float32]:
-        """Unit normals: the given ones, or the area-weighted mean of the faces around."""
+        """Return unit normals: the given ones, or the area-weighted mean of the faces around."""
         if self.normals is not None:
             return self.normals
         corners = self.vertices[self.faces].astype(np.float64)

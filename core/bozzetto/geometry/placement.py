@@ -1,4 +1,4 @@
-"""Where a model stands: a rigid motion with one scale."""
+"""Placement of a model: a rigid motion with one scale."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-
-__all__ = ["Placement"]
 
 UNIT_TOLERANCE: float = 1e-6
 """Largest departure from orthonormality accepted in a rotation."""
@@ -66,14 +64,14 @@ class Placement:
         return np.asarray(np.reshape(np.asarray(vectors, float), (-1, 3)) @ rows.T, np.float64)
 
     def after(self, first: Placement) -> Placement:
-        """The placement that does `first`, then this one."""
+        """Return the placement that does `first`, then this one."""
         rows = np.reshape(self.rotation, (3, 3)) @ np.reshape(first.rotation, (3, 3))
         x, y, z = (float(v) for v in self.points(first.offset)[0])
         turn = tuple(float(v) for v in rows.ravel())
         return Placement(turn, self.scale * first.scale, (x, y, z))
 
     def inverse(self) -> Placement:
-        """The placement that undoes this one."""
+        """Return the placement that undoes this one."""
         rows = np.reshape(self.rotation, (3, 3))
         back = -(rows.T @ np.asarray(self.offset)) / self.scale
         return Placement(

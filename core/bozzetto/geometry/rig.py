@@ -1,4 +1,4 @@
-"""What lets a shape move: rigs and skins."""
+"""Rigs and skins: joints, and the vertices that follow them."""
 
 from __future__ import annotations
 
@@ -7,21 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, Floats, frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Rig", "Skin"]
-
-Array = NDArray[np.float64]
-
 UNIT_SUM: float = 1e-5
-"""How far a vertex's weights may be from a sum of one: the rounding of float32."""
+"""Greatest difference of a vertex's weights from a sum of one: the rounding of float32."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """A tree of joints that a skin hangs on.
+    """A tree of joints that skins follow.
 
     At rest the axes of every joint are those of the model.
 
@@ -45,10 +41,10 @@ class Rig:
         If the arrays do not fit together, or the joints are no trees.
     """
 
-    joints: NDArray[np.float64]
+    joints: Array
     parents: NDArray[np.int32]
     names: tuple[str, ...]
-    turns: NDArray[np.float64] | None = None
+    turns: Array | None = None
     cuts: NDArray[np.int32] | None = None
 
     def __post_init__(self) -> None:
@@ -70,7 +66,7 @@ class Rig:
                 raise ValueError("a cut names a joint that does not exist")
 
     def placed(self, placement: Placement) -> Rig:
-        """The rig moved by a placement; a mirror turns the other way round."""
+        """Return the rig moved by a placement; a mirror turns the other way round."""
         turns = self.turns
         if turns is not None:
             # The axis of a turn is an axial vector: a mirror reverses it.
@@ -79,12 +75,12 @@ class Rig:
         return Rig(placement.points(self.joints), self.parents, self.names, turns, self.cuts)
 
     def posed(self) -> tuple[Array, Array]:
-        """Where the turns take the joints.
+        """Return where the turns take the joints.
 
         Returns
         -------
         rotations : (n, 3, 3) float64 array
-            Of every joint, in the model's axes.
+            Rotation of every joint, in the model's axes.
         places : (n, 3) float64 array
             mm.
         """
@@ -102,7 +98,7 @@ class Rig:
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """How the vertices of a mesh follow the joints of a rig.
+    """Weights by which the vertices of a mesh follow the joints of a rig.
 
     Parameters
     ----------
@@ -122,7 +118,7 @@ class Skin:
 
     rig: Rig
     joints: NDArray[np.uint16]
-    weights: NDArray[np.float32]
+    weights: Floats
     rest: Mesh | None = None
 
     def __post_init__(self) -> None:
@@ -142,12 +138,12 @@ class Skin:
             raise ValueError("a skin belongs to a mesh of as many vertices")
 
     def placed(self, placement: Placement) -> Skin:
-        """The skin moved by a placement, rig and all."""
+        """Return the skin moved by a placement, rig and all."""
         rest = None if self.rest is None else self.rest.placed(placement)
         return Skin(self.rig.placed(placement), self.joints, self.weights, rest)
 
     def posed(self, mesh: Mesh) -> Mesh:
-        """A mesh at rest as the rig's turns have it: linear blend skinning, as in glTF.
+        """Return the rest mesh posed by the rig's turns: linear blend skinning, as in glTF.
 
         Parameters
         ----------
@@ -180,7 +176,7 @@ class Skin:
 
 
 def _matrices(quaternions: Array) -> Array:
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4), x, y, z, w."""
+    """Return rotation matrices (n, 3, 3) of unit quaternions (n, 4), x, y, z, w."""
     x, y, z, w = (quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)).T
     return np.stack(
         [

@@ -1,4 +1,4 @@
-"""What a modeler hands over to downstream programs: exact where they want it exact."""
+"""Shapes for downstream programs: meshes, and exact curves and surfaces where there are any."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
-
-__all__ = ["Curve", "Shapes", "Skeleton", "Solid", "Surface"]
 
 Color = tuple[int, int, int]
 
@@ -33,7 +31,7 @@ class Solid:
     texture : Texture, optional
         In formats that hold pictures it takes the place of the mesh's colours.
     skin : Skin, optional
-        What the mesh hangs on. The mesh is as the rig's turns have it.
+        The rig that the mesh follows. The mesh is as the rig's turns have it.
     """
 
     mesh: Mesh
@@ -49,7 +47,7 @@ class Solid:
             raise ValueError("a skin belongs to a mesh of as many vertices")
 
     def placed(self, placement: Placement) -> Solid:
-        """The solid moved by a placement."""
+        """Return the solid moved by a placement."""
         texture = self.texture
         if texture is not None and placement.mirrors:
             texture = texture.turned_over()
@@ -152,12 +150,12 @@ class Shapes:
         )
 
     def meshes(self) -> Iterator[Solid | Surface]:
-        """Solids, then surfaces: all that is made of triangles."""
+        """Yield solids, then surfaces: all that is made of triangles."""
         yield from self.solids
         yield from self.surfaces
 
     def placed(self, placement: Placement) -> Shapes:
-        """All parts moved by a placement."""
+        """Return all parts moved by a placement."""
         if placement.is_identity:
             return self
         return Shapes(

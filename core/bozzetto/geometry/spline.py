@@ -7,15 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, frozen
 from bozzetto.geometry.shapes import Color, Curve
-
-__all__ = ["DEGREE", "Spline"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 DEGREE: Final = 3
 """Cubic: the least degree whose curvature is continuous, and what CAD programs expect."""
@@ -79,7 +74,7 @@ class Spline:
 
     @classmethod
     def uniform(cls, control_points: ArrayLike, *, closed: bool = False) -> Spline:
-        """A spline over the range 0 … 1 with knots at equal steps.
+        """Return a spline over the range 0 … 1 with knots at equal steps.
 
         Parameters
         ----------
@@ -87,6 +82,7 @@ class Spline:
             ``k >= 4``. An open curve begins and ends in its first and last control point.
             Those of a closed curve go round once and are not repeated.
         closed : bool
+            Whether the curve is periodic.
         """
         points = np.asarray(control_points, float)
         return cls(
@@ -103,7 +99,7 @@ class Spline:
     # -- evaluation ------------------------------------------------------------------------
 
     def value(self, parameters: ArrayLike) -> Array:
-        """Places on the curve.
+        """Return places on the curve.
 
         Parameters
         ----------
@@ -117,7 +113,7 @@ class Spline:
         return self.derivative(parameters, 0)
 
     def derivative(self, parameters: ArrayLike, order: int = 1) -> Array:
-        """Derivatives by the parameter, shape (n, d); parameters as in `value`."""
+        """Return derivatives by the parameter, shape (n, d); parameters as in `value`."""
         from scipy.interpolate import BSpline
 
         knots, points, degree = self.knots, self.control_points, DEGREE
@@ -128,7 +124,7 @@ class Spline:
         return np.asarray(BSpline.construct_fast(knots, points, degree)(at))
 
     def within(self, parameters: ArrayLike) -> Array:
-        """Parameters taken into the range."""
+        """Return parameters clamped to, or wrapped into, the range."""
         at = np.asarray(parameters, float)
         begin, end = self.range
         if self.closed:
@@ -136,7 +132,7 @@ class Spline:
         return np.asarray(np.clip(at, begin, end))
 
     def sampled(self, count: int) -> Array:
-        """Places at `count` equal steps of the parameter, both ends included, (count, d)."""
+        """Return places at `count` equal steps of the parameter, both ends included, (count, d)."""
         begin, end = self.range
         return self.value(np.linspace(begin, end, count))
 
@@ -157,7 +153,7 @@ class Spline:
     def foot_points(
         self, points: ArrayLike, near: ArrayLike | None = None, *, steps: int = FOOT_STEPS
     ) -> Array:
-        """Parameters of the places of the curve that are closest to given points.
+        """Find parameters of the places of the curve that are closest to given points.
 
         Newton's method on the squared distance (Hoschek 1988, intrinsic parametrisation); a
         step that leads away from the point is halved, so a start is never made worse.
@@ -165,6 +161,7 @@ class Spline:
         Parameters
         ----------
         points : (n, d) array_like
+            Places near the curve, in its units.
         near : (n,) array_like, optional
             Where to start from. The nearest place close by is found then, which keeps the
             branches of a loop apart; without it the nearest place of the whole curve.
@@ -207,7 +204,7 @@ class Spline:
         return at
 
     def _nearest(self, place: Array, steps: int) -> Array:
-        """Foot points from the nearest few places of a chain through the curve."""
+        """Return foot points from the nearest few places of a chain through the curve."""
         from scipy.spatial import cKDTree
 
         begin, end = self.range
@@ -224,12 +221,12 @@ class Spline:
     # -- other forms of the same curve -----------------------------------------------------
 
     def reversed(self) -> Spline:
-        """The same places in the opposite sense, over the same range."""
+        """Return the same places in the opposite sense, over the same range."""
         begin, end = self.range
         return Spline((begin + end) - self.knots[::-1], self.control_points[::-1], self.closed)
 
     def mirrored(self, normal: ArrayLike, offset: float = 0.0) -> Spline:
-        """The mirror image about the plane (in 2D: the line) ``normal · x = offset``.
+        """Return the mirror image about the plane (in 2D: the line) ``normal · x = offset``.
 
         For a normal along an axis and no offset the coordinate only changes its sign: the
         image is exact to the last bit.
@@ -237,7 +234,7 @@ class Spline:
         Parameters
         ----------
         normal : (d,) array_like
-            Of any length.
+            Normal of the plane, of any length.
         offset : float
             Distance of the plane from the origin along the unit normal.
         """
@@ -248,7 +245,7 @@ class Spline:
         return Spline(self.knots, image, self.closed)
 
     def refined(self, parameters: ArrayLike) -> Spline:
-        """The same curve with more knots, so that it can be changed in places.
+        """Return the same curve with more knots, so that it can be changed in places.
 
         Parameters
         ----------
@@ -272,7 +269,7 @@ class Spline:
         return Spline(knots, np.vstack((points, points[:DEGREE])), closed=True)
 
     def split(self, *parameters: float) -> tuple[Spline, ...]:
-        """Exact pieces of the curve, each with its own part of the parameter range.
+        """Return exact pieces of the curve, each with its own part of the parameter range.
 
         Parameters
         ----------
@@ -296,7 +293,7 @@ class Spline:
         return tuple(unrolled._between(low, high) for low, high in pairs)
 
     def beziers(self) -> Array:
-        """The curve as exact cubic Bezier pieces.
+        """Return the curve as exact cubic Bezier pieces.
 
         Returns
         -------
@@ -313,7 +310,7 @@ class Spline:
         return points[starts[:, None] + np.arange(DEGREE + 1)]
 
     def to_curve(self, name: str = "curve", color: Color | None = None) -> Curve:
-        """Hand the curve over: clamped ends, space coordinates (z = 0 for a plane curve)."""
+        """Return the curve for export: clamped ends, space coordinates (z = 0 in a plane)."""
         begin, end = self.range
         clamped = self.knots[0] == begin and self.knots[-1] == end
         whole = self if clamped else self._between(begin, end)
@@ -329,14 +326,14 @@ class Spline:
         return Spline(knots, self._refined(knots))
 
     def _unrolled(self) -> Spline:
-        """Two rounds of a closed curve as an open one."""
+        """Return two rounds of a closed curve as an open one."""
         begin, end = self.range
         inner = self.knots[DEGREE : -DEGREE - 1]
         knots = np.concatenate((self.knots[:DEGREE], inner, self.knots[DEGREE:] + (end - begin)))
         return Spline(knots, np.vstack((self.control_points[:-DEGREE], self.control_points)))
 
     def _refined(self, knots: Array) -> Array:
-        """Control points of the same curve over a knot vector that holds all of its knots.
+        """Return control points of the same curve over a knot vector that holds all of its knots.
 
         Each is a value of the blossom of the polynomial on a span that it acts on (Ramshaw
         1989): de Boor's scheme with a new knot at each level.
@@ -359,7 +356,7 @@ class Spline:
 
 
 def uniform_knots(count: int, closed: bool) -> Array:
-    """Knots at equal steps over 0 … 1 for `count` control points that differ."""
+    """Return knots at equal steps over 0 … 1 for `count` control points that differ."""
     if closed:
         return np.asarray(np.arange(-DEGREE, count + DEGREE + 1) / count)
     inner = np.linspace(0.0, 1.0, count - DEGREE + 1)
@@ -367,7 +364,7 @@ def uniform_knots(count: int, closed: bool) -> Array:
 
 
 def derived_points(knots: Array, points: Array, degree: int) -> Array:
-    """Control points of the derivative; 0 where knots of full multiplicity leave no span."""
+    """Return control points of the derivative; 0 where knots of full multiplicity leave no span."""
     width = knots[degree + 1 : -1] - knots[1 : -degree - 1]
     made = np.zeros((len(points) - 1, points.shape[1]))
     np.divide(degree * np.diff(points, axis=0), width[:, None], out=made, where=width[:, None] > 0)

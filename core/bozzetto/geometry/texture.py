@@ -1,4 +1,4 @@
-"""What is painted on a shape."""
+"""Textures: pictures painted on shapes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
-
-__all__ = ["Texture"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,5 +40,5 @@ class Texture:
             raise ValueError("a texture needs a place for every corner of every face")
 
     def turned_over(self) -> Texture:
-        """For the same faces with their corners in reverse order."""
+        """Return the texture for the same faces with their corners in reverse order."""
         return Texture(self.pixels, self.corners[:, ::-1])

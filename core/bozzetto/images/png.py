@@ -17,8 +17,6 @@ from bozzetto.errors import FormatError, words_of
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["MAX_PIXELS", "decoded", "pixel_count", "png_bytes", "rgba_pixels", "write_png"]
-
 MAX_PIXELS: Final = 1 << 26
 """Largest picture that a document holds, pixels: 8192 × 8192, a quarter of a gigabyte."""
 
@@ -34,7 +32,7 @@ BEST_EFFORT: Final = 6
 
 
 def png_bytes(pixels: NDArray[np.uint8], effort: int = BEST_EFFORT) -> bytes:
-    """A picture as the content of a PNG file.
+    """Encode a picture as the content of a PNG file.
 
     Parameters
     ----------
@@ -58,14 +56,15 @@ def png_bytes(pixels: NDArray[np.uint8], effort: int = BEST_EFFORT) -> bytes:
     return stream.getvalue()
 
 
-def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.uint8]:
-    """The pixels of a picture that a document holds.
+def decode_picture(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.uint8]:
+    """Decode a picture that a document holds.
 
     Parameters
     ----------
     content : bytes
+        The file as it is stored.
     formats : tuple of {"PNG", "JPEG"}
-        Anything else is refused: the bytes may come from a file that nobody vouches for.
+        Anything else is refused: the bytes may come from a stranger's file.
 
     Returns
     -------
@@ -96,11 +95,12 @@ def decoded(content: bytes, formats: tuple[str, ...] = ("PNG",)) -> NDArray[np.u
 def rgba_pixels(
     image: Image, prepared: Callable[[Image], Image] = lambda strip: strip
 ) -> NDArray[np.uint8]:
-    """The pixels of a decoded picture, converted strip by strip: it is in memory only twice.
+    """Return the pixels of a decoded picture, converted strip by strip to spare memory.
 
     Parameters
     ----------
     image : PIL.Image.Image
+        The opened picture; it is read now.
     prepared : callable
         What becomes of each strip before it is converted.
 
@@ -119,7 +119,7 @@ def rgba_pixels(
 
 
 def pixel_count(content: bytes) -> int:
-    """How many pixels a PNG file says that it has; 0 for what is none."""
+    """Return the number of pixels that a PNG file announces; 0 for other files."""
     if len(content) < PNG_SIZE.size or not content.startswith(PNG_SIGN):
         return 0
     _, width, height = PNG_SIZE.unpack_from(content)

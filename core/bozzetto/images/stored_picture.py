@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 from bozzetto.errors import FormatError, UserError
-from bozzetto.images.png import decoded, png_bytes
-
-__all__ = ["Picture", "packed"]
+from bozzetto.images.png import decode_picture, png_bytes
 
 LONGEST_SIDE: Final = 4096
 """Longest side of the pixels that are kept, and beyond what a sheet shows."""
@@ -31,7 +29,7 @@ LONGEST_NAME: Final = 200
 """Characters of a name."""
 
 JPEG_QUALITY: Final = 92
-"""Of photographs that had to be packed again; no eye tells them from what they were."""
+"""Quality of photographs that had to be packed again; no eye sees a difference."""
 
 PNG_EFFORT: Final = 3
 """zlib level: line drawings pack as well as at 6, in half the time."""
@@ -80,6 +78,7 @@ class Picture:
         pixels : (h, w, 4) uint8
             RGBA, straight alpha; kept with 4096 pixels on the longer side at most.
         name : str
+            For people; usually the file's name without its ending.
 
         Raises
         ------
@@ -100,10 +99,12 @@ class Picture:
         Parameters
         ----------
         content : bytes
+            The PNG or JPEG file.
         pixels : (h, w, 4) uint8
             What was read from it. Where the file says that it was held another way, these
             are upright and the content is not; then, too, it is packed again.
         name : str
+            For people; usually the file's name without its ending.
 
         Raises
         ------
@@ -130,14 +131,14 @@ class Picture:
 
     @cached_property
     def pixels(self) -> NDArray[np.uint8]:
-        """What the picture shows, (h, w, 4) RGBA, straight alpha; unpacked once and read-only.
+        """Pixels, (h, w, 4) RGBA, straight alpha; unpacked once and read-only.
 
         Raises
         ------
         FormatError
             If the bytes are no picture, or of a size that belongs to another file.
         """
-        pixels = frozen(decoded(self.encoded.tobytes(), FORMATS), np.uint8)
+        pixels = frozen(decode_picture(self.encoded.tobytes(), FORMATS), np.uint8)
         height, width = pixels.shape[:2]
         # A scaled side is rounded to whole pixels.
         if abs(width * self.height - height * self.width) > max(self.width, self.height):
@@ -146,11 +147,12 @@ class Picture:
 
 
 def packed(pixels: NDArray[np.uint8], *, photograph: bool = False) -> bytes:
-    """Pixels as a file that a document keeps, with 4096 on the longer side at most.
+    """Encode pixels as a file that a document keeps, with 4096 on the longer side at most.
 
     Parameters
     ----------
     pixels : (h, w, 4) uint8
+        RGBA, straight alpha.
     photograph : bool
         As JPEG, without alpha; otherwise as PNG.
     """

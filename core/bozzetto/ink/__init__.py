@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
-from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import Stroke, Strokes
+from typing import TYPE_CHECKING
 
-__all__ = ["Drawing", "Stroke", "Strokes"]
+from bozzetto.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from bozzetto.ink.drawing import Drawing as Drawing
+    from bozzetto.ink.stroke import Stroke as Stroke
+    from bozzetto.ink.stroke import Strokes as Strokes
+else:
+    __getattr__, __all__ = lazy_names(
+        __name__,
+        {
+            "bozzetto.ink.drawing": "Drawing",
+            "bozzetto.ink.stroke": "Stroke Strokes",
+        },
+    )

@@ -1,4 +1,4 @@
-"""Places on the sheet that one can reckon with."""
+"""Checks of places on the sheet: finite, and not beyond all bounds."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera
-
-__all__ = ["FARTHEST", "is_on_sheet", "is_seen", "places_on_sheet", "seen_through"]
 
 FARTHEST: Final = 1e9
 """Largest coordinate, px: a million screens away. Squares of it and of its differences are
@@ -23,11 +21,12 @@ def is_on_sheet(points: ArrayLike) -> bool:
 
 
 def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
-    """Places as an array of shape (n, 2), px, that is checked.
+    """Return places as an array of shape (n, 2), px, that is checked.
 
     Parameters
     ----------
     points : (n, 2) array_like
+        Places, canvas pixels.
     what : str
         What they are of, for the message.
 
@@ -45,7 +44,7 @@ def places_on_sheet(points: ArrayLike, what: str) -> NDArray[np.float64]:
 
 
 def seen_through(points: ArrayLike, drawn: Camera, camera: Camera) -> NDArray[np.float64]:
-    """Where places on the sheet of one view are seen in another, canvas pixels, shape (n, 2).
+    """Return places on the sheet of one view as seen in another, canvas pixels, shape (n, 2).
 
     Ink lies on the sheet: the plane through the target of its camera that faced the eye.
     What lies behind the other eye is not finite.
@@ -57,6 +56,6 @@ def seen_through(points: ArrayLike, drawn: Camera, camera: Camera) -> NDArray[np
 
 
 def is_seen(points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which places, shape (n, 2), are finite and not beyond all bounds."""
+    """Return which places, shape (n, 2), are finite and not beyond all bounds."""
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(points) <= FARTHEST).all(axis=1))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bozzetto.images.stored_picture import Picture
-from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["Drawing"]
+if TYPE_CHECKING:
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.ink.steps import Step
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,8 @@ class Drawing:
         How the strokes were used, where the file says so; they name strokes that there are.
     pictures : mapping of str to Picture
         The pictures that `extra` names, by the names of their files as they stand there.
+    left_out : tuple of str
+        What the file holds besides and was not read, a sentence each that says what to do.
     """
 
     strokes: Strokes
@@ -41,3 +43,4 @@ class Drawing:
     extra: dict[str, Any] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()

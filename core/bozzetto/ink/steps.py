@@ -11,26 +11,8 @@ from dataclasses import dataclass
 
 from bozzetto.view.camera import Camera
 
-__all__ = [
-    "CommandStep",
-    "DeleteStep",
-    "DragStep",
-    "DrawStep",
-    "DuplicateStep",
-    "GroupStep",
-    "MoveStep",
-    "RenameStep",
-    "SelectStep",
-    "SetStep",
-    "ShowStep",
-    "Step",
-    "TapStep",
-    "UngroupStep",
-    "Value",
-]
-
 Value = bool | int | float | str | tuple[int, int, int] | None
-"""What a parameter may be."""
+"""Value of a parameter."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable
 from typing import Final, Literal, get_args
 
@@ -12,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
+from bozzetto.ink.checked_points import FARTHEST, is_on_sheet
 from bozzetto.view.camera import Camera
-
-__all__ = ["COLUMNS", "Stroke", "StrokeTool", "Strokes", "frozen_column"]
 
 StrokeTool = Literal["pen", "eraser", "mouse", "imported"]
 Column = NDArray[np.float32]
@@ -63,8 +61,9 @@ class Stroke:
     Raises
     ------
     UserError
-        If columns differ in length, are empty, too long or not finite; or if the tool, the
-        colour or the group is none that a document could keep.
+        If columns differ in length, are empty, too long or not finite; if a place is farther
+        away than `FARTHEST`; or if the tool, the colour or the group is none that a document
+        could keep.
     """
 
     __slots__ = (
@@ -140,6 +139,11 @@ class Stroke:
             if not np.isfinite(column).all():
                 raise UserError(f"A stroke's {name} holds a value that is not a finite number.")
             object.__setattr__(self, name, column)
+        if not is_on_sheet((self.x, self.y)):
+            raise UserError(
+                f"A stroke holds a place more than {FARTHEST:,.0f} pixels away. Scale the drawing "
+                "down in the program that made it."
+            )
         if tool not in get_args(StrokeTool):
             raise UserError(f"A stroke is drawn by {', '.join(get_args(StrokeTool))}; not {tool}.")
         if color is not None and not (len(color) == 3 and all(0 <= c <= 255 for c in color)):
@@ -164,7 +168,7 @@ class Stroke:
         has_pressure: bool,
         has_time: bool,
     ) -> Stroke:
-        """A stroke over columns already checked: one length, finite, backed by ``bytes``.
+        """Make a stroke of columns already checked: one length, finite, backed by ``bytes``.
 
         For readers of files that hold thousands of strokes in common columns and have
         checked these as a whole; everyone else calls the class.
@@ -173,6 +177,10 @@ class Stroke:
         ----------
         columns : iterable of (n,) float32
             In the order of `COLUMNS`.
+        camera, tool, color, group
+            As in the class.
+        has_pressure, has_time : bool
+            Whether the device told pressure and time.
         """
         made = cls.__new__(cls)
         keep = object.__setattr__
@@ -187,7 +195,7 @@ class Stroke:
         return made
 
     def moved(self, placement: Placement) -> Stroke:
-        """The stroke as drawn through its camera carried along by a placement.
+        """Return the stroke as drawn through its camera carried along by a placement.
 
         The rays of the ink move with the world. A mirrored world is seen as in a mirror:
         the ink's x is flipped within the canvas, and so are tilt and twist.
@@ -261,6 +269,8 @@ class Stroke:
     @property
     def digest(self) -> bytes:
         """16 bytes that name this stroke's content."""
+        import hashlib
+
         state = hashlib.blake2b(repr(self._facts()).encode(), digest_size=16)
         for name in COLUMNS:
             state.update(getattr(self, name).tobytes())

@@ -1,24 +1,21 @@
-"""Time stamps one can divide by."""
+"""Time stamps that increase strictly, so that speeds can be computed."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
-
-__all__ = ["regular_times", "speeds"]
-
-Array = NDArray[np.float64]
 
 NOMINAL_INTERVAL: Final = 1.0 / 125.0
 """Seconds between samples where the stamps say nothing: the slowest common tablet rate."""
 
 
 def regular_times(t: ArrayLike) -> Array:
-    """Strictly increasing times for samples of which several share a stamp.
+    """Return strictly increasing times for samples of which several share a stamp.
 
     Tablets and window systems tick at 8 or 16 ms and deliver several samples per tick. The
     samples of one tick are spread so that their middle keeps the stamp; the first and the
@@ -50,7 +47,7 @@ def regular_times(t: ArrayLike) -> Array:
 
 
 def _spaced(times: Array) -> Array:
-    """Part stamps that rounding has pressed together, by the smallest steps there are."""
+    """Separate stamps that rounding has pressed together, by the smallest steps there are."""
     for index in range(1, len(times)):
         if times[index] <= times[index - 1]:
             times[index] = np.nextafter(times[index - 1], np.inf)
@@ -58,11 +55,12 @@ def _spaced(times: Array) -> Array:
 
 
 def speeds(points: ArrayLike, t: ArrayLike) -> Array:
-    """Speed of the pen at each sample.
+    """Return the speed of the pen at each sample.
 
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     t : (n,) array_like
         Seconds; regularised here.
 

@@ -1,4 +1,4 @@
-"""A memory for pure functions whose answers are dear."""
+"""Caches for pure functions that take long."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from typing import Final, Generic, TypeVar
 from bozzetto.plugin.memory_budget import MOST_BYTES, Entry, MemoryBudget
 from bozzetto.plugin.memory_size import size_of
 
-__all__ = ["Memory", "forget_all"]
-
 Answer = TypeVar("Answer")
 
 GLANCE: Final = 0.05
@@ -22,7 +20,7 @@ MEASURED_AGAIN: Final = frozenset({1, 8, 64})
 """Uses at which an answer is measured again: it takes up to a millisecond."""
 
 ALL: Final = MemoryBudget(MOST_BYTES)
-"""What all memories of the process share."""
+"""The budget that all caches of the process share."""
 
 
 def forget_all() -> None:
@@ -52,7 +50,7 @@ class Memory(Generic[Answer]):
         self._lock = threading.Lock()
 
     def recall(self, question: Hashable, work: Callable[[], Answer]) -> Answer:
-        """The remembered answer, or the one that `work` gives now.
+        """Return the remembered answer, or compute and remember it.
 
         Who asks while another thread works on the same question waits for its answer: to work
         on it twice at a time would take both twice as long.
@@ -88,7 +86,7 @@ class Memory(Generic[Answer]):
             mine.done.set()
 
     def known(self, question: Hashable) -> Answer | None:
-        """The remembered answer, if there is one."""
+        """Return the remembered answer, if there is one."""
         with self._lock:
             known = self._answers.get(question)
         return None if known is None else known.answer

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-__all__ = ["Caution", "Warns"]
-
 
 @dataclass(frozen=True)
 class Caution:
@@ -33,7 +31,7 @@ class Warns(Protocol):
     """A modeler that may leave some of its input unused."""
 
     def cautions(self, state: Any, result: Any) -> Sequence[Caution]:
-        """What a person must know of a result; empty where all is well.
+        """Return what a person must know of a result; empty where all is well.
 
         Asked after a final solve, before shapes are handed over: quick.
         """

@@ -1,4 +1,4 @@
-"""Commands: what a modeler can do to a model at one word, without a gesture."""
+"""Commands: changes of a model that need no gesture."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from bozzetto.plugin.context import Context
-
-__all__ = ["Command", "HasCommands"]
 
 
 def _always(state: Any) -> bool:
@@ -50,5 +48,5 @@ class HasCommands(Protocol):
     """A modeler with commands."""
 
     def commands(self) -> Sequence[Command]:
-        """All commands, in the order in which they are listed."""
+        """Return all commands, in the order in which they are listed."""
         ...

@@ -1,4 +1,4 @@
-"""What a tool may ask of the world."""
+"""Context of a gesture: the world around, as far as a tool may ask."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
 from bozzetto.view.rotations import triple
 
-__all__ = ["Context", "PenSettings"]
-
 
 @dataclass(frozen=True)
 class PenSettings:
-    """How the hand at the tablet draws.
+    """Settings of the pen and of the hand that draws.
 
     Parameters
     ----------
@@ -70,11 +68,11 @@ class Context:
     seen: tuple[Any, ...] = ()
 
     def surface_hit(self, rays: Rays) -> Hits:
-        """Where rays first meet a visible surface, whoever made it."""
+        """Find where rays first meet a visible surface, whoever made it."""
         return cast_rays(self.scene, rays)
 
     def moved(self, placement: Placement) -> Context:
-        """The world as it is seen from a frame in which everything is moved."""
+        """Return the world as it is seen from a frame in which everything is moved."""
         underlay = self.underlay
         if underlay is not None:
             (layer,) = Scene((Layer("underlay", (underlay,)),)).placed(placement).layers

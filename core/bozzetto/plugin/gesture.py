@@ -8,8 +8,6 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
 
-__all__ = ["Drag", "Gesture", "Ink", "Tap"]
-
 
 @dataclass(frozen=True)
 class Ink:
@@ -33,7 +31,7 @@ class Ink:
         return self.strokes[0].camera
 
     def moved(self, placement: Placement) -> Ink:
-        """The same ink in a world that was moved; see `Stroke.moved`."""
+        """Return the same ink in a world that was moved; see `Stroke.moved`."""
         return replace(self, strokes=tuple(stroke.moved(placement) for stroke in self.strokes))
 
 
@@ -48,7 +46,7 @@ class Tap:
     ctrl: bool = False
 
     def moved(self, placement: Placement) -> Tap:
-        """The same touch in a world that was moved; see `Camera.moved`."""
+        """Return the same touch in a world that was moved; see `Camera.moved`."""
         x = self.camera.viewport[0] - self.x if placement.mirrors else self.x
         return replace(self, x=x, camera=self.camera.moved(placement))
 
@@ -76,7 +74,7 @@ class Drag:
         return self.path.camera
 
     def moved(self, placement: Placement) -> Drag:
-        """The same drag in a world that was moved; see `Stroke.moved`."""
+        """Return the same drag in a world that was moved; see `Stroke.moved`."""
         return replace(self, path=self.path.moved(placement))
 
 

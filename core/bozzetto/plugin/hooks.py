@@ -15,8 +15,6 @@ import pluggy
 from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.panel import PanelHost
 
-__all__ = ["PROJECT", "hookimpl", "hookspec"]
-
 PROJECT = "bozzetto"
 
 hookspec = pluggy.HookspecMarker(PROJECT)
@@ -25,7 +23,7 @@ hookimpl = pluggy.HookimplMarker(PROJECT)
 
 @hookspec
 def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:  # type: ignore[empty-body]
-    """The modelers of this plugin.
+    """Return the modelers of this plugin.
 
     Called once, when the first of them is used. The ids must be those that the plugin's
     manifest announces under ``[[modeler]]``; others are refused.
@@ -34,7 +32,7 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:  # type: ignore[empty-bo
 
 @hookspec
 def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
-    """A Qt widget of the plugin's own for one of its modelers, or None.
+    """Return a Qt widget of the plugin's own for one of its modelers, or None.
 
     Only called where the manifest says ``panel = true``, when an object of that modeler is
     selected. `parent` is a QWidget; the returned widget is shown in a dock, and destroyed
@@ -44,7 +42,7 @@ def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
 
 @hookspec
 def bozzetto_faults(file: Path) -> Sequence[str] | None:
-    """What is wrong with a file of a kind that is the plugin's own, such as a template.
+    """Return the faults of a file of a kind that is the plugin's own, such as a template.
 
     Only called where the manifest says ``checks_files = true``, by ``bozzetto plugins check
     FILE``. One sentence for each fault, and none for a file that can be used; None for a file of

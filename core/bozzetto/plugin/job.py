@@ -1,4 +1,4 @@
-"""The job: how well to solve, who is waiting, and whether anyone still is."""
+"""Request for a solve: its quality, its progress, and whether anybody still waits."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from typing import Literal
 
 from bozzetto.errors import Cancelled
 
-__all__ = ["Job"]
-
 
 def _nobody(fraction: float, step: str) -> None:
-    """Progress that no one watches."""
+    """Ignore progress that no one watches."""
 
 
 def _never() -> bool:
@@ -21,7 +19,7 @@ def _never() -> bool:
 
 @dataclass(frozen=True)
 class Job:
-    """What a solve may know about the one who asked.
+    """Request for a solve: its quality, its progress, and whether anybody still waits for it.
 
     Parameters
     ----------

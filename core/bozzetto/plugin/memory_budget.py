@@ -1,4 +1,4 @@
-"""One budget of bytes for everything that is remembered in a process."""
+"""Budget of bytes for everything that is remembered in a process."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from collections.abc import Iterable
 from typing import Final
 
 from bozzetto.plugin.memory_size import Size
-
-__all__ = ["MOST_BYTES", "Entry", "MemoryBudget"]
 
 MOST_BYTES: Final = 256 << 20
 """Bytes that all remembered answers of a process may take together: the program itself takes
@@ -58,12 +56,12 @@ class MemoryBudget:
 
     @property
     def most(self) -> int:
-        """What all entries may take together, bytes."""
+        """Limit for all entries together, bytes."""
         return self._most
 
     @property
     def held(self) -> int:
-        """What all entries take together now, bytes."""
+        """Current size of all entries together, bytes."""
         return self._held
 
     def limit_to(self, most: int) -> None:
@@ -71,7 +69,7 @@ class MemoryBudget:
         with self._lock:
             self._most = most
             gone = self._shrink()
-        _tell(gone)
+        _forget_each(gone)
 
     def keep(self, entry: Entry) -> None:
         """Count an entry in as the newest one.
@@ -88,7 +86,7 @@ class MemoryBudget:
             else:
                 self._count_in(entry)
                 gone = self._shrink()
-        _tell(gone)
+        _forget_each(gone)
 
     def use(self, entry: Entry) -> None:
         """Make an entry the newest one, if it is still kept."""
@@ -110,10 +108,10 @@ class MemoryBudget:
             gone = list(self._entries)
             for entry in gone:
                 self._count_out(entry)
-        _tell(gone)
+        _forget_each(gone)
 
     def resize(self, entry: Entry, size: Size) -> None:
-        """Count an entry anew that takes something else by now."""
+        """Count an entry again whose value has changed."""
         with self._lock:
             if entry not in self._entries:
                 return
@@ -124,7 +122,7 @@ class MemoryBudget:
                 self._held += self._more(size) - self._less(entry.size)
                 entry.size = size
                 gone = self._shrink()
-        _tell(gone)
+        _forget_each(gone)
 
     def _shrink(self) -> list[Entry]:
         gone = []
@@ -144,7 +142,10 @@ class MemoryBudget:
         self._held -= self._less(entry.size)
 
     def _more(self, size: Size) -> int:
-        """Bytes that nothing held before; a size keeps its objects alive, and so their ids."""
+        """Count a size in and return the bytes that nothing held before.
+
+        A size keeps its objects alive, and so their ids.
+        """
         more = size.small
         for thing, count in size.large:
             holders = self._holders.get(id(thing), 0)
@@ -153,7 +154,7 @@ class MemoryBudget:
         return more
 
     def _less(self, size: Size) -> int:
-        """Bytes that nothing holds any more."""
+        """Count a size out and return the bytes that nothing holds any more."""
         less = size.small
         for thing, count in size.large:
             holders = self._holders.pop(id(thing)) - 1
@@ -164,7 +165,7 @@ class MemoryBudget:
         return less
 
 
-def _tell(gone: Iterable[Entry]) -> None:
-    """Outside the lock: who forgets takes a lock of its own."""
+def _forget_each(gone: Iterable[Entry]) -> None:
+    """Forget entries, outside the budget's lock: their owners take locks of their own."""
     for entry in gone:
         entry.forget()

@@ -1,4 +1,4 @@
-"""What things take in memory, measured by a walk through what they refer to."""
+"""Memory that objects take, measured by a walk through their references."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from types import BuiltinFunctionType, CodeType, FrameType, FunctionType, Module
 from typing import Final
 
 import numpy as np
-
-__all__ = ["Size", "size_of"]
 
 MOST_OBJECTS: Final = 150
 """Objects that are looked at: about 0.1 ms, for a drag may bring fifty answers a frame. What lies
@@ -34,7 +32,7 @@ ROWS: Final = frozenset({tuple, dict})
 
 @dataclass(frozen=True, eq=False)
 class Size:
-    """What something takes in memory.
+    """Memory that an object takes.
 
     Attributes
     ----------
@@ -49,12 +47,12 @@ class Size:
 
     @property
     def total(self) -> int:
-        """All of it, bytes."""
+        """Total size, bytes."""
         return self.small + sum(count for _, count in self.large)
 
 
 def size_of(*things: object) -> Size:
-    """The size of things with everything that they refer to.
+    """Measure objects with everything that they refer to.
 
     Notes
     -----

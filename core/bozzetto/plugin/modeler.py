@@ -19,24 +19,12 @@ from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 
-__all__ = [
-    "Aims",
-    "Modeler",
-    "OffersCurves",
-    "ReadsDrawings",
-    "ReadsShapes",
-    "Reports",
-    "TakesPictures",
-    "TellsNext",
-    "Tool",
-]
-
 State = TypeVar("State")
 Result = TypeVar("Result")
 
 
 class Tool(Protocol[State]):
-    """What the pen can do: one gesture makes one new state.
+    """Tool of the pen: one gesture makes one new state.
 
     Attributes
     ----------
@@ -62,7 +50,7 @@ class Tool(Protocol[State]):
     gesture: Literal["ink", "tap", "drag"]
 
     def preview(self, state: State, gesture: Gesture, context: Context) -> Scene:
-        """What to show while the pen is down: cheap, and never fails on odd ink.
+        """Return what to show while the pen is down: cheap, and never fails on odd ink.
 
         A layer stands in for the layer of that name in the modeler's own scene, until the
         new state is solved; layers of other names are shown besides.
@@ -70,7 +58,7 @@ class Tool(Protocol[State]):
         ...
 
     def apply(self, state: State, gesture: Gesture, context: Context) -> State:
-        """The new state, on release.
+        """Return the new state, on release.
 
         Raises
         ------
@@ -102,11 +90,11 @@ class Modeler(Protocol[State, Result]):
     state_version: int
 
     def create(self, context: Context) -> State:
-        """A new, empty model."""
+        """Return a new, empty model."""
         ...
 
     def tools(self) -> Sequence[Tool[State]]:
-        """The tools, most used first.
+        """Return the tools, most used first.
 
         The first one is active at the start, and is taken when a picture comes to a model:
         see `TakesPictures`.
@@ -114,7 +102,7 @@ class Modeler(Protocol[State, Result]):
         ...
 
     def solve(self, state: State, job: Job) -> Result:
-        """The mathematics; may be slow.
+        """Solve the model; may be slow.
 
         Call ``job.checkpoint`` between steps. An empty state must give an empty result.
 
@@ -126,11 +114,11 @@ class Modeler(Protocol[State, Result]):
         ...
 
     def scene(self, state: State, result: Result | None) -> Scene:
-        """What to show; `result` is None while the first solve is still running."""
+        """Return what to show; `result` is None while the first solve is still running."""
         ...
 
     def shapes(self, state: State, result: Result) -> Shapes:
-        """What to hand over to other programs, mm, in the model's own frame."""
+        """Return what to hand over to other programs, mm, in the model's own frame."""
         ...
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
@@ -143,7 +131,7 @@ class TellsNext(Protocol):
     """A tool for which the next gesture depends on what is there already."""
 
     def next_hint(self, state: Any) -> str:
-        """What to do next, and what to look at, in plain words; takes the place of `Tool.hint`.
+        """Say in plain words what to do next and what to look at; replaces `Tool.hint`.
 
         Asked in a worker after every change and whenever the tool is taken.
         """
@@ -172,7 +160,7 @@ class ReadsDrawings(Protocol):
     """A modeler that knows better than "apply my first tool to all the ink"."""
 
     def read_drawing(self, drawing: Drawing, context: Context) -> Any:
-        """A state from a whole drawing; used by the command line and by drag and drop."""
+        """Return a state from a whole drawing; used by the command line and by drag and drop."""
         ...
 
 
@@ -185,7 +173,7 @@ class ReadsShapes(Protocol):
     """
 
     def read_shapes(self, shapes: Shapes) -> Any:
-        """A state from meshes and curves; `UserError` where there is nothing of use in them."""
+        """Return a state from meshes and curves; raise `UserError` where they are of no use."""
         ...
 
 
@@ -198,7 +186,7 @@ class TakesPictures(Protocol):
     """
 
     def with_picture(self, state: Any, picture: Picture, context: Context) -> Any:
-        """The state with one more picture; keep it in the state, which documents can store.
+        """Return the state with one more picture; keep it in the state, which documents can store.
 
         Raises
         ------
@@ -213,7 +201,7 @@ class OffersCurves(Protocol):
     """A modeler whose curves others may want to snap to, or to start from."""
 
     def curves(self, state: Any, result: Any) -> Sequence[Curve]:
-        """The curves of a result, mm, in the model's own frame: see `Context.curves`.
+        """Return the curves of a result, mm, in the model's own frame: see `Context.curves`.
 
         Asked after every solve, in both qualities: quick.
         """
@@ -225,5 +213,5 @@ class Reports(Protocol):
     """A modeler that can say how good its result is."""
 
     def report(self, state: Any, result: Any) -> Mapping[str, Any]:
-        """Plain JSON values with readable keys; shown in a panel and written by ``--report``."""
+        """Return JSON values with readable keys; shown in a panel and written by ``--report``."""
         ...

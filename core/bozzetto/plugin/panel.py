@@ -1,15 +1,13 @@
-"""What a plugin's own panel may know of the program, and ask of it."""
+"""Host of a plugin's own panel: what it may know of the program, and ask of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, Protocol
 
-__all__ = ["PanelHost"]
-
 
 class PanelHost(Protocol):
-    """The door between a plugin's Qt panel and the object that is selected.
+    """Access of a plugin's Qt panel to the object that is selected.
 
     Use it on the thread of the window only.
     """

@@ -11,8 +11,6 @@ from bozzetto.document.model import check_name
 from bozzetto.errors import UserError
 from bozzetto.parameters import set_parameters
 
-__all__ = ["PartTree"]
-
 LONGEST_STEM = 180
 """Characters of a name to which a number is added: names have up to 200."""
 
@@ -43,14 +41,14 @@ class PartTree:
     # -- reading --
 
     def part(self, part_id: str) -> Any:
-        """The part of that id."""
+        """Return the part of that id."""
         for part in self.parts:
             if part.id == part_id:
                 return part
         raise UserError("That part is no longer in the object. Choose another one.")
 
     def find(self, name: str) -> str:
-        """Id of the one part of that name, or else of that id."""
+        """Return the id of the one part of that name, or else of that id."""
         found = [part.id for part in self.parts if part.name == name]
         if len(found) > 1:
             raise UserError(f"{len(found)} parts are called “{name}”. Rename all but one.")
@@ -60,44 +58,44 @@ class PartTree:
         raise UserError(f"There is no part “{name}”; there are: {known}.")
 
     def within(self, group_id: str) -> tuple[Any, ...]:
-        """The parts right in a group, in order; of "" those that are in none."""
+        """Return the parts directly in a group, in order; of "" those that are in none."""
         return tuple(part for part in self.parts if part.within == group_id)
 
     def rows(self, group_id: str = "", depth: int = 0) -> Iterator[tuple[Any, int]]:
-        """Every part with how deep it lies, each group before what is in it."""
+        """Yield every part with its depth, each group before what is in it."""
         for part in self.within(group_id):
             yield part, depth
             if part.id in self.groups:
                 yield from self.rows(part.id, depth + 1)
 
     def family(self, part_id: str) -> tuple[Any, ...]:
-        """A part and all that is in it."""
+        """Return a part and all that is in it."""
         return (self.part(part_id), *(part for part, _ in self.rows(part_id)))
 
     # -- changing --
 
     def chosen(self, part_id: str) -> PartTree:
-        """With another part chosen, or none."""
+        """Return the tree with another part chosen, or none."""
         if part_id:
             self.part(part_id)
         return replace(self, selected=part_id)
 
     def renamed(self, part_id: str, name: str) -> PartTree:
-        """With a part called something else."""
+        """Return the tree with a part renamed."""
         check_name(name.strip())
         return self._with(replace(self.part(part_id), name=name.strip()))
 
     def shown(self, part_id: str, visible: bool) -> PartTree:
-        """With a part shown or hidden."""
+        """Return the tree with a part shown or hidden."""
         return self._with(replace(self.part(part_id), visible=visible))
 
     def valued(self, part_id: str, values: Mapping[str, object]) -> PartTree:
-        """With parameters of a part changed."""
+        """Return the tree with parameters of a part changed."""
         part = self.part(part_id)
         return self._with(set_parameters(part, dict(values), f"“{part.name}”"))
 
     def without(self, *part_ids: str) -> PartTree:
-        """Without some parts and what is in them; a neighbour is chosen if one of them was."""
+        """Return the tree without some parts; a neighbour is chosen if one of them was."""
         gone = {part.id for part_id in part_ids for part in self.family(part_id)}
         kept = tuple(part for part in self.parts if part.id not in gone)
         near = self.selected
@@ -110,7 +108,7 @@ class PartTree:
         return PartTree(kept, self.groups - gone, near)
 
     def only(self, part_ids: Iterable[str]) -> PartTree:
-        """With nothing but some parts, what is in them, and the groups around them."""
+        """Return the tree with only some parts, their content, and the groups around them."""
         kept = {part.id for part_id in part_ids for part in self.family(part_id)}
         for part_id in tuple(kept):
             around = self.part(part_id).within
@@ -121,7 +119,7 @@ class PartTree:
         return PartTree(parts, self.groups & kept, self.selected if self.selected in kept else "")
 
     def doubled(self, part_id: str) -> PartTree:
-        """With a copy right behind a part, of all that is in it too; the copy is chosen."""
+        """Return the tree with a copy behind a part, with all that is in it; the copy is chosen."""
         tree, new_ids = self, {self.part(part_id).within: self.part(part_id).within}
         copies = []
         for part in self.family(part_id):
@@ -140,11 +138,12 @@ class PartTree:
         return PartTree(parts, tree.groups, copies[0].id)
 
     def moved(self, part_id: str, group_id: str, at: int) -> PartTree:
-        """With a part at another place.
+        """Return the tree with a part at another place.
 
         Parameters
         ----------
         part_id : str
+            The part to move.
         group_id : str
             The group that it shall be in; "" for none.
         at : int
@@ -152,7 +151,7 @@ class PartTree:
         """
         part = self.part(part_id)
         if group_id and group_id not in self.groups:
-            raise UserError(f"“{self.part(group_id).name}” is no group. Choose a group.")
+            raise UserError(f"“{self.part(group_id).name}” is not a group. Choose a group.")
         if group_id in {inner.id for inner in self.family(part_id)}:
             raise UserError(f"“{part.name}” cannot be put into itself. Choose another group.")
         others = tuple(other for other in self.parts if other.id != part_id)
@@ -163,7 +162,7 @@ class PartTree:
         return replace(self, parts=(*others[:index], moved, *others[index:]))
 
     def grouped(self, part_ids: Iterable[str], group: Any) -> PartTree:
-        """With parts put into a new group, which stands where the first of them stood.
+        """Return the tree with parts in a new group, which stands where the first of them stood.
 
         Parameters
         ----------
@@ -188,17 +187,18 @@ class PartTree:
     def ungrouped(
         self, group_id: str, released: Callable[[Any, Any], Any] = lambda part, group: part
     ) -> PartTree:
-        """With a group dissolved: what is in it stands where it stood.
+        """Return the tree with a group dissolved: what is in it stands where it stood.
 
         Parameters
         ----------
         group_id : str
+            The group to dissolve.
         released : callable
             ``released(part, group)`` gives a part without the group's influence.
         """
         group = self.part(group_id)
         if group_id not in self.groups:
-            raise UserError(f"“{group.name}” is no group. Choose a group.")
+            raise UserError(f"“{group.name}” is not a group. Choose a group.")
         freed = {
             part.id: replace(
                 released(part, group), within=group.within, visible=part.visible and group.visible
@@ -221,7 +221,7 @@ class PartTree:
         return next(self._first(lambda k: f"n{k}", taken))
 
     def _unused_name(self, name: str) -> str:
-        """The name with the next number behind it that makes it one of its own."""
+        """Return the name with the least number behind it that no other part has."""
         stem = re.sub(r" \d+$", "", name)[:LONGEST_STEM]
         return next(self._first(lambda k: f"{stem} {k}", {part.name for part in self.parts}, 2))
 

@@ -11,16 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-__all__ = [
-    "HasParts",
-    "Part",
-    "ReleasesParts",
-    "switched_on",
-    "unused_id",
-    "unused_name",
-    "with_part",
-]
-
 
 class Part(Protocol):
     """A frozen dataclass with these fields; its `Parameter` fields make its form.
@@ -53,7 +43,7 @@ Kind = TypeVar("Kind", bound=Part)
 
 
 def with_part(parts: Iterable[Kind], part: Kind) -> tuple[Kind, ...]:
-    """Parts with one of them in the place of the one of its id, or at the end."""
+    """Return the parts with one in the place of the one of its id, or at the end."""
     row = tuple(parts)
     if any(old.id == part.id for old in row):
         return tuple(part if old.id == part.id else old for old in row)
@@ -61,19 +51,19 @@ def with_part(parts: Iterable[Kind], part: Kind) -> tuple[Kind, ...]:
 
 
 def unused_id(parts: Iterable[Part]) -> str:
-    """An id that no part has, such as n1."""
+    """Return an id that no part has, such as n1."""
     taken = {part.id for part in parts}
     return next(f"n{k}" for k in range(1, len(taken) + 2) if f"n{k}" not in taken)
 
 
 def unused_name(parts: Iterable[Part], stem: str) -> str:
-    """A name that no part has: the stem and a number."""
+    """Return a name that no part has: the stem and a number."""
     taken = {part.name for part in parts}
     return next(f"{stem} {k}" for k in range(1, len(taken) + 2) if f"{stem} {k}" not in taken)
 
 
 def switched_on(parts: Iterable[Kind]) -> tuple[Kind, ...]:
-    """Those of all parts of a state that are switched on, as are all groups around them."""
+    """Return those parts of a state that are visible, as are all groups around them."""
     row = tuple(parts)
     by_id = {part.id: part for part in row}
 
@@ -100,11 +90,11 @@ class HasParts(Protocol):
     part_types: tuple[type[Any], ...]
 
     def parts(self, state: Any) -> tuple[Any, ...]:
-        """All parts of a state, in the order in which they are listed and put together."""
+        """Return all parts of a state, in the order in which they are listed and put together."""
         ...
 
     def selected_part(self, state: Any) -> str:
-        """Id of the part that is chosen; "" for none."""
+        """Return the id of the part that is chosen; "" for none."""
         ...
 
     def is_group(self, part: Any) -> bool:
@@ -112,7 +102,7 @@ class HasParts(Protocol):
         ...
 
     def with_parts(self, state: Any, parts: tuple[Any, ...], selected: str) -> Any:
-        """A state with another row of parts.
+        """Return a state with another row of parts.
 
         Raises
         ------
@@ -122,7 +112,7 @@ class HasParts(Protocol):
         ...
 
     def new_group(self, state: Any) -> Any:
-        """An empty group with an unused id and name; None where there are no groups."""
+        """Return an empty group with an unused id and name; None where there are no groups."""
         ...
 
 
@@ -131,7 +121,7 @@ class ReleasesParts(Protocol):
     """A modeler whose groups do more than hold: they move what is in them, for example."""
 
     def released(self, part: Any, group: Any) -> Any:
-        """A part as it must be when the group right around it is dissolved.
+        """Return a part as it must be when the group directly around it is dissolved.
 
         Its `within` and its visibility are the host's work.
         """

@@ -8,12 +8,10 @@ from typing import Any, Literal, Protocol, runtime_checkable
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
 
-__all__ = ["AdvisesView", "MovesView", "ViewAdvice"]
-
 
 @dataclass(frozen=True)
 class ViewAdvice:
-    """How good a view is to draw in, and which one is better.
+    """Advice on a view: how well one can draw in it, and which one is better.
 
     Parameters
     ----------
@@ -24,7 +22,7 @@ class ViewAdvice:
     better : Camera, optional
         Where to turn to, in the frame of the model.
     scene : Scene
-        What hangs on the view, such as vanishing points; a layer stands in for the one of
+        What depends on the view, such as vanishing points; a layer stands in for the one of
         the same name in the modeler's own scene.
     pinned : bool
         The view stands where a picture was drawn from. Moving and zooming then turn the
@@ -48,7 +46,7 @@ class AdvisesView(Protocol):
     """A modeler for which it matters from where one draws."""
 
     def view_advice(self, state: Any, camera: Camera) -> ViewAdvice:
-        """What to say of a view; asked up to ten times a second while the view turns."""
+        """Return advice on a view; asked up to ten times a second while the view turns."""
         ...
 
 
@@ -57,7 +55,7 @@ class MovesView(Protocol):
     """A modeler of which pictures get another camera when the model changes."""
 
     def view_after(self, seen: Any, state: Any, camera: Camera) -> Camera | None:
-        """The view that shows of a state what another view showed of an earlier one.
+        """Return the view that shows of a state what another view showed of an earlier one.
 
         Asked while a view is pinned (`ViewAdvice.pinned`) and the model has changed since.
 

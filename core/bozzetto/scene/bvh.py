@@ -17,12 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.mesh import Mesh
-
-__all__ = ["BoundingTree", "first_hits", "tree_of"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 LEAF = 8
 """Triangles in a leaf."""
@@ -69,7 +65,7 @@ _trees: weakref.WeakKeyDictionary[Mesh, BoundingTree] = weakref.WeakKeyDictionar
 
 
 def tree_of(mesh: Mesh) -> BoundingTree:
-    """The tree of a mesh, built on first use and kept as long as the mesh lives."""
+    """Return the tree of a mesh, built on first use and kept as long as the mesh lives."""
     tree = _trees.get(mesh)
     if tree is None:
         tree = _trees[mesh] = _build(mesh)
@@ -118,6 +114,7 @@ def first_hits(tree: BoundingTree, origins: Array, directions: Array) -> tuple[A
     Parameters
     ----------
     tree : BoundingTree
+        The tree of the mesh.
     origins, directions : (n, 3) float
         Half-lines; directions of unit length, mm.
 
@@ -173,8 +170,8 @@ def _meets_boxes(
     high: Array,
     box: Index,
     distance: Array,
-) -> NDArray[np.bool_]:
-    """Slab test: which rays meet their box in front of what they have already met."""
+) -> Flags:
+    """Return which rays meet their box in front of what they have already met (slab test)."""
     enter = np.zeros(len(ray))
     leave = distance[ray]
     for axis in range(3):
@@ -185,7 +182,7 @@ def _meets_boxes(
         np.maximum(enter, np.minimum(one, two), out=enter)
         np.minimum(leave, np.maximum(one, two), out=leave)
     # Rounding must not lose a ray that grazes a flat box.
-    met: NDArray[np.bool_] = enter <= leave * (1.0 + 1e-12) + 1e-300
+    met: Flags = enter <= leave * (1.0 + 1e-12) + 1e-300
     return met
 
 
@@ -198,7 +195,7 @@ def _meet_triangles(
     distance: Array,
     face: Index,
 ) -> None:
-    """Möller–Trumbore; writes nearer hits into `distance` and `face`."""
+    """Intersect triangles (Möller–Trumbore); write nearer hits into `distance` and `face`."""
     for begin in range(0, len(ray), PAIRS_AT_ONCE):
         part = slice(begin, begin + PAIRS_AT_ONCE)
         which, tri = ray[part], triangle[part]
@@ -221,7 +218,7 @@ def _meet_triangles(
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Row-wise cross product; several times faster than ``numpy.cross``."""
+    """Return cross products row by row; several times faster than ``numpy.cross``."""
     result = np.empty_like(a)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]

@@ -20,20 +20,6 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.scene.palette import ROLES, Color
 
-__all__ = [
-    "Finish",
-    "Handle",
-    "Image",
-    "Item",
-    "Label",
-    "Layer",
-    "Lines",
-    "Paint",
-    "Points",
-    "Scene",
-    "Shaded",
-]
-
 Paint = str | Color
 Finish = Literal["clay", "zebra"]
 Hidden = Literal["hide", "faint", "dashed", "show"]
@@ -117,7 +103,7 @@ class Lines:
                 raise ValueError("lines need one width, or one per point")
 
     def pieces(self) -> Iterator[slice]:
-        """The index range of every polyline."""
+        """Yield the index range of every polyline."""
         begins = [0] if self.starts is None else [int(i) for i in self.starts]
         ends = [*begins[1:], len(self.points)]
         for begin, end in zip(begins, ends, strict=False):  # no beginning, no polyline
@@ -242,17 +228,17 @@ class Scene:
         return Scene((*kept, *live.layers))
 
     def items(self) -> Iterator[tuple[Layer, Item]]:
-        """Every item with its layer."""
+        """Yield every item with its layer."""
         for layer in self.layers:
             for item in layer.items:
                 yield layer, item
 
     def owned(self, owner: str) -> Scene:
-        """The same layers, marked as one model's."""
+        """Return the same layers, marked as one model's."""
         return Scene(tuple(replace(layer, owner=owner) for layer in self.layers))
 
     def placed(self, placement: Placement) -> Scene:
-        """The scene moved by a placement; itself where nothing moves."""
+        """Return the scene moved by a placement; itself where nothing moves."""
         if placement.is_identity:
             return self
         return Scene(
@@ -268,7 +254,7 @@ class Scene:
         )
 
     def bounds(self) -> NDArray[np.float64]:
-        """Corners of the bounding box of meshes, lines, points and images, shape (2, 3), mm.
+        """Return the bounding box of meshes, lines, points and images, shape (2, 3), mm.
 
         NaN where the scene is empty.
         """
@@ -282,7 +268,7 @@ class Scene:
         return np.stack((low, high))
 
     def points(self) -> NDArray[np.float64]:
-        """What has to be in the picture when the scene is framed, shape (n, 3), mm.
+        """Return the points to be shown when the scene is framed, shape (n, 3), mm.
 
         The vertices of meshes, the points of lines and marks; of a scene that has neither, the
         corners of images. What belongs to a tool does not count, for it comes and goes with it.

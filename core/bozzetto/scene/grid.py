@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from bozzetto.scene.display_list import Layer, Lines
 from bozzetto.view.camera import Camera
 
-__all__ = ["GROUND", "grid_step", "ground_grid", "ground_height"]
-
 GROUND = "ground"
 """Name of the layer that holds the grid."""
 
@@ -32,7 +30,7 @@ AXIS_OPACITY = 0.45
 
 
 def grid_step(camera: Camera) -> float:
-    """Distance between lines that suits a view: 1, 2 or 5 times a power of ten, mm."""
+    """Return the distance between lines that suits a view: 1, 2 or 5 times a power of ten, mm."""
     least = STEP_PIXELS / camera.pixels_per_mm
     decade = 10.0 ** np.floor(np.log10(least))
     for step in (decade, 2.0 * decade, 5.0 * decade):
@@ -42,7 +40,7 @@ def grid_step(camera: Camera) -> float:
 
 
 def ground_height(bounds: NDArray[np.float64]) -> float:
-    """Z of a ground on which everything stands: 0, or the lowest point where that is lower.
+    """Return z of a ground on which everything stands: 0, or the lowest point if that is lower.
 
     Parameters
     ----------
@@ -54,11 +52,12 @@ def ground_height(bounds: NDArray[np.float64]) -> float:
 
 
 def ground_grid(camera: Camera, height: float = 0.0) -> Layer:
-    """The ground plane's grid around the place the camera looks at.
+    """Return the ground plane's grid around the place the camera looks at.
 
     Parameters
     ----------
     camera : Camera
+        The view.
     height : float
         z of the ground, mm.
 
@@ -112,7 +111,7 @@ def _lines(
     radius: float,
     height: float,
 ) -> NDArray[np.float64]:
-    """Points of the lines on which the coordinate `axis` has one value each, (n, p, 3)."""
+    """Return points of the lines on which the coordinate `axis` has one value each, (n, p, 3)."""
     along = radius * np.linspace(-1.0, 1.0, 2 * PIECES + 1)
     points = np.full((len(places), len(along), 3), height)
     points[..., axis] = places[:, None]
@@ -121,7 +120,7 @@ def _lines(
 
 
 def _fading(aside: float | NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share of the width along lines that run so far (−1 … 1) aside of the middle, (n, p)."""
+    """Return the share of a line's full width at its points, (n, p): lines fade outwards."""
     along = np.linspace(-1.0, 1.0, 2 * PIECES + 1)
     share: NDArray[np.float64] = 1.0 - (along**2 + np.atleast_1d(aside)[:, None] ** 2)
     return np.clip(share, 0.0, 1.0)

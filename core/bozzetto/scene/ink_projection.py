@@ -1,4 +1,4 @@
-"""Ink laid on surfaces: every sample goes to the front-most place under it."""
+"""Ink on surfaces: every sample goes to the front-most place under it."""
 
 from __future__ import annotations
 
@@ -6,19 +6,14 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera
-
-__all__ = ["Gap", "Laid", "laid"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 STEP: Final = 1.0
 """Longest way between two samples, px: what is narrower than a pixel is not seen either."""
@@ -94,8 +89,8 @@ class Laid:
     gaps: tuple[Gap, ...]
 
 
-def laid(stroke: Stroke, scene: Scene) -> Laid:
-    """Lay a stroke on whatever surface is seen under it.
+def project_stroke(stroke: Stroke, scene: Scene) -> Laid:
+    """Project a stroke on whatever surface is seen under it.
 
     All samples of the stroke are kept; others are put between them, at most `STEP` apart,
     and down to `FINEST` where the surface ends, breaks, bends sharply or gives way to
@@ -142,16 +137,14 @@ class _Path:
     along: Array
 
     def places(self, way: Array) -> Array:
-        return np.column_stack(
-            [np.interp(way, self.along, self.points[:, axis]) for axis in (0, 1)]
-        )
+        return points_along(self.points, self.along, way)
 
     def numbers(self, way: Array) -> Array:
         return np.interp(way, self.along, self.number)
 
 
 def _stations(along: Array) -> Array:
-    """Arc lengths of the stroke's own samples and of those between them."""
+    """Return arc lengths of the stroke's own samples and of those between them."""
     step = max(STEP, float(along[-1]) / MOST_SAMPLES)
     spans = np.diff(along)
     parts = np.maximum(np.ceil(spans / step), 1.0).astype(np.intp)
@@ -162,7 +155,7 @@ def _stations(along: Array) -> Array:
 
 
 def _to_subdivide(way: Array, hits: Hits, camera: Camera) -> Index:
-    """Samples after which something happens that is not yet located."""
+    """Return the samples after which something happens that is not yet located."""
     hit = hits.hit
     rim = hit[1:] != hit[:-1]
     both = hit[1:] & hit[:-1]
@@ -174,7 +167,7 @@ def _to_subdivide(way: Array, hits: Hits, camera: Camera) -> Index:
     return np.flatnonzero(events & (np.diff(way) > FINEST))
 
 
-def _breaks(hits: Hits, camera: Camera) -> NDArray[np.bool_]:
+def _breaks(hits: Hits, camera: Camera) -> Flags:
     """Whether one surface cannot reach from a sample to the next.
 
     Where two flat faces meet between the samples, the step in depth lies between those on
@@ -198,7 +191,7 @@ def _breaks(hits: Hits, camera: Camera) -> NDArray[np.bool_]:
 
 
 def _merged(one: Hits, other: Hits, order: Index) -> Hits:
-    """The hits of both, put in order."""
+    """Return the hits of both, put in order."""
     owners, items = one.owners + other.owners, one.items + other.items
     numbers = order.tolist()
     return Hits(

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-__all__ = ["DARK", "LIGHT", "ROLES", "Color", "Palette", "Role"]
-
 Color = tuple[int, int, int]
 Role = Literal[
     "paper", "panel", "ink", "ghost", "accent", "second", "clay", "faint", "grid", "warning"

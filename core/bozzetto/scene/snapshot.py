@@ -11,8 +11,6 @@ from bozzetto.scene.renderer import Shading, render
 from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing, page_view
 
-__all__ = ["framed", "own_or_framed", "picture", "thumbnail"]
-
 
 def picture(
     scene: Scene,
@@ -25,7 +23,7 @@ def picture(
     shading: Shading = "clay",
     background: bool = True,
 ) -> NDArray[np.uint8]:
-    """A still picture of a scene, without what is there for the hand only.
+    """Render a still picture of a scene, without handles.
 
     Handles are left out, and so are layers that hold handles and no surface: the lines and
     dots beside them belong to them.
@@ -33,15 +31,19 @@ def picture(
     Parameters
     ----------
     scene : Scene
+        What to draw.
     view : str
         Name of a standard view (see `bozzetto.view.standard_views`) that frames the scene.
     camera : Camera, optional
         Looks through this instead, whatever the view.
     palette : Palette
+        Colours of the theme.
     size : (width, height)
         Pixels; ``scale`` multiplies them, and the widths of lines with them.
     scale : float
+        Picture pixels per canvas pixel.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     background : bool
         Paper behind the scene, or nothing.
 
@@ -66,7 +68,7 @@ def picture(
 def framed(
     scene: Scene, view: str = "three-quarter", size: tuple[int, int] = (1200, 900)
 ) -> Camera:
-    """The camera of a `picture`: a standard view that frames all but what is for the hand.
+    """Return the camera of a `picture`: a standard view that frames all but the handles.
 
     Raises
     ------
@@ -77,24 +79,24 @@ def framed(
 
 
 def own_or_framed(scene: Scene, own: Camera | None, size: tuple[int, int] = (1200, 900)) -> Camera:
-    """A person's own view if all that a `picture` shows lies in it, else the three-quarter view."""
+    """Return a person's own view if it shows all of a `picture`, else the three-quarter view."""
     return page_view(_without_handles(scene).points(), own, _page(size))
 
 
 def _page(size: tuple[int, int]) -> tuple[float, float]:
-    """A size that a camera takes; `render` refuses the others."""
+    """Return a size that a camera takes; `render` refuses the others."""
     return max(size[0], 1), max(size[1], 1)
 
 
 def thumbnail(
     scene: Scene, size: int = 256, palette: Palette = LIGHT, camera: Camera | None = None
 ) -> NDArray[np.uint8]:
-    """A square picture of a scene in the three-quarter view, shape (size, size, 4)."""
+    """Render a square picture of a scene in the three-quarter view, shape (size, size, 4)."""
     return picture(scene, camera=camera, palette=palette, size=(size, size))
 
 
 def _without_handles(scene: Scene) -> Scene:
-    """A scene as nobody's hand is near it; itself where it holds no handle."""
+    """Return a scene without handles; itself where it holds none."""
     if not any(isinstance(item, Handle) for _, item in scene.items()):
         return scene
     kept = []

@@ -12,28 +12,22 @@ suite against the modeler it names::
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from bozzetto.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from bozzetto.testing.contract import ModelerContract
-    from bozzetto.testing.deep_equal import same
-    from bozzetto.testing.headless_shell import Shell
-    from bozzetto.testing.synthetic_pen import Pen
-
-__all__ = ["ModelerContract", "Pen", "Shell", "same"]
-
-_WHERE = {
-    "ModelerContract": "contract",
-    "Pen": "synthetic_pen",
-    "Shell": "headless_shell",
-    "same": "deep_equal",
-}
-
-
-def __getattr__(name: str) -> Any:
-    # Every pytest run imports this package: what is not used must not cost anything.
-    if name not in _WHERE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
-    return getattr(import_module(f"{__name__}.{_WHERE[name]}"), name)
+    from bozzetto.testing.contract import ModelerContract as ModelerContract
+    from bozzetto.testing.deep_equal import same as same
+    from bozzetto.testing.headless_shell import Shell as Shell
+    from bozzetto.testing.synthetic_pen import Pen as Pen
+else:
+    __getattr__, __all__ = lazy_names(
+        __name__,
+        {
+            "bozzetto.testing.contract": "ModelerContract",
+            "bozzetto.testing.deep_equal": "same",
+            "bozzetto.testing.headless_shell": "Shell",
+            "bozzetto.testing.synthetic_pen": "Pen",
+        },
+    )

@@ -1,4 +1,4 @@
-"""The contract of what a modeler may do besides.
+"""Checks of optional abilities of modelers.
 
 Commands, view advice, curves, shapes and pictures taken, taps that are aimed: each check passes
 where the modeler does not do it; see `checks` for the others.
@@ -27,8 +27,6 @@ from bozzetto.testing.subject import Broken, Subject, ensure, odd_cameras
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import pan, zoom
 
-__all__ = ["ABILITIES"]
-
 WORSE: Final = {"good": 0, "warn": 1, "refuse": 2}
 """The levels of advice, best first."""
 
@@ -36,7 +34,7 @@ PREVIEW: Final = Job(quality="preview")
 
 
 def check_commands(subject: Subject) -> None:
-    """Every command runs or refuses in plain words; what it makes can be stored and solved."""
+    """Check that commands run or refuse in plain words; what they make can be stored and solved."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             commands = shell.workbench.commands
@@ -58,7 +56,7 @@ def check_commands(subject: Subject) -> None:
 
 
 def check_view_advice(subject: Subject) -> None:
-    """Advice can be given of every view; better is not worse, and pinned views stay pinned."""
+    """Check advice on every view: better is not worse, and pinned views stay pinned."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             if not isinstance(shell.registry.modeler(subject.modeler), AdvisesView):
@@ -98,7 +96,7 @@ def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
 
 
 def check_next_hint(subject: Subject) -> None:
-    """Tools that say what to do next have words for an empty and for a drawn state."""
+    """Check that tools that say what to do next have words for an empty and a drawn state."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():
@@ -108,7 +106,7 @@ def check_next_hint(subject: Subject) -> None:
 
 
 def check_curves(subject: Subject) -> None:
-    """Curves that are offered are sound, in both qualities; an empty state offers none."""
+    """Check that curves offered are sound, in both qualities; an empty state offers none."""
     with subject.shell() as shell:
         if not isinstance(shell.registry.modeler(subject.modeler), OffersCurves):
             return
@@ -120,24 +118,24 @@ def check_curves(subject: Subject) -> None:
 
 
 def check_read_shapes(subject: Subject) -> None:
-    """Shapes of any kind are taken, or refused in plain words."""
+    """Check that shapes of any kind are taken, or refused in plain words."""
     with subject.shell() as shell:
         able = isinstance(shell.registry.modeler(subject.modeler), ReadsShapes)
         told = shell.registry.info(subject.modeler).reads_shapes
         ensure(able or not told, "the manifest says reads_shapes, and there is no read_shapes")
         for shapes in _given() if able else ():
             try:
-                model = shell.workbench.from_shapes(subject.modeler, shapes, "Given")
+                model = shell.workbench.sources.from_shapes(subject.modeler, shapes, "Given")
                 shell.workbench.solve(model, PREVIEW)
             except UserError as problem:
                 ensure(bool(problem.message.strip()), "a UserError needs words")
 
 
 def check_pictures(subject: Subject) -> None:
-    """Pictures of any kind are taken and can be stored, or are refused in plain words."""
+    """Check that pictures of any kind are taken and stored, or refused in plain words."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
-            if not shell.workbench.takes_pictures(subject.modeler):
+            if not shell.workbench.sources.takes_pictures(subject.modeler):
                 return
             for picture in _pictures():
                 digest = state_digest(shell.state)
@@ -154,7 +152,7 @@ def check_pictures(subject: Subject) -> None:
 
 
 def _pictures() -> tuple[Picture, ...]:
-    """A sketch, one that is a single pixel, a strip, and one of which nothing is to be seen."""
+    """Return a sketch, a single pixel, a strip, and a picture that is wholly transparent."""
     paper = np.full((120, 160, 4), 240, np.uint8)
     paper[..., 3] = 255
     paper[40:80, 30:130, :3] = 60
@@ -167,7 +165,7 @@ def _pictures() -> tuple[Picture, ...]:
 
 
 def check_aims(subject: Subject) -> None:
-    """Tools that aim take no ink, and preview a tap wherever it is."""
+    """Check that tools that aim take no ink, and preview a tap wherever it is."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():
@@ -183,7 +181,7 @@ def check_aims(subject: Subject) -> None:
 
 
 def _given() -> tuple[Shapes, ...]:
-    """A solid, a straight curve, a rational circle and a skeleton, each alone."""
+    """Return a solid, a straight curve, a rational circle and a skeleton, each alone."""
     corners = np.array([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], np.float32)
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
     straight = Curve(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([[0.0, 0, 0], [30.0, 5, 9]]))
@@ -215,4 +213,4 @@ ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_pictures,
     check_aims,
 )
-"""What `checks.CHECKS` asks besides."""
+"""Further articles for `checks.CHECKS`."""

@@ -32,8 +32,6 @@ from bozzetto.testing.memory_checks import check_forgetting, check_fresh_process
 from bozzetto.testing.spelling import check_spelling
 from bozzetto.testing.subject import Broken, Subject, ensure, odd_gestures
 
-__all__ = ["CHECKS", "Check"]
-
 PREVIEW_TIME = 20.0
 """Seconds that a preview's solve of one plain drawing may take; it should take some
 hundredths, but the machine that runs the tests may be slow."""
@@ -43,7 +41,7 @@ CANCELLATIONS = (1, 2, 4)
 
 
 def check_announced(subject: Subject) -> None:
-    """The modeler is what its manifest announces, and its files are there."""
+    """Check that the modeler is as its manifest announces, and that its files exist."""
     with subject.shell() as shell:
         info = shell.registry.info(subject.modeler)
         modeler = shell.registry.modeler(subject.modeler)
@@ -59,7 +57,7 @@ def check_announced(subject: Subject) -> None:
 
 
 def check_empty(subject: Subject) -> None:
-    """An empty state can be stored, solved, shown and handed over."""
+    """Check that an empty state can be stored, solved, shown and exported."""
     with subject.shell() as shell:
         bench = shell.workbench
         bench.model_scene(shell.model, None)
@@ -70,7 +68,7 @@ def check_empty(subject: Subject) -> None:
 
 
 def check_drawing(subject: Subject) -> None:
-    """A drawing can be solved in both qualities, shown before and after, and handed over."""
+    """Check that a drawing can be solved in both qualities, shown and exported."""
     with subject.drawn() as shell:
         bench = shell.workbench
         bench.model_scene(shell.model, None)
@@ -94,21 +92,23 @@ def _check_solids(shapes: Shapes) -> None:
 
 
 def check_samples(subject: Subject) -> None:
-    """Every sample drawing becomes a shape that can be shown."""
+    """Check that every sample drawing becomes a shape that can be shown."""
     from bozzetto.exchange.import_file import read_drawing
 
     with subject.shell() as shell:
         bench = shell.workbench
         for path in shell.registry.info(subject.modeler).samples:
             try:
-                model = bench.from_drawing(subject.modeler, read_drawing(path, trusted=True), {})
+                model = bench.sources.from_drawing(
+                    subject.modeler, read_drawing(path, trusted=True), {}
+                )
                 bench.model_scene(model, bench.solve(model, _job("preview")))
             except UserError as problem:
                 raise Broken(f"{path.name}: {problem.message}") from problem
 
 
 def check_storage(subject: Subject) -> None:
-    """A state comes back from a file as it was, and gives the same shapes."""
+    """Check that a state comes back from a file as it was, and gives the same shapes."""
     with subject.drawn() as shell:
         shapes = shell.shapes()
         _check_reopened(shell)
@@ -154,7 +154,7 @@ def _is_empty(subject: Subject, shell: Shell) -> bool:
 
 
 def check_cancelling(subject: Subject) -> None:
-    """A solve that nobody waits for any more ends with `Cancelled` and leaves nothing behind."""
+    """Check that a cancelled solve ends with `Cancelled` and leaves nothing behind."""
     for seed, question in enumerate(CANCELLATIONS, 1):
         # Every time another drawing: a modeler may remember what it solved.
         with subject.drawn(seed) as shell:
@@ -176,7 +176,7 @@ def check_cancelling(subject: Subject) -> None:
 
 
 def check_odd_previews(subject: Subject) -> None:
-    """`preview` copes with every gesture of its kind, on an empty and on a drawn model."""
+    """Check that `preview` copes with every gesture of its kind, on an empty and a drawn model."""
 
     def look(shell: Shell, tool: Any, gesture: Any) -> None:
         try:
@@ -191,7 +191,7 @@ def check_odd_previews(subject: Subject) -> None:
 
 
 def check_odd_gestures(subject: Subject) -> None:
-    """`apply` refuses what it cannot use in plain words; what it takes can be solved or refused."""
+    """Check that `apply` refuses in plain words what it cannot use; what it takes can be solved."""
 
     def use(shell: Shell, tool: Any, gesture: Any) -> None:
         try:
@@ -218,7 +218,7 @@ def _with_odd_gestures(subject: Subject, act: Callable[[Shell, Any, Any], None])
 
 
 def check_determinism(subject: Subject) -> None:
-    """Equal states give equal shapes and scenes, in whatever thread they are solved."""
+    """Check that equal states give equal shapes and scenes, in whatever thread they are solved."""
     with subject.drawn() as shell:
         state_type = type(shell.state)
         shapes, scene = shell.shapes(), shell.scene()
@@ -245,7 +245,7 @@ def check_determinism(subject: Subject) -> None:
 
 
 def check_parameters(subject: Subject) -> None:
-    """Every number can be solved at both ends of its range, everything at its default."""
+    """Check that every number can be solved at the ends of its range, and at its default."""
     with subject.drawn() as shell:
         start = shell.model
         for field in _all_parameters(shell):
@@ -263,7 +263,7 @@ def check_parameters(subject: Subject) -> None:
 
 
 def check_ranges(subject: Subject) -> None:
-    """Solids are sound at both ends of every number's range, and with every choice."""
+    """Check that solids are sound at both ends of every number's range, and with every choice."""
     with subject.drawn() as shell:
         start = shell.model
         for field in _all_parameters(shell):
@@ -280,7 +280,7 @@ def check_ranges(subject: Subject) -> None:
 
 
 def _all_parameters(shell: Shell) -> tuple[Field, ...]:
-    """The parameters of the state, and those that its parts have."""
+    """Return the parameters of the state, and those of its parts."""
     tree = shell.workbench.parts.of(shell.model)
     parts = () if tree is None else tree.parts
     kinds = dict.fromkeys([type(shell.state), *map(type, parts)])
@@ -299,7 +299,7 @@ def _check_default(field: Field) -> None:
 
 
 def _allowed(field: Field) -> list[object]:
-    """The ends of a parameter's range and its default, or all that it can be."""
+    """Return the ends of a parameter's range and its default, or all its values."""
     if field.kind == "switch":
         return [False, True]
     if field.kind == "choice":
@@ -313,7 +313,7 @@ def _allowed(field: Field) -> list[object]:
 
 
 def check_parts(subject: Subject) -> None:
-    """Parts can be put back as they were read, and edited as the object list does."""
+    """Check that parts can be put back as they were read, and edited as the object list does."""
     with subject.drawn() as shell:
         modeler = shell.registry.modeler(subject.modeler)
         edits, model = shell.workbench.parts, shell.model
@@ -356,7 +356,7 @@ def _solve_or_refuse(shell: Shell, model: Model) -> None:
 
 
 def check_preview_time(subject: Subject) -> None:
-    """A solve in preview quality answers in time."""
+    """Check that a solve in preview quality answers in time."""
     with subject.drawn() as shell:
         watchdog = Watchdog(shell.registry.guard, PREVIEW_TIME)
         modeler = shell.registry.modeler(subject.modeler)
@@ -382,7 +382,7 @@ print(*sorted({name.partition(".")[0] for name in sys.modules}
 
 
 def check_elsewhere(subject: Subject) -> None:
-    """A document gives the same shapes in another process, and without Qt."""
+    """Check that a document gives the same shapes in another process, and without Qt."""
     with subject.drawn() as shell:
         path = shell.save()
         done = subprocess.run(
@@ -400,7 +400,7 @@ def check_elsewhere(subject: Subject) -> None:
 
 
 def _environment() -> dict[str, str]:
-    """Our environment, with our import path."""
+    """Return our environment, with our import path."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
 
 

@@ -12,8 +12,6 @@ from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.subject import Subject, plain_sketch
 from bozzetto.testing.synthetic_pen import Pen
 
-__all__ = ["ModelerContract"]
-
 
 def _marked(check: Check) -> ParameterSet:
     marks = [pytest.mark.slow] if check.is_slow else []
@@ -49,10 +47,10 @@ class ModelerContract:
 
     @property
     def subject(self) -> Subject:
-        """What the checks are run on."""
+        """Modeler on which the checks run."""
         return Subject(self.modeler, self.packages, self.sketch)
 
     @pytest.mark.parametrize("check", [_marked(check) for check in CHECKS])
     def test_contract(self, check: Check) -> None:
-        """One article of the contract; its docstring in `checks` says what it asks."""
+        """Check one article of the contract; its docstring in `checks` says what it asks."""
         check.run(self.subject)

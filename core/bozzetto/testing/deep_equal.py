@@ -1,4 +1,4 @@
-"""Whether two values are the same all through, down to the bytes of their arrays."""
+"""Deep comparison of values, down to the bytes of their arrays."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 
 from bozzetto.ink.stroke import Stroke, Strokes
-
-__all__ = ["difference", "fingerprint", "same"]
 
 
 def same(one: Any, other: Any) -> bool:

@@ -22,7 +22,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture
 def pen() -> Pen:
-    """A steady pen on a canvas of 1200 × 900 px in front view; see `Pen`."""
+    """Provide a steady pen on a canvas of 1200 × 900 px in front view; see `Pen`."""
     from bozzetto.testing.synthetic_pen import Pen
 
     return Pen()
@@ -30,7 +30,7 @@ def pen() -> Pen:
 
 @pytest.fixture
 def document() -> Document:
-    """An empty document."""
+    """Provide an empty document."""
     from bozzetto.document.model import Document
 
     return Document()
@@ -38,7 +38,7 @@ def document() -> Document:
 
 @pytest.fixture
 def shell(tmp_path: Path) -> Shell:
-    """The program without its window, with all installed plugins; see `Shell`."""
+    """Provide the program without its window, with all installed plugins; see `Shell`."""
     from bozzetto.plugin.host.registry import Registry
     from bozzetto.testing.headless_shell import Shell
 

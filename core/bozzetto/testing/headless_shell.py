@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bozzetto.document.history import History
-from bozzetto.document.model import Document, Model
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.images.stored_picture import Picture
@@ -24,8 +23,6 @@ from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
-
-__all__ = ["Shell"]
 
 
 class Shell:
@@ -72,26 +69,26 @@ class Shell:
         return self.model.state
 
     def context(self) -> Context:
-        """The world around a gesture made now, with every model's scene and curves in it."""
+        """Return the world around a gesture made now, with every model's scene and curves in it."""
         scene = self.workbench.scene(self.document, Job())
         return Context(
             camera=self.camera, scene=scene, curves=self.workbench.curves.of(self.document)
         )
 
     def commands(self) -> tuple[Command, ...]:
-        """The commands of the model's modeler; empty where it has none."""
+        """Return the commands of the model's modeler; empty where it has none."""
         return self.workbench.commands.of(self.model.modeler)
 
     def advice(self, camera: Camera | None = None) -> ViewAdvice | None:
-        """What the modeler says of a view, by default of `camera`; None where it says nothing."""
+        """Return the modeler's advice on a view, by default `camera`; None where it gives none."""
         return self.workbench.view_advice(self.model, camera or self.camera)
 
     def tools(self) -> tuple[Tool[Any], ...]:
-        """The tools of the model's modeler."""
+        """Return the tools of the model's modeler."""
         return self.workbench.tools(self.model.modeler)
 
     def tool(self, wish: str | None, gesture: Literal["ink", "tap", "drag"]) -> Tool[Any]:
-        """The tool of that id, or the first one for a kind of gesture.
+        """Return the tool of that id, or the first one for a kind of gesture.
 
         A tap goes to a tool for drags where there is none for taps.
 
@@ -110,7 +107,7 @@ class Shell:
         raise UserError(f"The modeler {self.model.modeler} has no tool for {gesture}.")
 
     def handles(self) -> tuple[Handle, ...]:
-        """The handles that the model shows."""
+        """Return the handles that the model shows."""
         return tuple(item for _, item in self.scene().items() if isinstance(item, Handle))
 
     # -- what the hand does ------------------------------------------------------------
@@ -131,7 +128,7 @@ class Shell:
         return self.do(Ink(strokes, committed), tool=self.tool(tool, "ink"))
 
     def tap(self, x: float, y: float, *, tool: str | None = None) -> Model:
-        """Touch the sheet at canvas pixels, by default with the first tool for taps."""
+        """Tap the sheet at canvas pixels, by default with the first tool for taps."""
         return self.do(Tap(x, y, self.camera), tool=self.tool(tool, "tap"))
 
     def drag(self, handle: str, path: Stroke) -> Model:
@@ -145,7 +142,7 @@ class Shell:
         return self._keep(tool.title, self.workbench.apply(self.model, tool, gesture, context))
 
     def preview(self, gesture: Gesture, *, tool: Tool[Any]) -> Scene:
-        """What is shown while the pen is down."""
+        """Return what is shown while the pen is down."""
         return self.workbench.preview(self.model, tool, gesture, self.context())
 
     def run(self, command: str) -> Model:
@@ -157,13 +154,13 @@ class Shell:
     def use(self, modeler: str) -> Model:
         """Begin a model of another modeler that starts from the shapes of this one."""
         modeler_id = self.registry.resolve(modeler)
-        model = self.workbench.from_models(modeler_id, [self.model], Job())
+        model = self.workbench.sources.from_models(modeler_id, [self.model], Job())
         self._model_id = model.id
         return self._keep("use", model)
 
     def place(self, picture: Picture) -> Model:
         """Give the model a picture to work on, as if it had been dropped on the sheet."""
-        made = self.workbench.with_picture(self.model, picture, self.context())
+        made = self.workbench.sources.with_picture(self.model, picture, self.context())
         return self._keep("Add sketch", made)
 
     def set(self, **values: object) -> Model:
@@ -171,7 +168,7 @@ class Shell:
         return self._keep("parameters", self.workbench.set_parameters(self.model, values))
 
     def put(self, state: Any) -> Model:
-        """Go on from a state of your own."""
+        """Continue from a state of your own."""
         return self._keep("state", replace(self.model, state=state))
 
     def undo(self) -> bool:
@@ -189,15 +186,15 @@ class Shell:
     # -- what comes out ------------------------------------------------------------
 
     def solve(self, job: Job | None = None) -> Any:
-        """The model's result; `job` is by default a final one that nobody cancels."""
+        """Solve the model; `job` is by default a final one that nobody cancels."""
         return self.workbench.solve(self.model, job or Job())
 
     def scene(self) -> Scene:
-        """What the model shows when it is solved."""
+        """Return the scene of the solved model."""
         return self.workbench.model_scene(self.model, self.solve())
 
     def shapes(self) -> Shapes:
-        """What the model hands over."""
+        """Return the shapes for export."""
         return self.workbench.shapes([self.model], Job())
 
     def save(self) -> Path:

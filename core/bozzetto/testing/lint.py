@@ -1,4 +1,4 @@
-"""``bozzetto plugins check``: what an author should know before anybody else does."""
+"""``bozzetto plugins check``: faults of a plugin that its author should know first."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from xml.parsers import expat
 
-from bozzetto.errors import Unfinished, UserError, words_of
+from bozzetto.errors import FormatError, Unfinished, UserError
+from bozzetto.exchange.safe_xml import parse_xml
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.manifest import ManifestError, find_folder, read_manifest
 from bozzetto.plugin.host.registry import Registry
-
-__all__ = ["Finding", "check_file", "check_package"]
 
 LARGEST_ICON = 64 * 1024
 """Bytes; an icon is a few strokes."""
@@ -95,7 +93,7 @@ def _check_icons(folder: Path, icons: Iterable[str]) -> list[Finding]:
 
 
 def icon_fault(path: Path) -> str:
-    """What is wrong with an icon, or "".
+    """Return the fault of an icon, or "".
 
     An icon must be an SVG without scripts, entities, event handlers and outside content:
     it is drawn wherever the list of modelers is, before its plugin is trusted to run.
@@ -105,31 +103,24 @@ def icon_fault(path: Path) -> str:
     content = path.read_bytes()
     if len(content) > LARGEST_ICON:
         return f"an icon has at most {LARGEST_ICON} bytes"
-    found: list[str] = []
-    names: list[str] = []
-
-    def element(name: str, attributes: dict[str, str]) -> None:
-        names.append(name)
-        if name.lower().rpartition(":")[2] in ("script", "foreignobject", "image", "style"):
-            found.append(f"<{name}>")
-        for key, value in attributes.items():
-            outside = key.rpartition(":")[2] == "href" and not value.startswith("#")
-            if key.lower().startswith("on") or outside or "url(http" in value.lower():
-                found.append(key)
-
-    def doctype(*_: object) -> None:
-        found.append("<!DOCTYPE>")
-
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = element
-    parser.StartDoctypeDeclHandler = doctype
-    parser.EntityDeclHandler = doctype
     try:
-        parser.Parse(content, True)
-    except expat.ExpatError as problem:
-        return f"not an SVG file: {words_of(problem)}"
-    if names[0].rpartition(":")[2] != "svg":
-        return f"its first element is <{names[0]}> and not <svg>"
+        root = parse_xml(content)
+    except FormatError as problem:
+        return f"not an SVG file: {problem.message}"
+    if root.tag != "svg":
+        return f"its first element is <{root.tag}> and not <svg>"
+    found = ["<!DOCTYPE>"] if b"<!DOCTYPE" in content else []
+    waiting = [root]
+    while waiting:
+        element = waiting.pop(0)
+        waiting[:0] = element.children
+        if element.tag.lower() in ("script", "foreignobject", "image", "style"):
+            found.append(f"<{element.tag}>")
+        for key, value in element.attributes.items():
+            name = key.rpartition(" ")[2]
+            outside = name == "href" and not value.startswith("#")
+            if name.lower().startswith("on") or outside or "url(http" in value.lower():
+                found.append(name)
     return f"an icon must not contain {', '.join(found)}" if found else ""
 
 
@@ -171,12 +162,12 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
 
 
 def _few(names: list[str]) -> str:
-    """The first two names, and how many more there are."""
+    """Return the first two names, and how many more there are."""
     return ", ".join(names[:2]) + (f" and {len(names) - 2} more" if len(names) > 2 else "")
 
 
 def _with_place(problem: BaseException, folder: Path) -> str:
-    """What went wrong, and the line of the plugin where it did.
+    """Return the message of a problem, and the line of the plugin where it arose.
 
     A fault is told in its own words whatever check met it, so that the same fault is told once.
     """

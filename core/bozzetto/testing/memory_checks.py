@@ -1,4 +1,4 @@
-"""The contract of what a modeler may remember: nothing that an answer could tell.
+"""Checks of what a modeler remembers: no answer may depend on it.
 
 Answers may be remembered, as long as nobody can see it: whoever asks the same gets the same,
 whatever was asked before, of this document or of another one, in this process or a fresh one.
@@ -20,8 +20,6 @@ from bozzetto.testing.questions import Question, answers, questions
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["check_forgetting", "check_fresh_process"]
-
 _ELSEWHERE = """
 import json, sys
 from bozzetto.document.storage.bozz_file import read_document
@@ -36,7 +34,7 @@ print(json.dumps(answers(bench, questions(bench, document.models[0])[::-1])))
 
 
 def check_forgetting(subject: Subject) -> None:
-    """Answers do not depend on what was asked before, whatever the modeler remembers."""
+    """Check that answers do not depend on what was asked before, whatever is remembered."""
     with subject.drawn() as shell, subject.drawn(1) as other:
         registry, model = shell.registry, shell.model
         first = _asked(Workbench(registry), model)
@@ -53,7 +51,7 @@ def check_forgetting(subject: Subject) -> None:
 
 
 def check_fresh_process(subject: Subject) -> None:
-    """Answers are those of a process that was asked nothing before, in the opposite order."""
+    """Check that answers are those of a fresh process, asked in the opposite order."""
     with subject.drawn() as shell:
         bench = Workbench(shell.registry)
         first = answers(bench, questions(bench, shell.model))
@@ -61,7 +59,7 @@ def check_fresh_process(subject: Subject) -> None:
 
 
 def _asked(bench: Workbench, model: Model) -> dict[str, str]:
-    """The answers; those to the same questions, asked at once again, are the same."""
+    """Return the answers; the same questions, asked again at once, must give the same."""
     row = questions(bench, model)
     first = answers(bench, row)
     _compare(first, answers(bench, row), "the second time")
@@ -69,7 +67,7 @@ def _asked(bench: Workbench, model: Model) -> dict[str, str]:
 
 
 def _row_of_another(bench: Workbench, model: Model) -> list[Question]:
-    """Questions about another document; none where it cannot even be shown."""
+    """Return questions about another document; none where it cannot even be shown."""
     try:
         return questions(bench, model)
     except (UserError, PluginFault):
@@ -89,7 +87,7 @@ def _compare(first: dict[str, str], again: dict[str, str], how: str) -> None:
 
 
 def _elsewhere(document: os.PathLike[str], packages: tuple[str, ...]) -> dict[str, str]:
-    """The answers of a fresh process, asked in the opposite order."""
+    """Return the answers of a fresh process, asked in the opposite order."""
     path = os.pathsep.join(path for path in sys.path if path)
     done = subprocess.run(
         [sys.executable, "-c", _ELSEWHERE, document, *packages],

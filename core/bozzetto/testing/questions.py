@@ -23,8 +23,6 @@ from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["Question", "answers", "questions"]
-
 Ask = Callable[[Workbench], Any]
 
 ELSEWHERE = (613.0, 441.0, 171.0)
@@ -51,23 +49,24 @@ class Question:
 
 
 def questions(bench: Workbench, model: Model) -> list[Question]:
-    """Every pure question about a model: the same ones each time.
+    """Return every pure question about a model: the same ones each time.
 
     Parameters
     ----------
     bench : Workbench
         Solves the model once, to see which handles there are.
     model : Model
+        The model to ask about.
     """
-    return [Question(name, _refusals_told(ask)) for name, ask in _all(bench, model)]
+    return [Question(name, _with_refusals(ask)) for name, ask in _all(bench, model)]
 
 
 def answers(bench: Workbench, row: list[Question]) -> dict[str, str]:
-    """What is answered, as fingerprints, by the name of the question."""
+    """Return fingerprints of the answers, by the name of the question."""
     return {question.name: fingerprint(question.ask(bench)) for question in row}
 
 
-def _refusals_told(ask: Ask) -> Ask:
+def _with_refusals(ask: Ask) -> Ask:
     def asked(bench: Workbench) -> Any:
         try:
             return ask(bench)
@@ -147,7 +146,7 @@ def _apply(
 
 
 def _context(bench: Workbench, model: Model) -> Context:
-    """The world as it is for the first question, for all of them."""
+    """Return one context for all questions, made for the first one."""
     try:
         scene = bench.model_scene(model, bench.solve(model, Job()))
     except UserError:
@@ -156,7 +155,7 @@ def _context(bench: Workbench, model: Model) -> Context:
 
 
 def _cameras(bench: Workbench, model: Model) -> tuple[Camera, ...]:
-    """Two views that anybody might have, and the one that is called better."""
+    """Return two views that anybody might have, and the one that is called better."""
     views = (
         Camera(),
         Camera(eye=(300.0, 400.0, -200.0), target=(10.0, -20.0, 30.0), fov_y=120.0),
@@ -167,7 +166,7 @@ def _cameras(bench: Workbench, model: Model) -> tuple[Camera, ...]:
 
 
 def _gestures(bench: Workbench, model: Model, tool: Tool[Any]) -> Iterator[Gesture]:
-    """Gestures of a tool's kind, two of which begin alike: in the middle of one, and whole."""
+    """Yield gestures of a tool's kind, two of which begin alike: half of one, and whole."""
     for camera in _cameras(bench, model)[::2]:
         pen = Pen(camera)
         if tool.gesture == "ink":
@@ -187,7 +186,7 @@ def _gestures(bench: Workbench, model: Model, tool: Tool[Any]) -> Iterator[Gestu
 
 
 def _begun(stroke: Stroke) -> Stroke:
-    """The first half of a stroke, as while it is drawn."""
+    """Return the first half of a stroke, as while it is drawn."""
     half = slice(0, max(len(stroke) // 2, 1))
     return Stroke(
         stroke.x[half],

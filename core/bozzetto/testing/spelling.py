@@ -22,8 +22,6 @@ from bozzetto.plugin.parts import HasParts, ReleasesParts
 from bozzetto.plugin.view_advice import AdvisesView, MovesView
 from bozzetto.testing.subject import Subject, ensure
 
-__all__ = ["MODELER_NAMES", "TOOL_NAMES", "check_spelling", "meant_by"]
-
 MOST_EDITS: Final = 2
 """Letters that may be missing, too many, exchanged or wrong in a misspelt name."""
 
@@ -51,7 +49,7 @@ TOOL_NAMES: Final = _names(Tool, TellsNext, Aims)
 
 
 def check_spelling(subject: Subject) -> None:
-    """No public attribute is a misspelt ability, which nobody would ever ask for."""
+    """Check that no public attribute is a misspelt ability, which nobody would ever ask for."""
     with subject.shell() as shell:
         modeler = shell.registry.modeler(subject.modeler)
         found = [f"the modeler: {said}" for said in _misspelt(modeler, MODELER_NAMES)]
@@ -72,7 +70,7 @@ def _misspelt(owner: object, known: frozenset[str]) -> Iterator[str]:
 
 
 def meant_by(name: str, known: frozenset[str]) -> str:
-    """The known name that another one is a misspelling of; "" for none."""
+    """Return the known name that another one is a misspelling of; "" for none."""
     plain = _plain(name)
     for other in sorted(known):
         most = MOST_EDITS if len(other) > SHORTEST else 1
@@ -86,7 +84,7 @@ def _plain(name: str) -> str:
 
 
 def _edits(one: str, other: str, most: int) -> int:
-    """How many letters must be put in, left out, changed or swapped with the next one.
+    """Count the letters that must be inserted, left out, changed or swapped with the next one.
 
     The distance of Damerau (1964) with non-overlapping swaps; more than `most` is only told
     as more.

@@ -1,4 +1,4 @@
-"""What is put to the test: one modeler, and how to draw something with it."""
+"""Subject of the tests: one modeler, and a way to draw something with it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,8 @@ from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera
 
-__all__ = ["Broken", "Sketch", "Subject", "ensure", "odd_cameras", "odd_gestures", "plain_sketch"]
-
 TAPS = ((450.0, 350.0), (750.0, 400.0), (600.0, 600.0))
-"""Where a plain sketch touches the sheet, pixels."""
+"""Taps of a plain sketch on the sheet, pixels."""
 
 Sketch = Callable[[Shell, Pen], None]
 
@@ -56,7 +54,7 @@ class Subject:
 
     @contextmanager
     def shell(self) -> Iterator[Shell]:
-        """A fresh program with an empty model of the modeler in it."""
+        """Open a fresh program with an empty model of the modeler in it."""
         registry = Registry(extra=self.packages)
         with tempfile.TemporaryDirectory() as folder:
             shell = Shell(registry, Path(folder))
@@ -65,7 +63,7 @@ class Subject:
 
     @contextmanager
     def drawn(self, seed: int = 0) -> Iterator[Shell]:
-        """A fresh program in which something has been drawn."""
+        """Open a fresh program in which something has been drawn."""
         with self.shell() as shell:
             (self.sketch or plain_sketch)(shell, Pen(tremor=0.4, seed=seed))
             yield shell
@@ -89,7 +87,7 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
         from bozzetto.exchange.import_file import read_drawing
 
         drawing = read_drawing(info.samples[0], trusted=True)
-        shell.put(shell.workbench.from_drawing(info.id, drawing, {}).state)
+        shell.put(shell.workbench.sources.from_drawing(info.id, drawing, {}).state)
     elif any(tool.gesture == "tap" for tool in shell.tools()):
         for x, y in TAPS:
             touch = pen.along([(x, y), (x + 1.0, y)])
@@ -97,7 +95,7 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
 
 
 def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gesture]]:
-    """Gestures of a tool's kind that no one would make on purpose, each with a name."""
+    """Yield gestures of a tool's kind that no one would make on purpose, each with a name."""
     if tool.gesture == "ink":
         for name, stroke in _odd_strokes():
             yield name, Ink((stroke,), committed=True)
@@ -123,7 +121,7 @@ def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gestur
 
 
 def odd_cameras() -> tuple[Camera, ...]:
-    """Views from which nobody would draw everything, and the usual one."""
+    """Return views from which nobody would draw everything, and the usual one."""
     return (
         Camera(),
         Camera("orthographic", eye=(0.0, 0.0, 800.0), up=(0.0, 0.0, 1.0)),

@@ -6,14 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.stroke import Stroke, StrokeTool
 from bozzetto.view.camera import Camera
-
-__all__ = ["Pen"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -54,7 +51,7 @@ class Pen:
         seed: int | None = None,
         tool: StrokeTool | None = None,
     ) -> Pen:
-        """The same pen with something changed."""
+        """Return the same pen with something changed."""
         return replace(
             self,
             camera=camera or self.camera,
@@ -65,7 +62,7 @@ class Pen:
         )
 
     def along(self, points: ArrayLike) -> Stroke:
-        """A stroke along a polyline.
+        """Draw a stroke along a polyline.
 
         Parameters
         ----------
@@ -96,21 +93,21 @@ class Pen:
         )
 
     def polygon(self, *corners: tuple[float, float]) -> Stroke:
-        """A closed outline through corners, back to the first."""
+        """Draw a closed outline through corners, back to the first."""
         return self.along([*corners, corners[0]])
 
     def circle(self, x: float = 600.0, y: float = 450.0, radius: float = 200.0) -> Stroke:
-        """A closed circle, clockwise on the sheet from its right end."""
+        """Draw a closed circle, clockwise on the sheet from its right end."""
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         return self.along(np.column_stack((x + radius * np.cos(turn), y + radius * np.sin(turn))))
 
     def dot(self, x: float = 600.0, y: float = 450.0) -> Stroke:
-        """A touch: a stroke of one sample."""
+        """Draw a touch: a stroke of one sample."""
         return self.along([(x, y)])
 
 
 def _smooth_noise(count: int, seed: int) -> Array:
-    """Noise of unit deviation that is correlated over some samples, shape (count, 2)."""
+    """Return noise of unit deviation that is correlated over some samples, shape (count, 2)."""
     window = np.hanning(11)[1:-1]
     rough = np.random.default_rng(seed).normal(size=(count + len(window) - 1, 2))
     window /= np.sqrt(np.sum(window**2))

@@ -11,15 +11,13 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Camera", "Rays"]
-
 Point = tuple[float, float, float]
-Array = NDArray[np.float64]
 
 PARALLEL: float = 1e-9
 """Sine of the angle below which `up` counts as parallel to the line of sight."""
@@ -134,7 +132,7 @@ class Camera:
     # -- between world and canvas --
 
     def view_space(self, points: ArrayLike) -> Array:
-        """World points in the camera's own frame: right, up, depth; shape (n, 3), mm."""
+        """Return world points in the camera's own frame: right, up, depth; shape (n, 3), mm."""
         return (np.reshape(np.asarray(points, float), (-1, 3)) - self.eye) @ self.axes.T
 
     def project(self, points: ArrayLike) -> tuple[Array, Array]:
@@ -167,11 +165,12 @@ class Camera:
         return pixels, depth
 
     def rays(self, pixels: ArrayLike) -> Rays:
-        """Rays through canvas positions.
+        """Return rays through canvas positions.
 
         Parameters
         ----------
         pixels : (n, 2) array_like
+            Canvas positions.
 
         Returns
         -------
@@ -193,11 +192,12 @@ class Camera:
         return Rays(np.broadcast_to(np.asarray(self.eye), toward.shape).copy(), toward)
 
     def on_plane(self, pixels: ArrayLike, point: ArrayLike, normal: ArrayLike) -> Array:
-        """World points where the rays through canvas positions meet a plane.
+        """Return world points where the rays through canvas positions meet a plane.
 
         Parameters
         ----------
         pixels : (n, 2) array_like
+            Canvas positions.
         point, normal : (3,) array_like
             The plane; the normal need not be of unit length.
 
@@ -218,11 +218,11 @@ class Camera:
         return origins + along[:, None] * directions
 
     def with_viewport(self, width: float, height: float) -> Camera:
-        """The same view on a canvas of another size."""
+        """Return the same view on a canvas of another size."""
         return replace(self, viewport=(width, height))
 
     def moved(self, placement: Placement) -> Camera:
-        """The camera carried along with the world that it looks at.
+        """Return the camera carried along with the world that it looks at.
 
         What it sees of a moved thing is what it saw of the thing before. A placement that
         mirrors exchanges left and right: (x, y) becomes (width − x, y), see `Stroke.moved`.

@@ -1,4 +1,4 @@
-"""Turning the camera about its eye: the picture that it takes is only mapped to another one.
+"""Motion of a camera about its eye: its picture is only mapped to another one.
 
 Two pictures taken from one eye differ by a homography, whatever the camera's direction and
 opening angle (Hartley & Zisserman, *Multiple View Geometry*, 2nd ed., section 8.4.2). So a
@@ -10,14 +10,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
-
-__all__ = ["FOV_LIMITS", "aimed", "enlarged"]
-
-Array = NDArray[np.float64]
 
 FOV_LIMITS = (0.5, 150.0)
 """Opening angles (degrees) within which a perspective view is zoomed about its eye."""
@@ -32,6 +29,7 @@ def aimed(camera: Camera, direction: ArrayLike, pixel: tuple[float, float]) -> C
     Parameters
     ----------
     camera : Camera
+        The view before.
     direction : (3,) array_like
         World vector from the eye, not zero.
     pixel : (x, y)
@@ -73,7 +71,7 @@ def aimed(camera: Camera, direction: ArrayLike, pixel: tuple[float, float]) -> C
 
 
 def enlarged(camera: Camera, factor: float) -> Camera:
-    """A perspective camera whose picture is enlarged about its middle, within `FOV_LIMITS`."""
+    """Return a perspective camera with its picture enlarged about the middle (`FOV_LIMITS`)."""
     slope = np.tan(np.radians(camera.fov_y) / 2.0) / factor
     fov = float(np.degrees(2.0 * np.arctan(slope)))
     least, most = FOV_LIMITS
@@ -83,7 +81,7 @@ def enlarged(camera: Camera, factor: float) -> Camera:
 
 
 def _level_frame(camera: Camera) -> Array:
-    """Rows: right, ahead and up of a camera that stands level.
+    """Return rows right, ahead and up of a camera that stands level.
 
     Where the line of sight is nearly along `up`, what is upwards in its picture is up.
     """

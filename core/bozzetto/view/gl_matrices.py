@@ -1,15 +1,12 @@
-"""What a graphics card needs: the range of depth worth resolving, and two matrices."""
+"""Matrices for a graphics card, and the range of depth that is worth resolving."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
-
-__all__ = ["gl_matrices", "near_far"]
-
-Array = NDArray[np.float64]
 
 DEPTH_RATIO = 1e-4
 """Nearest over farthest depth of a perspective view; below it 24 bits resolve too little."""
@@ -19,11 +16,12 @@ SLACK = 0.01
 
 
 def near_far(camera: Camera, bounds: ArrayLike) -> tuple[float, float]:
-    """Depths between which everything in a box lies.
+    """Return depths between which everything in a box lies.
 
     Parameters
     ----------
     camera : Camera
+        The view.
     bounds : (2, 3) array_like
         Corners of the box, mm; not finite means that nothing is known.
 
@@ -50,11 +48,12 @@ def near_far(camera: Camera, bounds: ArrayLike) -> tuple[float, float]:
 
 
 def gl_matrices(camera: Camera, near: float, far: float) -> tuple[Array, Array]:
-    """Matrices for column vectors in OpenGL's conventions.
+    """Return matrices for column vectors in OpenGL's conventions.
 
     Parameters
     ----------
     camera : Camera
+        The view.
     near, far : float
         Depths that map to −1 and +1, mm.
 

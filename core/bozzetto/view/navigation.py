@@ -6,26 +6,12 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto.view.rotations import POLE, slerp, steepness, triple, upright
-
-__all__ = [
-    "TURN_PER_PIXEL",
-    "clamp_scale",
-    "fit",
-    "fit_points",
-    "interpolate",
-    "orbit",
-    "pan",
-    "turn",
-    "with_kind",
-    "zoom",
-]
-
-Array = NDArray[np.float64]
 
 TURN_PER_PIXEL = 0.4
 """Degrees of orbit for a pixel of drag: 450 px turn the view half round."""
@@ -78,6 +64,7 @@ def turn(
     Parameters
     ----------
     camera : Camera
+        The view before.
     azimuth, elevation : float
         Degrees by which the eye moves counter-clockwise (seen from above) and upwards.
     pivot : (3,) array_like, optional
@@ -123,6 +110,7 @@ def pan(
     Parameters
     ----------
     camera : Camera
+        The view before.
     dx, dy : float
         Drag in pixels, right and down.
     at : (3,) array_like, optional
@@ -148,7 +136,7 @@ def pan(
 
 
 def clamp_scale(camera: Camera, factor: float) -> float:
-    """The factor by which the view may be enlarged without leaving the limits."""
+    """Return the factor by which the view may be enlarged without leaving the limits."""
     seen = camera.visible_height
     least, most = min(seen / MAX_VISIBLE, 1.0), max(seen / MIN_VISIBLE, 1.0)
     return float(np.clip(factor, least, most))
@@ -167,6 +155,7 @@ def zoom(
     Parameters
     ----------
     camera : Camera
+        The view before.
     factor : float
         Above 1 comes closer, below 1 goes away; held within the limits of scale.
     pixel : (x, y), optional
@@ -214,6 +203,7 @@ def fit(camera: Camera, bounds: ArrayLike, margin: float = FIT_MARGIN) -> Camera
     Parameters
     ----------
     camera : Camera
+        The view before.
     bounds : (2, 3) array_like
         Corners of the box, mm. Not finite: the world's origin is framed at a default
         size. A single point: it is centred and the scale is kept.
@@ -258,8 +248,9 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
     Parameters
     ----------
     camera : Camera
+        The view before.
     points : (n, 3) array_like
-        mm; those that are not finite are passed over. None at all: the world's origin is
+        mm; those that are not finite are ignored. None at all: the world's origin is
         framed at a default size. A single one: it is centred and the scale is kept.
     margin : float
         Part of the canvas, 0 … 0.49, left free on each side.
@@ -311,7 +302,7 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
 
 
 def with_kind(camera: Camera, kind: Literal["perspective", "orthographic"]) -> Camera:
-    """The same view as the other kind of camera; the scale at the target stays."""
+    """Return the same view as the other kind of camera; the scale at the target stays."""
     if kind == camera.kind:
         return camera
     visible = camera.visible_height
@@ -324,11 +315,12 @@ def with_kind(camera: Camera, kind: Literal["perspective", "orthographic"]) -> C
 
 
 def interpolate(begin: Camera, end: Camera, t: float) -> Camera:
-    """The view on the way from one camera to another.
+    """Return the view on the way from one camera to another.
 
     Parameters
     ----------
     begin, end : Camera
+        The views at 0 and at 1.
     t : float
         0 … 1; the motion eases in and out. Exactly `begin` at 0 and `end` at 1.
 
@@ -368,7 +360,7 @@ def interpolate(begin: Camera, end: Camera, t: float) -> Camera:
 
 
 def _from_eye(camera: Camera, place: ArrayLike) -> tuple[Array, tuple[float, float]]:
-    """The direction to a place, and where on the canvas it is; the target's if it is not seen."""
+    """Return the direction to a place and its pixel; those of the target if it is not seen."""
     (pixel,), (depth,) = camera.project(place)
     if not depth > 0.0 or not np.isfinite(pixel).all():
         (pixel,), _ = camera.project(camera.target)
@@ -378,13 +370,13 @@ def _from_eye(camera: Camera, place: ArrayLike) -> tuple[Array, tuple[float, flo
 
 
 def _stood(camera: Camera, target: Array, distance: float) -> Camera:
-    """The camera on its line of sight at a distance before a target."""
+    """Return the camera on its line of sight at a distance before a target."""
     eye = target - distance * camera.axes[2]
     return replace(camera, eye=triple(eye), target=triple(target))
 
 
 def _about(frame: Array, axis: Array, angle: float) -> Array:
-    """A frame turned about a unit axis (Rodrigues' formula)."""
+    """Return a frame turned about a unit axis (Rodrigues' formula)."""
     along = (frame @ axis)[:, None] * axis
     return np.asarray(
         along + np.cos(angle) * (frame - along) + np.sin(angle) * np.cross(axis, frame), np.float64

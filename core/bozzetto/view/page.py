@@ -1,4 +1,4 @@
-"""The view in which something is put on a page: one that a person chose, or one that shows it."""
+"""Views for a page: one that a person chose, or one that shows everything."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points, with_kind
 from bozzetto.view.standard_views import standard_view
-
-__all__ = ["PAGE", "framing", "page_view", "shows"]
 
 PAGE: Final = (1200.0, 900.0)
 """Page of pictures without a canvas of their own, pixels."""
@@ -46,7 +44,7 @@ def framing(
     *,
     plans: bool = False,
 ) -> Camera:
-    """A standard view that frames points.
+    """Return a standard view that frames points.
 
     Parameters
     ----------
@@ -55,7 +53,7 @@ def framing(
     name : str
         See `standard_view`.
     size : (width, height)
-        Of the page, pixels.
+        Size of the page, pixels.
     plans : bool
         Views along an axis are parallel ones.
 
@@ -77,16 +75,16 @@ def page_view(
     *,
     whole: bool = True,
 ) -> Camera:
-    """A person's own view if it shows the points, else the three-quarter view of them.
+    """Return a person's own view if it shows the points, else the three-quarter view of them.
 
     Parameters
     ----------
     points : (n, 3) array_like
-        Of all that is to be seen, mm.
+        Points of all that is to be seen, mm.
     camera : Camera, optional
         The person's view.
     size : (width, height), optional
-        Of the page, pixels; by default the camera's canvas, or `PAGE`.
+        Size of the page, pixels; by default the camera's canvas, or `PAGE`.
     whole : bool
         Whether the view must show all points or some are enough.
     """

@@ -1,17 +1,14 @@
-"""Frames of a view: between azimuth and elevation, rotations, and cameras."""
+"""Rotations and frames of a view, by azimuth and elevation."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera, Point
-
-__all__ = ["POLE", "placed", "slerp", "steepness", "triple", "unit", "upright"]
-
-Array = NDArray[np.float64]
 
 POLE = 1e-3
 """Cosine of the elevation below which Z no longer says which way is up."""
@@ -21,20 +18,20 @@ SAME_TURN = 1e-9
 
 
 def triple(values: ArrayLike) -> Point:
-    """A point as three plain floats."""
+    """Return a point as three plain floats."""
     x, y, z = (float(v) for v in np.ravel(np.asarray(values, float)))
     return x, y, z
 
 
 def unit(vector: ArrayLike) -> Array:
-    """The vector at unit length; it must not be zero."""
+    """Return the vector at unit length; it must not be zero."""
     values = np.asarray(vector, float)
     values = values / np.abs(values).max()  # no overflow, no underflow
     return np.asarray(values / np.linalg.norm(values), np.float64)
 
 
 def steepness(camera: Camera) -> tuple[float, float]:
-    """Azimuth and elevation of a view about the world's Z, radians.
+    """Return azimuth and elevation of a view about the world's Z, radians.
 
     Azimuth 0 looks along +Y and grows counter-clockwise seen from above. Elevation is
     that of the eye above the target, −π/2 … π/2. The azimuth is read off the view's
@@ -50,7 +47,7 @@ def steepness(camera: Camera) -> tuple[float, float]:
 
 
 def upright(azimuth: float, elevation: float) -> Array:
-    """Rows right, up, forward of the view with this azimuth and elevation (radians)."""
+    """Return rows right, up, forward of the view with this azimuth and elevation (radians)."""
     right = np.array((np.cos(azimuth), np.sin(azimuth), 0.0))
     level = np.array((-right[1], right[0], 0.0))
     forward = np.cos(elevation) * level - np.array((0.0, 0.0, np.sin(elevation)))
@@ -58,13 +55,13 @@ def upright(azimuth: float, elevation: float) -> Array:
 
 
 def placed(camera: Camera, forward: Array, up: Array) -> Camera:
-    """The camera at its distance from its target, looking along `forward`."""
+    """Return the camera at its distance from its target, looking along `forward`."""
     eye = np.asarray(camera.target) - camera.distance * forward
     return replace(camera, eye=triple(eye), up=triple(up))
 
 
 def _quaternion(axes: Array) -> Array:
-    """Unit quaternion (w, x, y, z) of a right-handed frame whose rows are its axes.
+    """Return the unit quaternion (w, x, y, z) of a right-handed frame whose rows are its axes.
 
     Shepperd, "Quaternion from rotation matrix", 1978: divides by the largest of the four
     components, so it has no weak places.
@@ -97,7 +94,7 @@ def _rotation(turn: ArrayLike) -> Array:
 
 
 def slerp(begin: Array, end: Array, t: float) -> Array:
-    """The view frame at t between two, the short way round at constant speed.
+    """Interpolate between two view frames, the short way round at constant speed.
 
     Rows are right, up, forward, which is left-handed; backwards makes it a rotation.
     Shoemake, "Animating rotation with quaternion curves", 1985.

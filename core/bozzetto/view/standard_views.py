@@ -14,8 +14,6 @@ from bozzetto.errors import UserError
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.rotations import POLE, placed, steepness, unit, upright
 
-__all__ = ["CUBE_DIRECTIONS", "STANDARD_VIEWS", "look_along", "standard_view"]
-
 STANDARD_VIEWS: Final[Mapping[str, tuple[Point, Point]]] = MappingProxyType(
     {
         "front": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
@@ -41,6 +39,7 @@ def standard_view(camera: Camera, name: str) -> Camera:
     Parameters
     ----------
     camera : Camera
+        The view to turn.
     name : str
         A key of `STANDARD_VIEWS`.
 
@@ -62,6 +61,7 @@ def look_along(camera: Camera, direction: ArrayLike) -> Camera:
     Parameters
     ----------
     camera : Camera
+        The view to turn.
     direction : (3,) array_like
         From the eye into the world. For a place on the view cube it is the negative of
         one of `CUBE_DIRECTIONS`.

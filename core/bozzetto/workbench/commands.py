@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from bozzetto.document.model import Model
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.plugin.commands import Command, HasCommands
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.host.registry import Registry
 
-__all__ = ["ModelCommands"]
-
 
 class ModelCommands:
-    """What modelers can do to a model at one word; see `bozzetto.plugin.Command`.
+    """Commands of modelers, run on models; see `bozzetto.plugin.Command`.
 
     Parameters
     ----------
@@ -31,7 +28,7 @@ class ModelCommands:
         self._registry = registry
 
     def of(self, modeler_id: str) -> tuple[Command, ...]:
-        """All commands of a modeler; empty where it has none."""
+        """Return all commands of a modeler; empty where it has none."""
         modeler = self._registry.modeler(modeler_id)
         if not isinstance(modeler, HasCommands):
             return ()
@@ -39,7 +36,7 @@ class ModelCommands:
         return self._registry.guard.check_commands(modeler_id, made)
 
     def find(self, modeler_id: str, command_id: str) -> Command:
-        """A command by its id.
+        """Return a command by its id.
 
         Raises
         ------
@@ -66,12 +63,14 @@ class ModelCommands:
         )
 
     def run(self, model: Model, command: Command, context: Context) -> Model:
-        """The model after a command.
+        """Return the model after a command.
 
         Parameters
         ----------
         model : Model
+            The model before.
         command : Command
+            One of the modeler's commands.
         context : Context
             In the world; the command gets it in the model's own frame.
 
@@ -84,7 +83,7 @@ class ModelCommands:
         if model.locked:
             raise UserError(f"“{model.name}” is locked. Unlock it in the object list first.")
         if not self.can_run(model, command):
-            raise UserError(f"“{command.title}” means nothing here now. {command.help}".rstrip())
+            raise UserError(f"“{command.title}” cannot be done here now. {command.help}".rstrip())
         guard, modeler = self._registry.guard, self._registry.modeler(model.modeler)
         seen = context.moved(model.placement.inverse())
         state = guard.call(model.modeler, f"{command.id}.run", command.run, model.state, seen)

@@ -19,8 +19,6 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.modeler import OffersCurves
 from bozzetto.workbench.placed import shapes_in_world
 
-__all__ = ["KnownCurves"]
-
 KEPT = 64
 """Models whose curves are kept; they can always be learnt again."""
 
@@ -34,7 +32,7 @@ class _Known(NamedTuple):
 
 
 class KnownCurves:
-    """What models offered when they were solved; usable from any thread.
+    """Curves that models offered when they were solved; usable from any thread.
 
     Parameters
     ----------
@@ -78,7 +76,7 @@ class KnownCurves:
                 self._kept.popitem(last=False)
 
     def try_to_learn(self, model: Model, result: Any) -> None:
-        """As `learn`, but a modeler that fails over it is told so once and not asked again.
+        """Learn the curves as `learn` does; a modeler that fails over it is not asked again.
 
         Its shape is none the worse for it.
         """
@@ -89,7 +87,7 @@ class KnownCurves:
                 self._failed.add(model.modeler)
 
     def of(self, models: Iterable[Model]) -> tuple[Curve, ...]:
-        """The curves of the visible models among some, in the world; asks no plugin."""
+        """Return the curves of the visible models among some, in the world; asks no plugin."""
         found: list[Curve] = []
         for model in models:
             with self._lock:

@@ -1,4 +1,4 @@
-"""Objects of a document to files of other programs, with word of all that is not in them."""
+"""Export of a document's objects, with warnings of all that is left out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
-from bozzetto.exchange.export import Exported, prepared
+from bozzetto.exchange.export import Exported, prepare_export
 from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.left_out import LeftOut
 from bozzetto.geometry.shapes import Shapes
@@ -24,8 +24,6 @@ from bozzetto.view.page import framing, page_view
 
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
-
-__all__ = ["ObjectShapes", "chosen_models", "object_shapes", "prepared_file", "unusable"]
 
 ABSENT = {
     "absent": (
@@ -50,7 +48,7 @@ ABSENT = {
 
 @dataclass(frozen=True)
 class ObjectShapes:
-    """What objects hand over, and what a person must know of it.
+    """Shapes of objects for export, and what a person must know of them.
 
     Attributes
     ----------
@@ -66,7 +64,7 @@ class ObjectShapes:
     cautions: tuple[tuple[str, Caution], ...] = ()
 
     def warnings(self, *, baseless_only: bool = False) -> tuple[str, ...]:
-        """The cautions in words; with the objects' names where there are several objects."""
+        """Return the cautions as sentences, with objects' names where there are several objects."""
         several = len({name for name, _ in self.cautions}) > 1
         return tuple(
             f"{name}: {caution.message}" if several else caution.message
@@ -78,11 +76,12 @@ class ObjectShapes:
 def chosen_models(
     document: Document, names: Sequence[str] | None
 ) -> tuple[list[Model], list[LeftOut]]:
-    """The objects to hand over, and those that stay behind because they are hidden.
+    """Return the objects to export, and those that stay behind because they are hidden.
 
     Parameters
     ----------
     document : Document
+        The document that holds them.
     names : sequence of str, optional
         Names of the objects wanted, hidden or not; all of one name. By default all that are
         visible.
@@ -107,7 +106,7 @@ def chosen_models(
 
 
 def unusable(bench: Workbench, model: Model) -> LeftOut | None:
-    """Why an object cannot be shown or handed over now; None if it can."""
+    """Return why an object cannot be shown or exported now; None if it can."""
     standing = bench.registry.standing(model.modeler)
     usable = standing.status not in ("absent", "disabled", "broken")
     if usable and not bench.is_foreign(model):
@@ -119,7 +118,7 @@ def unusable(bench: Workbench, model: Model) -> LeftOut | None:
 
 
 def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> ObjectShapes:
-    """What objects hand over, in the world.
+    """Return the shapes of objects, in the world.
 
     Objects whose plugin cannot be used and empty ones do not keep the others back.
 
@@ -155,11 +154,12 @@ def prepared_file(
     view: str | None = None,
     whole: bool = True,
 ) -> Exported:
-    """The file of some objects, in the format that its ending names.
+    """Return the file of some objects, in the format that its ending names.
 
     Parameters
     ----------
     objects : ObjectShapes
+        The shapes, from `object_shapes`.
     path : path
         Nothing is written there.
     camera : Camera, optional
@@ -186,11 +186,11 @@ def prepared_file(
             camera = framing(points, view, plans=True)
         else:
             camera = page_view(points, camera, whole=whole)
-    made = prepared(objects.shapes, path, camera=camera)
+    made = prepare_export(objects.shapes, path, camera=camera)
     return replace(made, left_out=(*objects.left_out, *made.left_out))
 
 
 def _points_of(shapes: Shapes) -> NDArray[np.float64]:
-    """Points of all that a flat file shows, mm."""
+    """Return points of all that a flat file shows, mm."""
     lines = [points_on(curve) for curve in shapes.curves]
     return np.concatenate(lines) if lines else np.zeros((0, 3))

@@ -1,4 +1,4 @@
-"""Parts of models: read through the lens of their modeler, and changed through it.
+"""Edits of the parts of models, read and changed through their modelers.
 
 What a person can do to a part is the same for every modeler, so it is done here. Nothing
 changes a model: every edit gives another one, with the label for the history. All calls
@@ -13,16 +13,13 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from bozzetto.document.model import Model
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.parameters import parameter_fields, set_parameters
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import HasParts, ReleasesParts
-
-__all__ = ["PartEdit", "PartEdits"]
 
 
 class PartEdit(NamedTuple):
@@ -33,7 +30,7 @@ class PartEdit(NamedTuple):
 
 
 class PartEdits:
-    """What a person can do to the parts of a model.
+    """Edits of the parts of a model.
 
     Parameters
     ----------
@@ -53,7 +50,7 @@ class PartEdits:
     # -- reading --
 
     def of(self, model: Model) -> PartTree | None:
-        """The parts of a model; None where its modeler knows of none, or is not here.
+        """Return the parts of a model; None where its modeler knows of none, or is absent.
 
         Raises
         ------
@@ -72,7 +69,7 @@ class PartEdits:
         return isinstance(self._registry.modeler(model.modeler), HasParts)
 
     def remembered(self, model: Model) -> PartTree | None:
-        """The parts of a model where they have been asked for; asks no plugin."""
+        """Return the parts of a model where they have been asked for; asks no plugin."""
         known = self._known.get(id(model.state))
         return known[1] if known is not None and known[0]() is model.state else None
 
@@ -92,7 +89,7 @@ class PartEdits:
     # -- changing --
 
     def select(self, model: Model, part_id: str) -> Model:
-        """The model with another part chosen, "" for none; locked ones too."""
+        """Return the model with another part chosen, "" for none; also where it is locked."""
         return self._changed(model, lambda tree: tree.chosen(part_id))
 
     def rename(self, model: Model, part_id: str, name: str) -> PartEdit:
@@ -147,7 +144,7 @@ class PartEdits:
         return PartEdit(changed, f"Ungroup “{self._name(model, group_id)}”")
 
     def only(self, model: Model, part_ids: Iterable[str]) -> Model:
-        """The model with nothing but some of its parts and the groups around them."""
+        """Return the model with nothing but some of its parts and the groups around them."""
         ids = tuple(part_ids)
         return self._changed(model, lambda tree: tree.only(ids))
 
@@ -157,7 +154,7 @@ class PartEdits:
         return PartEdit(changed, f"Change “{self._name(model, part_id)}”")
 
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
-        """The model with parameters of its own changed, or else of its parts.
+        """Return the model with parameters of its own changed, or else of its parts.
 
         “Part 2.blend” names a part's; a name that the state does not know means the chosen
         part, or all parts that have it where the chosen one has not.
@@ -212,7 +209,7 @@ class PartEdits:
         return modeler
 
     def _names_of(self, model: Model, part_ids: tuple[str, ...]) -> str:
-        """In a label: the one part's name, or how many there are."""
+        """Return words for a label: the one part's name, or how many there are."""
         if len(part_ids) == 1:
             return f"“{self._name(model, part_ids[0])}”"
         return f"{len(part_ids)} parts"
@@ -230,7 +227,7 @@ def _tree_of(modeler: HasParts, state: Any) -> PartTree:
 def _with_values(
     modeler: Modeler[Any, Any], state: Any, tree: PartTree | None, values: dict[str, object]
 ) -> Any:
-    """A state with parameters of its own, or else of its parts, changed."""
+    """Return a state with parameters of its own, or else of its parts, changed."""
     own = {field.name for field in parameter_fields(type(state))}
     inner = {name: value for name, value in values.items() if name not in own}
     if tree is None or not inner or not isinstance(modeler, HasParts):

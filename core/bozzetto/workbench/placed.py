@@ -1,4 +1,4 @@
-"""What a modeler answers as a document has it: named, coloured, placed; and plain values."""
+"""Answers of modelers as the document has them: named, coloured and placed; and plain values."""
 
 from __future__ import annotations
 
@@ -14,20 +14,18 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.scene.display_list import Scene, Shaded
 
-__all__ = ["plain", "scene_in_world", "shapes_in_world"]
-
 Answer = TypeVar("Answer", Scene, Shapes)
 
 
 def scene_in_world(scene: Scene, model: Model) -> Scene:
-    """A modeler's scene in the world: in the model's colour, placed, marked as its own."""
+    """Return a modeler's scene in the world: in the model's colour, placed, marked as its own."""
     if model.color is not None:
         scene = _tinted(scene, model.color)
     return _placed(scene, model).owned(model.id)
 
 
 def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
-    """Shaded parts in the model's colour, where they carry no colours of their own."""
+    """Return shaded parts in the model's colour, where they carry no colours of their own."""
 
     def tint(item: Any) -> Any:
         bare = isinstance(item, Shaded) and item.color == "clay"
@@ -42,12 +40,12 @@ def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
 
 
 def shapes_in_world(shapes: Shapes, model: Model) -> Shapes:
-    """A modeler's shapes in the world: named, in the model's colour, placed."""
+    """Return a modeler's shapes in the world: named, in the model's colour, placed."""
     return _placed(_named(shapes, model), model)
 
 
 def _placed(answer: Answer, model: Model) -> Answer:
-    """An answer in its place; raises `UserError` where numbers have no room for it there."""
+    """Place an answer; raise `UserError` where the numbers get too large for that."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             return answer.placed(model.placement)
@@ -59,7 +57,7 @@ def _placed(answer: Answer, model: Model) -> Answer:
 
 
 def _named(shapes: Shapes, model: Model) -> Shapes:
-    """Parts in the model's colour; those without a name are named after it and numbered."""
+    """Return parts in the model's colour; those without a name are named after it and numbered."""
 
     def named(parts: tuple[Any, ...]) -> tuple[Any, ...]:
         made = []
@@ -83,7 +81,7 @@ def _named(shapes: Shapes, model: Model) -> Shapes:
 
 
 def plain(value: Any) -> Any:
-    """A JSON value from what a modeler reported; numbers that are not finite become None."""
+    """Return a report as JSON values; numbers that are not finite become None."""
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
     if isinstance(value, np.generic):

@@ -1,4 +1,4 @@
-"""Runs the steps of a drawing as if a person took them one by one."""
+"""Playback of a drawing's steps, as if a person took them one by one."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ from bozzetto.view.camera import Camera
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
 
-__all__ = ["run_steps"]
-
 MOST_SEEN: Final = 32
 """Earlier states on which a gesture may have been made."""
 
 
 def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context) -> Model:
-    """The model after all steps of a drawing.
+    """Return the model after all steps of a drawing.
 
     Parameters
     ----------
     bench : Workbench
+        Runs the modelers.
     model : Model
         New and empty.
     drawing : Drawing
+        The strokes and the steps.
     context : Context
         The world around; what the model itself shows is added before every gesture, in
         preview quality.
@@ -120,7 +120,7 @@ def _after(bench: Workbench, model: Model, step: Step, drawing: Drawing, context
 
 
 def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
-    """A function from a part's name ("" is the chosen one) to its id."""
+    """Return a function from a part's name ("" is the chosen one) to its id."""
 
     def find(name: str) -> str:
         tree = bench.parts.of(model)
@@ -136,7 +136,7 @@ def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
 
 
 def _scene(bench: Workbench, model: Model) -> Scene:
-    """What the model shows; without its shape where that has no solution yet."""
+    """Return the model's scene; without its shape where that has no solution yet."""
     try:
         result = bench.solve(model, Job(quality="preview"))
         bench.curves.try_to_learn(model, result)  # the next step may snap to them

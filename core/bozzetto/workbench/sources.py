@@ -1,10 +1,10 @@
-"""Where models come from: drawings, the shapes of others, and pictures."""
+"""Sources of models: drawings, the shapes of others, and pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from bozzetto.document.model import Model, new_id
 from bozzetto.errors import UserError
@@ -15,23 +15,22 @@ from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Ink
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import ReadsDrawings, ReadsShapes, TakesPictures
-from bozzetto.workbench.play_steps import run_steps
 
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
-
-__all__ = ["ModelSources"]
 
 
 class ModelSources:
     """Makes models of what there is already, through the guard.
 
-    The workbench is one of these, and nothing else is.
+    Parameters
+    ----------
+    bench : Workbench
+        Runs the modelers.
     """
 
-    @property
-    def _bench(self) -> Workbench:
-        return cast("Workbench", self)
+    def __init__(self, bench: Workbench) -> None:
+        self._bench = bench
 
     def from_drawing(
         self,
@@ -40,7 +39,7 @@ class ModelSources:
         values: Mapping[str, object],
         context: Context | None = None,
     ) -> Model:
-        """A model made from a whole drawing, as if it had been drawn by hand.
+        """Make a model of a whole drawing, as if it had been drawn by hand.
 
         Where the drawing says in which steps it was made, these are taken one by one. What it
         says beyond its strokes is in the context all the way (`Context.facts`), and so are the
@@ -54,6 +53,8 @@ class ModelSources:
         model = self._bench.create(modeler_id, context, name=drawing.name)
         modeler = self._bench.registry.modeler(modeler_id)
         if drawing.steps:
+            from bozzetto.workbench.play_steps import run_steps
+
             model = run_steps(self._bench, model, drawing, context)
         elif isinstance(modeler, ReadsDrawings):
             state = self._bench.registry.guard.call(
@@ -72,7 +73,7 @@ class ModelSources:
         return self._bench.set_parameters(model, values) if values else model
 
     def from_shapes(self, modeler_id: str, shapes: Shapes, name: str) -> Model:
-        """A model that starts from what another program made.
+        """Make a model of shapes from another program.
 
         Raises
         ------
@@ -93,12 +94,14 @@ class ModelSources:
     def from_models(
         self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
     ) -> Model:
-        """A model that starts from what others hand over, where they stand; see `from_shapes`.
+        """Make a model of the shapes of other models, where they stand; see `from_shapes`.
 
         Parameters
         ----------
         modeler_id : str
+            The modeler of the new model.
         models : iterable of Model
+            The models to start from, at least one.
         job : Job
             Solves what is not yet solved.
         name : str
@@ -117,7 +120,7 @@ class ModelSources:
         return isinstance(self._bench.registry.modeler(modeler_id), TakesPictures)
 
     def with_picture(self, model: Model, picture: Picture, context: Context) -> Model:
-        """The model with one more picture to work on.
+        """Return the model with one more picture to work on.
 
         Raises
         ------
@@ -144,7 +147,7 @@ class ModelSources:
         values: Mapping[str, object],
         context: Context | None = None,
     ) -> Model:
-        """A new model that works on a picture; see `with_picture`."""
+        """Make a model that works on a picture; see `with_picture`."""
         context = context or Context()
         model = self._bench.create(modeler_id, context, name=picture.name)
         model = self.with_picture(model, picture, context)

@@ -13,8 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from bozzetto.document.model import Document, Model, new_id
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
@@ -39,13 +38,11 @@ from bozzetto.workbench.part_edits import PartEdits
 from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
 from bozzetto.workbench.sources import ModelSources
 
-__all__ = ["Workbench"]
-
 KEPT_RESULTS = 64
-"""How many solved results are kept; they can always be made again."""
+"""Limit of solved results that are kept; they can always be made again."""
 
 
-class Workbench(ModelSources):
+class Workbench:
     """Runs modelers on documents.
 
     Parameters
@@ -56,9 +53,11 @@ class Workbench(ModelSources):
     Attributes
     ----------
     parts : PartEdits
-        What can be done to the parts of a model.
+        Edits of the parts of models.
     commands : ModelCommands
-        What a modeler can do to a model at one word.
+        Commands of modelers.
+    sources : ModelSources
+        Makes models of drawings, shapes and pictures.
     curves : KnownCurves
         What solved models offer to snap to and to start from.
 
@@ -73,6 +72,7 @@ class Workbench(ModelSources):
         self.parts = PartEdits(registry)
         self.commands = ModelCommands(registry)
         self.curves = KnownCurves(registry)
+        self.sources = ModelSources(self)
         self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
         self._lock = threading.Lock()
         self._moved: tuple[Scene, Placement, Scene] | None = None
@@ -80,7 +80,7 @@ class Workbench(ModelSources):
     # -- making and changing models --
 
     def create(self, modeler_id: str, context: Context, *, name: str | None = None) -> Model:
-        """A new, empty model of a modeler."""
+        """Make an empty model of a modeler."""
         modeler = self.registry.modeler(modeler_id)
         state = self.registry.guard.call(modeler_id, "create", modeler.create, context)
         self.registry.guard.check_state(modeler_id, modeler.state_type, state)
@@ -93,7 +93,7 @@ class Workbench(ModelSources):
         )
 
     def tool(self, modeler_id: str, tool_id: str) -> Tool[Any]:
-        """A tool of a modeler by its id.
+        """Return a tool of a modeler by its id.
 
         Raises
         ------
@@ -106,13 +106,13 @@ class Workbench(ModelSources):
         raise UserError(f"The modeler {modeler_id} has no tool {tool_id!r}.")
 
     def tools(self, modeler_id: str) -> tuple[Tool[Any], ...]:
-        """All tools of a modeler."""
+        """Return all tools of a modeler."""
         modeler = self.registry.modeler(modeler_id)
         made = self.registry.guard.call(modeler_id, "tools", modeler.tools)
         return self.registry.guard.check_tools(modeler_id, made)
 
     def apply(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Model:
-        """The model after a gesture with one of its tools.
+        """Return the model after a gesture with one of its tools.
 
         Gesture and context are in the world; the tool gets them in the model's own frame.
 
@@ -138,6 +138,7 @@ class Workbench(ModelSources):
         Parameters
         ----------
         before, after : Model
+            Two states of one model.
         only_chosen : bool
             Whether at most the chosen part differs; then states are compared by value.
         """
@@ -155,7 +156,7 @@ class Workbench(ModelSources):
         return not same
 
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
-        """What to show while the pen is down, in the world, marked as the model's own.
+        """Return what to show while the pen is down, in the world, marked as the model's own.
 
         A layer stands in for the model's layer of the same name; see `Scene.under`.
         """
@@ -166,7 +167,7 @@ class Workbench(ModelSources):
         return scene_in_world(self.registry.guard.check_scene(model.modeler, scene), model)
 
     def next_hint(self, model: Model, tool: Tool[Any]) -> str:
-        """What is to be done next with a tool, as the model is now."""
+        """Say what to do next with a tool, as the model is now."""
         if not isinstance(tool, TellsNext):
             return tool.hint
         guard = self.registry.guard
@@ -176,7 +177,7 @@ class Workbench(ModelSources):
     def _in_frame_of(
         self, model: Model, gesture: Gesture, context: Context
     ) -> tuple[Gesture, Context]:
-        """A gesture and its world as they are in a model's own frame.
+        """Return a gesture and its world as they are in a model's own frame.
 
         The newest moved scene is kept: moving one takes longer than a preview may.
         """
@@ -190,7 +191,7 @@ class Workbench(ModelSources):
         return gesture.moved(inverse), replace(rest, scene=known[2])
 
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
-        """The model with parameters changed.
+        """Return the model with parameters changed.
 
         Names that the state does not know are parameters of its parts; see
         `PartEdits.set_parameters`.
@@ -210,14 +211,16 @@ class Workbench(ModelSources):
     def view_advice(
         self, model: Model, camera: Camera, seen: Iterable[Model] = ()
     ) -> ViewAdvice | None:
-        """What a model's modeler says of a view of it; None where it gives no advice.
+        """Return the modeler's advice on a view of a model; None where it gives none.
 
         The camera is in the world, and so is what comes back.
 
         Parameters
         ----------
         model : Model
+            The model that is drawn on.
         camera : Camera
+            The view.
         seen : iterable of Model
             The model as it was a moment ago, newest first, while the view was pinned to it. Where
             it has changed, the view may have to go along; see `MovesView`.
@@ -243,7 +246,7 @@ class Workbench(ModelSources):
     def _view_after(
         self, model: Model, modeler: object, camera: Camera, seen: Iterable[Model]
     ) -> Camera | None:
-        """Where a pinned view goes along to, in the model's own frame."""
+        """Return the view that a pinned view becomes, in the model's own frame."""
         if not isinstance(modeler, MovesView):
             return None
         for before in seen:
@@ -258,7 +261,7 @@ class Workbench(ModelSources):
         return None
 
     def advice_scene(self, document: Document, camera: Camera) -> Scene:
-        """What hangs on a view of the models that can be seen; lay it over their scene."""
+        """Return what depends on the view of the visible models; lay it over their scene."""
         layers: list[Layer] = []
         for model in document:
             if model.visible and not self.is_foreign(model):
@@ -269,7 +272,7 @@ class Workbench(ModelSources):
     # -- solving --
 
     def solve(self, model: Model, job: Job) -> Any:
-        """The result of a model's recipe: remembered, or solved now."""
+        """Return the result of a model's recipe: remembered, or solved now."""
         known = self.result(model, job.quality)
         if known is not None:
             return known
@@ -285,7 +288,7 @@ class Workbench(ModelSources):
         return result
 
     def result(self, model: Model, quality: str = "final") -> Any | None:
-        """The remembered result of exactly this state, or None."""
+        """Return the remembered result of exactly this state, or None."""
         with self._lock:
             entry = self._results.get((id(model.state), quality))
             if entry is None or entry[0] is not model.state:
@@ -300,24 +303,26 @@ class Workbench(ModelSources):
         forget_all()
 
     def best_result(self, model: Model) -> Any | None:
-        """The final result where it is known, else the preview's, else None."""
+        """Return the final result where it is known, else the preview's, else None."""
         final = self.result(model, "final")
         return final if final is not None else self.result(model, "preview")
 
     # -- what to show and to hand over --
 
     def model_scene(self, model: Model, result: Any | None) -> Scene:
-        """One model's scene in the world, marked as its own."""
+        """Return one model's scene in the world, marked as its own."""
         modeler = self._modeler_of(model)
         scene = self.registry.guard.call(model.modeler, "scene", modeler.scene, model.state, result)
         scene = self.registry.guard.check_scene(model.modeler, scene)
         return scene_in_world(scene, model)
 
     def scene(self, document: Document, job: Job | None = None) -> Scene:
-        """All visible models and underlays of a document.
+        """Return all visible models and underlays of a document.
 
         Parameters
         ----------
+        document : Document
+            The document to show.
         job : Job, optional
             Solves what is not yet solved; without it unsolved models show what they can.
         """
@@ -330,7 +335,7 @@ class Workbench(ModelSources):
 
     @staticmethod
     def underlay_layers(document: Document) -> Iterator[Layer]:
-        """The visible underlays, each as a layer."""
+        """Yield the visible underlays, each as a layer."""
         for underlay in document.underlays:
             if underlay.visible:
                 image = Image(
@@ -348,7 +353,7 @@ class Workbench(ModelSources):
         return isinstance(model.state, OpaqueState)
 
     def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
-        """What models hand over, in the world, named and coloured as in the document."""
+        """Return the shapes of models, in the world, named and coloured as in the document."""
         total = Shapes()
         for model in models:
             if self.is_foreign(model):
@@ -363,7 +368,7 @@ class Workbench(ModelSources):
         return total
 
     def report(self, model: Model, job: Job) -> dict[str, Any]:
-        """How good a model's result is, in plain JSON values; empty if it does not say."""
+        """Return figures on a model's quality, as JSON values; empty if its modeler has none."""
         modeler = self._modeler_of(model)
         result = self.solve(model, job)
         if not isinstance(modeler, Reports):
@@ -375,7 +380,7 @@ class Workbench(ModelSources):
         return {str(key): plain(value) for key, value in said.items()}
 
     def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
-        """What a person must know of a model's result; empty where all is well."""
+        """Return what a person must know of a model's result; empty where all is well."""
         modeler = self._modeler_of(model)
         if not isinstance(modeler, Warns):
             return ()

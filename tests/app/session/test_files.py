@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 from bozzetto.atomic_files import FileChanged
-from bozzetto.document.model import Model, new_id
+from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
-from bozzetto.document.storage.state_codec import OpaqueState
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
@@ -243,6 +242,16 @@ def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_pa
 
 
 # -- bringing in ---------------------------------------------------------------------------------
+
+
+def test_what_is_not_read_of_a_drawing_is_said(make_session, settle, tmp_path):
+    session = make_session()
+    (tmp_path / "named.svg").write_text(SVG.replace("</svg>", "<text>Front</text></svg>"))
+    session.import_file(tmp_path / "named.svg")
+    settle(session)
+    (said,) = words(session, "error")
+    assert "1 text of this drawing is left out" in said
+    assert len(session.document) == 1
 
 
 def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, settle, tmp_path):

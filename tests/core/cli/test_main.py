@@ -55,6 +55,16 @@ def bozzetto(tmp_path, monkeypatch, capfd):
     return run
 
 
+def test_what_is_not_read_of_a_drawing_is_said(bozzetto, tmp_path):
+    text = SQUARE.replace("</svg>", "<text>Front view</text></svg>")
+    (tmp_path / "named.svg").write_text(text)
+    built = bozzetto("build", "silhouette", "named.svg", "-o", "named.bozz")
+    assert built.returncode == 0
+    assert "1 text of this drawing is left out" in built.stderr
+    facts = json.loads(bozzetto("info", "named.svg", "--json").stdout)
+    assert "1 text" in facts["left_out"][0]
+
+
 @pytest.fixture
 def square(tmp_path):
     path = tmp_path / "square.svg"

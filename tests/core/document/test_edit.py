@@ -35,7 +35,6 @@ OTHER = underlay("Other")
         (lambda d: edit.duplicate_model(d, "m1"), "Duplicate “Body”"),
         (lambda d: edit.move_model(d, "m1", 2), "Reorder “Body”"),
         (lambda d: edit.add_view(d, "Top", CAMERA), "Keep view “Top”"),
-        (lambda d: edit.rename_view(d, "Side", "Left"), "Rename view to “Left”"),
         (lambda d: edit.delete_view(d, "Side"), "Delete view “Side”"),
         (lambda d: edit.change_underlay(d, OTHER), "Change underlay “Other”"),
         (lambda d: edit.delete_underlay(d, "scan"), "Delete underlay “Scan”"),
@@ -90,9 +89,6 @@ def test_a_copy_stands_behind_its_original_under_its_own_name_and_id():
 def test_a_view_of_the_same_name_is_replaced():
     document = edit.add_view(DOCUMENT, "Side", CAMERA).document
     assert document.views == (NamedView("Front", CAMERA), NamedView("Side", CAMERA))
-    with pytest.raises(UserError, match="already"):
-        edit.rename_view(document, "Front", "Side")
-    assert edit.rename_view(document, "Front", "Front").document.views == document.views
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,8 @@ import pytest
 
 from bozzetto.document.edit import change_state
 from bozzetto.document.history import STEP_BYTES, History
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.document.shared_bytes import difference
-from bozzetto.document.storage.state_codec import OpaqueState
 from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera

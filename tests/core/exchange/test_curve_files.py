@@ -17,7 +17,7 @@ from bozzetto.exchange.cad.cad_curves import bezier_pieces, checked_curves
 from bozzetto.exchange.cad.iges import write_shapes as iges
 from bozzetto.exchange.cad.step import write_shapes as step
 from bozzetto.exchange.cad.step_text import real, string
-from bozzetto.exchange.export import encoded, export
+from bozzetto.exchange.export import encode_shapes, export
 from bozzetto.geometry import Curve, Mesh, Shapes, Solid
 from tests.core.exchange.curve_kit import (
     BROKEN,
@@ -297,9 +297,9 @@ def test_meshes_are_refused_with_words(ending):
         [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     )
     with pytest.raises(UserError, match=r"curves, and there are none\. Use one of \.stl"):
-        encoded(Shapes(solids=(Solid(tetra),)), f"a.{ending}")
+        encode_shapes(Shapes(solids=(Solid(tetra),)), f"a.{ending}")
     with pytest.raises(UserError, match="nothing to export"):
-        encoded(Shapes(), f"a.{ending}")
+        encode_shapes(Shapes(), f"a.{ending}")
 
 
 def test_more_points_than_can_be_written_are_refused_before_any_work(monkeypatch):
@@ -314,7 +314,7 @@ def test_more_points_than_can_be_written_are_refused_before_any_work(monkeypatch
 def test_a_missing_library_says_what_to_install(monkeypatch, ending, name, extra):
     monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(UserError, match=rf"{name}.*pip install 'bozzetto\[{extra}\]'"):
-        encoded(Shapes(curves=CURVES), f"a.{ending}")
+        encode_shapes(Shapes(curves=CURVES), f"a.{ending}")
 
 
 def test_the_writers_import_nothing_heavy():

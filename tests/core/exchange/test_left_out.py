@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.export import prepared
+from bozzetto.exchange.export import prepare_export
 from bozzetto.exchange.formats import writers
 from bozzetto.geometry import Curve, Mesh, Shapes, Skeleton, Solid, Surface
 from tests.core.exchange.skinned import skinned
@@ -39,7 +39,7 @@ def needs(one):
 @pytest.mark.parametrize("one", FORMATS, ids=lambda one: one.id)
 def test_every_part_is_in_the_file_or_named_as_left_out(one):
     needs(one)
-    made = prepared(ALL, f"a{one.endings[0]}")
+    made = prepare_export(ALL, f"a{one.endings[0]}")
     told = made.as_values()
     written = {n for k in ("solids", "surfaces", "exact_surfaces", "curves") for n in told[k]}
     missing = {name for part in told["left_out"] for name in part["names"]}
@@ -52,46 +52,48 @@ def test_every_part_is_in_the_file_or_named_as_left_out(one):
 
 
 def test_the_sentence_is_the_one_that_was_promised():
-    made = prepared(Shapes(solids=SOLIDS, curves=(LINE,)), "a.step")
+    made = prepare_export(Shapes(solids=SOLIDS, curves=(LINE,)), "a.step")
     assert made.warnings() == (
         "Left out of the STEP file: 2 solids (they have no exact surfaces); save them as 3MF or "
         "STL.",
     )
-    one = prepared(Shapes(solids=SOLIDS[:1], curves=(LINE,)), "a.stp")
+    one = prepare_export(Shapes(solids=SOLIDS[:1], curves=(LINE,)), "a.stp")
     assert "1 solid (it has no exact surfaces); save it as" in one.warnings()[0]
 
 
 def test_nothing_is_said_where_nothing_is_missing():
-    assert prepared(Shapes(solids=SOLIDS), "a.stl").warnings() == ()
-    assert prepared(Shapes(patchworks=(CAR,), curves=(LINE,)), "a.step").warnings() == ()
-    assert prepared(Shapes(patchworks=(CAR,)), "a.3mf").warnings() == ()
+    assert prepare_export(Shapes(solids=SOLIDS), "a.stl").warnings() == ()
+    assert prepare_export(Shapes(patchworks=(CAR,), curves=(LINE,)), "a.step").warnings() == ()
+    assert prepare_export(Shapes(patchworks=(CAR,)), "a.3mf").warnings() == ()
 
 
 def test_painted_colours_are_missed_where_a_format_has_none():
     colors = np.full((4, 4), 200, np.uint8)
     painted = Solid(Mesh(TETRA.vertices, TETRA.faces, colors=colors), "Painted")
-    (said,) = prepared(Shapes(solids=(painted,)), "a.stl").warnings()
+    (said,) = prepare_export(Shapes(solids=(painted,)), "a.stl").warnings()
     assert "the colours of 1 solid" in said
     for ending in ("3mf", "glb", "obj", "ply"):
-        assert prepared(Shapes(solids=(painted,)), f"a.{ending}").warnings() == ()
+        assert prepare_export(Shapes(solids=(painted,)), f"a.{ending}").warnings() == ()
 
 
 def test_bones_are_missed_once_somebody_has_bent_them():
     posed, rest = skinned(7, 60.0), skinned(7)
-    assert "the bones of 1 solid" in " ".join(prepared(Shapes(solids=(posed,)), "a.stl").warnings())
-    assert prepared(Shapes(solids=(posed,)), "a.glb").warnings() == ()
-    assert prepared(Shapes(solids=(rest,)), "a.stl").warnings() == ()
+    assert "the bones of 1 solid" in " ".join(
+        prepare_export(Shapes(solids=(posed,)), "a.stl").warnings()
+    )
+    assert prepare_export(Shapes(solids=(posed,)), "a.glb").warnings() == ()
+    assert prepare_export(Shapes(solids=(rest,)), "a.stl").warnings() == ()
 
 
 def test_empty_surfaces_are_named():
     empty = Surface(Mesh(np.zeros((0, 3)), np.zeros((0, 3))), "Nothing yet")
-    made = prepared(Shapes(solids=SOLIDS, surfaces=(empty,)), "a.obj")
+    made = prepare_export(Shapes(solids=SOLIDS, surfaces=(empty,)), "a.obj")
     assert "1 open surface (it has no triangles)" in made.warnings()[0]
 
 
 def test_what_is_not_sound_is_refused_only_where_it_would_be_written():
     broken = replace(SOLIDS[0], mesh=Mesh(TETRA.vertices, TETRA.faces[:3]))
     shapes = Shapes(solids=(broken,), curves=(LINE,))
-    assert prepared(shapes, "a.step").warnings()
+    assert prepare_export(shapes, "a.step").warnings()
     with pytest.raises(UserError, match="not closed"):
-        prepared(shapes, "a.stl")
+        prepare_export(shapes, "a.stl")

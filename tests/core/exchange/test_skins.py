@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bozzetto.exchange.export import encoded, export
+from bozzetto.exchange.export import encode_shapes, export
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Mesh, Shapes, Solid
 from tests.core.exchange.skinned import skinned, tube
@@ -68,13 +68,13 @@ def shown(data, mesh_node):
 @pytest.mark.parametrize("pose", [None, 90.0])
 def test_a_viewer_sees_the_mesh_as_it_was_posed(joints, pose):
     solid = skinned(joints, pose)
-    data = encoded(Shapes(solids=(solid,)), "a.glb")
+    data = encode_shapes(Shapes(solids=(solid,)), "a.glb")
     np.testing.assert_allclose(shown(data, 0), solid.mesh.vertices, atol=1e-4)
 
 
 def test_the_file_holds_the_mesh_at_rest_and_joints_that_were_only_moved():
     solid = skinned(7, 90.0)
-    gltf, values = opened(encoded(Shapes(solids=(solid,)), "a.glb"))
+    gltf, values = opened(encode_shapes(Shapes(solids=(solid,)), "a.glb"))
     attributes = gltf["meshes"][0]["primitives"][0]["attributes"]
     rest = solid.skin.rest.vertices @ TO_FILE.T
     np.testing.assert_allclose(values(attributes["POSITION"]), rest, atol=1e-7)
@@ -86,7 +86,7 @@ def test_the_file_holds_the_mesh_at_rest_and_joints_that_were_only_moved():
 
 
 def test_a_cut_loop_is_told_on_both_of_its_joints():
-    gltf, _ = opened(encoded(Shapes(solids=(skinned(5),)), "a.glb"))
+    gltf, _ = opened(encode_shapes(Shapes(solids=(skinned(5),)), "a.glb"))
     told = {node["name"]: node["extras"] for node in gltf["nodes"] if "extras" in node}
     assert told == {"worm 0": {"cut": ["worm 4"]}, "worm 4": {"cut": ["worm 0"]}}
 
@@ -94,7 +94,7 @@ def test_a_cut_loop_is_told_on_both_of_its_joints():
 def test_skins_stand_beside_each_other_and_beside_plain_solids():
     ball = Solid(Mesh(tube().vertices + np.array([0, 0, 40]), tube().faces), "plain")
     shapes = Shapes(solids=(skinned(4, name="a"), ball, skinned(6, 45.0, "b", roots=(0, 3))))
-    data = encoded(shapes, "a.glb")
+    data = encode_shapes(shapes, "a.glb")
     gltf, _ = opened(data)
     assert [("skin" in node) for node in gltf["nodes"][:3]] == [True, False, True]
     for number in (0, 2):
@@ -105,7 +105,7 @@ def test_skins_stand_beside_each_other_and_beside_plain_solids():
 
 def test_a_textured_skin_is_torn_with_its_picture():
     solid = skinned(7, 60.0, texture=True)
-    data = encoded(Shapes(solids=(solid,)), "a.glb")
+    data = encode_shapes(Shapes(solids=(solid,)), "a.glb")
     gltf, values = opened(data)
     faces = values(gltf["meshes"][0]["primitives"][0]["indices"]).reshape(-1, 3)
     np.testing.assert_allclose(

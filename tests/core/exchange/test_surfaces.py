@@ -15,12 +15,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bozzetto.cli.output import hand_over
+from bozzetto.cli.output import write_output
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad import cad_surfaces as surface_pieces
 from bozzetto.exchange.cad.iges import write_shapes as iges
 from bozzetto.exchange.cad.step import write_shapes as step
-from bozzetto.exchange.export import encoded, export
+from bozzetto.exchange.export import encode_shapes, export
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Curve, Mesh, Patchwork, Placement, Shapes, Solid
 from bozzetto.geometry.patches import tessellation
@@ -319,7 +319,7 @@ def test_more_points_than_can_be_written_are_refused(monkeypatch):
 @pytest.mark.parametrize("ending", ["dxf", "svg"])
 def test_flat_formats_say_where_surfaces_go(ending):
     with pytest.raises(UserError, match=r"curves.*and there are none\. Use one of") as caught:
-        encoded(Shapes(patchworks=(CAR,)), f"a.{ending}")
+        encode_shapes(Shapes(patchworks=(CAR,)), f"a.{ending}")
     for known in (".stl", ".glb", ".step", ".iges", ".3dm"):
         assert caught.value.message.count(known) == 1
 
@@ -327,7 +327,7 @@ def test_flat_formats_say_where_surfaces_go(ending):
 def test_meshes_are_no_exact_surfaces():
     tetra = Mesh(np.vstack((np.zeros(3), np.eye(3))), [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     with pytest.raises(UserError, match="holds exact surfaces or curves, and there are none"):
-        encoded(Shapes(solids=(Solid(tetra),)), "a.step")
+        encode_shapes(Shapes(solids=(Solid(tetra),)), "a.step")
 
 
 # -- meshes ------------------------------------------------------------------------------------
@@ -366,14 +366,14 @@ def test_the_command_line_hands_a_skin_over(tmp_path):
         is_foreign=lambda model: False,
         cautions=lambda model, job: (),
     )
-    hand_over(bench, Document([car]), tmp_path / "out" / "car.STP")
+    write_output(bench, Document([car]), tmp_path / "out" / "car.STP")
     assert (tmp_path / "out" / "car.STP").read_bytes() == step(SHAPES)
-    with pytest.raises(UserError, match=r"“\.3ds” does not do here.*\.step"):
-        hand_over(bench, Document([car]), tmp_path / "car.3ds")
+    with pytest.raises(UserError, match=r"“\.3ds” cannot be used here.*\.step"):
+        write_output(bench, Document([car]), tmp_path / "car.3ds")
 
 
 def test_3mf_takes_them_too():
-    assert len(encoded(Shapes(patchworks=(CAR,)), "a.3mf")) > 10_000
+    assert len(encode_shapes(Shapes(patchworks=(CAR,)), "a.3mf")) > 10_000
 
 
 # -- between modelers and files ----------------------------------------------------------------

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.exchange.export import encoded, export
+from bozzetto.exchange.export import encode_shapes, export
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Mesh, Placement, Shapes, Solid, Texture
 from tests.core.exchange.test_interop import VALIDATE
@@ -83,7 +83,7 @@ def test_trimesh_sees_every_place_in_its_colour(tmp_path, mirrored):
 
 
 def test_corners_that_agree_share_a_vertex():
-    data = encoded(Shapes(solids=(painted_box(),)), "a.glb")
+    data = encode_shapes(Shapes(solids=(painted_box(),)), "a.glb")
     length = int(np.frombuffer(data, "<u4", 1, 12)[0])
     gltf = json.loads(data[20 : 20 + length])
     (primitive,) = gltf["meshes"][0]["primitives"]

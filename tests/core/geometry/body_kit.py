@@ -6,8 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from bozzetto.geometry.patches.crease import joints_of_chain
-
 CENTRE = {
     "C0": (80, 0, 200), "C1": (100, 0, 740), "C2": (1220, 0, 990), "C3": (2000, 0, 1400),
     "C4": (2600, 0, 1460), "C5": (3250, 0, 1400), "C6": (4000, 0, 1100), "C7": (4620, 0, 1050),
@@ -30,6 +28,11 @@ QUADS = {
 }  # fmt: skip
 CHAINS = ("C2 C3 C4 C5 C6", "S2 R1 R2 R3 S4", "S1 S2 S3 S4 S5", "B1 B2 B3 B4 B5")
 ARCHES = ("B1 C0", "S1 C1", "S2 C2", "R1 C3", "R2 C4", "R3 C5", "S4 C6", "S5 C7", "B5 C8")
+
+
+def joints_of_chain(row):
+    """The joints of edges that follow each other, ``~e`` where against their sense."""
+    return tuple((~edge, after) for edge, after in pairwise(row))
 
 
 def side(node, letter):

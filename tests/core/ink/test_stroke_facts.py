@@ -28,6 +28,14 @@ def test_facts_that_cannot_be_kept_are_refused(facts):
     assert Stroke([1.0], [2.0], Camera(), tool="mouse", color=(0, 255, 9), group="rim ✎\x01")
 
 
+@pytest.mark.parametrize("far", [1.1e9, -3.1e9, 1e30])
+def test_places_that_nothing_can_be_reckoned_with_are_refused(far):
+    for x, y in ([0.0, far], [0.0, 0.0]), ([0.0, 0.0], [far, 0.0]):
+        with pytest.raises(UserError, match=r"1,000,000,000 pixels away\. Scale"):
+            Stroke(x, y, Camera())
+    assert Stroke([1e9], [-1e9], Camera())
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_rays_of_ink_move_with_the_world(side):
     camera = Camera(eye=(30.0, -400.0, 120.0), target=(5.0, 10.0, -20.0))

@@ -12,7 +12,7 @@ MOST = 1000
 PARTS = [(object(), size) for size in (100, 250, 400, 700, 1200)]
 
 
-class Kept(Entry):
+class LevelCache(Entry):
     """An entry that notes that it was forgotten."""
 
     __slots__ = ("forgotten",)
@@ -54,7 +54,7 @@ def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
     for step, number, size in steps:
         entry = made[number % len(made)] if made else None
         if step == "keep" or entry is None:
-            entry = Kept(size)
+            entry = LevelCache(size)
             made.append(entry)
             budget.keep(entry)
             if size.total <= MOST:
@@ -88,7 +88,7 @@ def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
 
 
 def test_what_was_dropped_before_it_was_kept_stays_away():
-    budget, entry = MemoryBudget(MOST), Kept(Size((), 10))
+    budget, entry = MemoryBudget(MOST), LevelCache(Size((), 10))
     budget.drop([entry])
     budget.keep(entry)
     assert (budget.held, entry.forgotten) == (0, False)

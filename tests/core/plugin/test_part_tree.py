@@ -99,7 +99,7 @@ def test_a_hidden_groups_parts_stay_hidden():
 
 
 def test_no_group_is_not_dissolved():
-    with pytest.raises(UserError, match="“A” is no group"):
+    with pytest.raises(UserError, match="“A” is not a group"):
         tree_of("a b(c)").ungrouped("a")
 
 
@@ -146,7 +146,7 @@ def test_a_group_is_not_put_into_itself(group):
 
 
 def test_only_groups_take_others_in():
-    with pytest.raises(UserError, match="“F” is no group"):
+    with pytest.raises(UserError, match="“F” is not a group"):
         tree_of("a b(c) f").moved("a", "f", 0)
 
 

@@ -79,9 +79,9 @@ def test_modelers_without_pictures_refuse_in_words(registry):
     bench = Workbench(registry)
     model = bench.create("bozzetto.silhouette", Context())
     with pytest.raises(UserError, match="Silhouette takes no pictures"):
-        bench.with_picture(model, PICTURE, Context())
-    assert not bench.takes_pictures("bozzetto.silhouette")
-    assert bench.takes_pictures(MODELER)
+        bench.sources.with_picture(model, PICTURE, Context())
+    assert not bench.sources.takes_pictures("bozzetto.silhouette")
+    assert bench.sources.takes_pictures(MODELER)
 
 
 def test_damaged_bytes_are_the_files_fault_and_not_the_plugins(shell):
@@ -103,7 +103,7 @@ def test_the_context_comes_in_the_models_frame(shell, sketches):
     turned = Placement(offset=(100.0, 0.0, 0.0))
     sketches.with_picture = lambda state, picture, context: seen.append(context) or state
     model = replace(shell.model, placement=turned)
-    shell.workbench.with_picture(model, PICTURE, Context(camera=STAND))
+    shell.workbench.sources.with_picture(model, PICTURE, Context(camera=STAND))
     assert seen[0].camera.eye == pytest.approx((STAND.eye[0] - 100.0, *STAND.eye[1:]))
 
 
@@ -119,7 +119,9 @@ def marks(tmp_path):
 
 
 def test_facts_and_pictures_of_a_file_reach_the_modeler(registry, marks):
-    model = Workbench(registry).from_drawing(MODELER, read_drawing(marks), {"length": 4200.0})
+    model = Workbench(registry).sources.from_drawing(
+        MODELER, read_drawing(marks), {"length": 4200.0}
+    )
     assert model.state.template == "sedan"
     assert model.state.pictures[0].pixels[0, 0, 0] == 77
     assert (model.name, model.state.length) == ("marks", 4200.0)
@@ -140,7 +142,7 @@ def _packages(registry):
 
 def test_modelers_without_a_use_for_facts_say_so(registry, marks):
     with pytest.raises(UserError, match="no strokes"):
-        Workbench(registry).from_drawing("bozzetto.silhouette", read_drawing(marks), {})
+        Workbench(registry).sources.from_drawing("bozzetto.silhouette", read_drawing(marks), {})
 
 
 @pytest.fixture

@@ -47,7 +47,9 @@ def test_sample_becomes_a_ribbon(tmp_path):
     assert info.sample_titles == ("A wave",)
     shell.open("ribbon")
     drawing = read_drawing(info.samples[0])
-    shell.put(shell.workbench.from_drawing("example.ribbon", drawing, {"width": 12.0}).state)
+    shell.put(
+        shell.workbench.sources.from_drawing("example.ribbon", drawing, {"width": 12.0}).state
+    )
     assert len(shell.shapes().surfaces) == 1
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bozzetto.scene.renderer.compositing import Sheet, lay_over, veil_of
+from bozzetto.scene.renderer.compositing import Sheet, blend_sheets, nearest_sheet
 
 PIXELS = 12
 
@@ -42,7 +42,7 @@ def test_far_sheets_first_at_every_pixel(seed, count):
         ]
         for _, _, color, alpha in sorted(here, key=lambda entry: entry[:2]):
             expected[k] = alpha * np.append(color, 1) + (1 - alpha) * expected[k]
-    lay_over(pixels, sheets)
+    blend_sheets(pixels, sheets)
     np.testing.assert_allclose(pixels, expected, rtol=1e-4, atol=1e-3)
 
 
@@ -50,7 +50,7 @@ def test_far_sheets_first_at_every_pixel(seed, count):
 @settings(deadline=None)
 def test_the_veil_is_the_nearest_sheet(seed, count):
     sheets = sheets_of(seed, count)
-    nearness, opacity = veil_of(sheets, PIXELS)
+    nearness, opacity = nearest_sheet(sheets, PIXELS)
     for k in range(PIXELS):
         here = [
             (s.nearness[s.pixel == k][0], s.opacity[s.pixel == k][0])

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Image, Lines, Shaded
 from bozzetto.scene.renderer import render
-from bozzetto.scene.renderer.image_layers import hang, lay_pictures
+from bozzetto.scene.renderer.image_layers import blend_pictures, place_picture
 from bozzetto.scene.renderer.image_warp import _interpolated
-from bozzetto.scene.renderer.view_transform import sight_of
+from bozzetto.scene.renderer.view_transform import view_transform
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import box, scene_of, sphere
 
@@ -42,7 +42,7 @@ def upright(pixels, y=0.0, size=(60.0, 40.0), opacity=1.0):
 
 
 def on_sheet(image, camera):
-    return hang(image, sight_of(camera, HEIGHT, WIDTH, (0, 0, WIDTH, HEIGHT)))
+    return place_picture(image, view_transform(camera, HEIGHT, WIDTH, (0, 0, WIDTH, HEIGHT)))
 
 
 def shown(image, camera):
@@ -328,8 +328,8 @@ def test_no_picture_and_no_view_makes_it_stumble(seed):
     pixels = random.integers(0, 256, (*random.integers(0, 4, 2), 4), np.uint8)
     picture = Image(pixels, *sides, float(random.choice([0.0, 0.5, 1.0, 7.0])))
     out = np.ones((HEIGHT * WIDTH, 4), np.float32)
-    sight = sight_of(camera, HEIGHT, WIDTH, (0, 0, WIDTH, HEIGHT))
-    lay_pictures(out, [one for one in [hang(picture, sight)] if one is not None], sight)
+    sight = view_transform(camera, HEIGHT, WIDTH, (0, 0, WIDTH, HEIGHT))
+    blend_pictures(out, [one for one in [place_picture(picture, sight)] if one is not None], sight)
     assert np.isfinite(out).all()
     assert out.min() >= 0
     assert out[:, 3].max() <= 1.001

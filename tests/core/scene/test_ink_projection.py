@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto.scene.ink_projection import FINEST, laid
+from bozzetto.scene.ink_projection import FINEST, project_stroke
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import box, scene_of, soup, sphere
 
@@ -30,7 +30,7 @@ def sheet(low, high, y=0.0, z=20.0):
 
 def test_every_sample_is_kept_and_lies_on_the_surface_under_it():
     stroke = across(180.0, 150, 250, count=7, camera=SLANTED)
-    made = laid(stroke, scene_of(Shaded(sphere(40.0)), owner="ball"))
+    made = project_stroke(stroke, scene_of(Shaded(sphere(40.0)), owner="ball"))
     whole = np.isin(np.arange(7.0), made.at)
     assert whole.all()
     assert made.pieces == (slice(0, len(made.points)),)
@@ -48,7 +48,7 @@ def test_every_sample_is_kept_and_lies_on_the_surface_under_it():
 
 def test_the_faces_named_hold_the_points():
     ball = sphere(40.0)
-    made = laid(across(190.0, camera=SLANTED, begin=100, end=700), scene_of(Shaded(ball)))
+    made = project_stroke(across(190.0, camera=SLANTED, begin=100, end=700), scene_of(Shaded(ball)))
     assert all(item.mesh is ball for item in made.items)
     corners = ball.vertices[ball.faces[made.faces]].astype(float)
     for point, (a, b, c), normal in zip(made.points, corners, made.normals, strict=True):
@@ -60,7 +60,7 @@ def test_the_faces_named_hold_the_points():
 
 def test_rims_are_found_and_gaps_reported():
     scene = scene_of(Shaded(sheet(-30, -10)), Shaded(sheet(5, 21)))
-    made = laid(across(count=5), scene)
+    made = project_stroke(across(count=5), scene)
     assert len(made.pieces) == 2
     borders = [(80, 160), (220, 284)]
     assert [piece.start for piece in made.pieces] == [0, made.pieces[0].stop]
@@ -77,7 +77,7 @@ def test_rims_are_found_and_gaps_reported():
 def test_a_rod_as_thin_as_two_pixels_is_not_jumped_over():
     """The stroke has two samples, and the rod stands 5 mm in front of the sheet."""
     scene = scene_of(Shaded(sheet(-40, 40)), Shaded(sheet(3.0, 3.5, y=-5.0)))
-    made = laid(across(count=2), scene)
+    made = project_stroke(across(count=2), scene)
     depths = [np.unique(made.points[piece][:, 1]).tolist() for piece in made.pieces]
     assert depths == [[0.0], [-5.0], [0.0]]
     thin = made.points[made.pieces[1]]
@@ -91,11 +91,11 @@ def test_a_step_within_one_mesh_is_a_break_and_a_slope_is_none():
         faces = [f for k in range(n - 1) for f in ((k, k + 1, n + k + 1), (k, n + k + 1, n + k))]
         return Mesh(rim, faces)
 
-    step = laid(across(), scene_of(Shaded(profile([-40, 1, 1.0001, 40], [0, 0, 9, 9]))))
+    step = project_stroke(across(), scene_of(Shaded(profile([-40, 1, 1.0001, 40], [0, 0, 9, 9]))))
     assert len(step.pieces) == 2
     assert len(step.gaps) == 3
     assert step.gaps[1].pixels <= FINEST
-    slope = laid(across(), scene_of(Shaded(profile([-40, 1, 4, 40], [0, 0, 30, 30]))))
+    slope = project_stroke(across(), scene_of(Shaded(profile([-40, 1, 4, 40], [0, 0, 30, 30]))))
     assert len(slope.pieces) == 1
     x, y = slope.points[:, 0], slope.points[:, 1]
     np.testing.assert_allclose(y, np.interp(x, [1, 4], [0, 30]), atol=1e-4)
@@ -106,7 +106,9 @@ def test_a_step_within_one_mesh_is_a_break_and_a_slope_is_none():
 @pytest.mark.parametrize("camera", [FRONT, SLANTED])
 def test_a_round_body_is_one_piece_to_its_rim(camera):
     width, height = camera.viewport
-    made = laid(across(0.47 * height, 0, width, camera=camera), scene_of(Shaded(sphere(20.0))))
+    made = project_stroke(
+        across(0.47 * height, 0, width, camera=camera), scene_of(Shaded(sphere(20.0)))
+    )
     assert len(made.pieces) == 1
     assert len(made.gaps) == 2
     assert (np.diff(made.at) > 0).all()
@@ -115,24 +117,26 @@ def test_a_round_body_is_one_piece_to_its_rim(camera):
 def test_ink_steps_from_one_model_to_another():
     near, far = Shaded(box((10, 10, 30), (0, -20, 0))), Shaded(sheet(-45, 45))
     scene = Scene((Layer("a", (far,), "far"), Layer("b", (near,), "near")))
-    made = laid(across(), scene)
+    made = project_stroke(across(), scene)
     assert [made.owners[piece.start] for piece in made.pieces] == ["far", "near", "far"]
     for piece in made.pieces:
         assert len(set(made.owners[piece])) == 1
-    hidden = laid(across(), Scene((Layer("b", (Shaded(near.mesh, pickable=False),), "near"),)))
+    hidden = project_stroke(
+        across(), Scene((Layer("b", (Shaded(near.mesh, pickable=False),), "near"),))
+    )
     assert len(hidden.points) == 0
 
 
 def test_ink_beside_everything_and_a_dot():
-    nothing = laid(across(), Scene())
+    nothing = project_stroke(across(), Scene())
     assert nothing.pieces == ()
     assert nothing.gaps == ((0.0, 8.0, 400.0),)
     dot = Stroke([200, 200, 200], [200, 200, 200], FRONT)
-    assert laid(dot, scene_of(Shaded(sheet(-9, 9)))).pieces == (slice(0, 1),)
-    assert laid(dot, Scene()).gaps == ((0.0, 0.0, 0.0),)
+    assert project_stroke(dot, scene_of(Shaded(sheet(-9, 9)))).pieces == (slice(0, 1),)
+    assert project_stroke(dot, Scene()).gaps == ((0.0, 0.0, 0.0),)
     with pytest.raises(UserError):
-        laid(Stroke([0, 1e30], [0, 0], FRONT), Scene())
-    far = laid(Stroke([-1e8, 1e8], [200, 200], FRONT), scene_of(Shaded(sheet(-40, 40))))
+        project_stroke(Stroke([0, 1e30], [0, 0], FRONT), Scene())
+    far = project_stroke(Stroke([-1e8, 1e8], [200, 200], FRONT), scene_of(Shaded(sheet(-40, 40))))
     assert np.isfinite(far.points).all()
 
 
@@ -141,7 +145,7 @@ def test_ink_beside_everything_and_a_dot():
 def test_any_soup_of_triangles(seed, count):
     random = np.random.default_rng(seed)
     stroke = Stroke(*random.uniform(0, 400, (2, 12)), FRONT)
-    made = laid(stroke, scene_of(Shaded(soup(seed, count))))
+    made = project_stroke(stroke, scene_of(Shaded(soup(seed, count))))
     assert np.isfinite(made.points).all()
     assert (np.diff(made.at) > 0).all()
     assert [p.start for p in made.pieces][1:] == [p.stop for p in made.pieces][:-1]

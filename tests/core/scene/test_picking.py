@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
-from bozzetto.scene.picking import HANDLE_TARGET, cast_rays, nearest_item
-from bozzetto.view.camera import Camera, Rays
+from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view.camera import Rays
 from tests.core.scene.shapes import box, scene_of, soup, sphere
 
 
@@ -138,73 +138,6 @@ def test_the_tree_of_a_mesh_dies_with_it():
     del mesh
     gc.collect()
     assert gone() is None
-
-
-# -- things that are not surfaces --------------------------------------------------------------
-
-FRONT = Camera("orthographic", eye=(0, -100, 0), height=100, viewport=(400, 400))  # 4 px per mm
-
-
-def test_a_handle_is_found_within_its_touch_target_only():
-    handle = Handle("h", (10.0, 0.0, 5.0))
-    scene = scene_of(handle)
-    x, y = 240.0, 180.0
-    assert nearest_item(scene, FRONT, x, y).pixels == pytest.approx(0)
-    assert nearest_item(scene, FRONT, x + HANDLE_TARGET - 0.1, y).item is handle
-    assert nearest_item(scene, FRONT, x + HANDLE_TARGET + 0.1, y) is None
-
-
-def test_handles_win_over_points_and_points_over_lines():
-    line = Lines([(-20, 0, 0), (20, 0, 0)])
-    dots = Points([(0, 0, 1)])
-    handle = Handle("h", (0, 0, 3))
-    pen = (200.0, 200.0)
-    assert nearest_item(scene_of(line), FRONT, *pen).item is line
-    assert nearest_item(scene_of(line, dots), FRONT, *pen).item is dots
-    assert nearest_item(scene_of(line, dots, handle), FRONT, *pen).item is handle
-
-
-def test_a_line_gives_its_segment_and_its_foot_point():
-    line = Lines([(-20, 0, 0), (0, 0, 0), (20, 0, 0), (0, 5, 9), (9, 5, 9)], starts=[0, 3])
-    near = nearest_item(scene_of(line), FRONT, 200 + 4 * 7.0, 203.0, radius=4)
-    assert near.index == 1
-    np.testing.assert_allclose(near.point, (7, 0, 0), atol=1e-9)
-    assert near.pixels == pytest.approx(3.0)
-    # between two polylines there is no segment
-    assert nearest_item(scene_of(line), FRONT, 200 + 4 * 10, 200 - 4 * 4.5, radius=4) is None
-
-
-@given(st.floats(0, 1), st.floats(-40, 40), st.floats(-40, 40))
-@settings(max_examples=50, deadline=None)
-def test_in_perspective_the_foot_point_is_seen_under_the_pen(t, depth_a, depth_b):
-    camera = Camera(eye=(0, -100, 0), viewport=(500, 400))
-    ends = np.array([(-10, depth_a, -3), (12, depth_b, 8.0)])
-    place = ends[0] + t * (ends[1] - ends[0])
-    pixel = camera.project(place)[0][0]
-    near = nearest_item(scene_of(Lines(ends.astype("f4"))), camera, *pixel, radius=2)
-    np.testing.assert_allclose(near.point, place, atol=1e-3)
-
-
-def test_what_is_in_front_of_the_surface_is_preferred():
-    hidden = Points([(0.0, 10.0, 0.0)])
-    shown = Points([(1.0, -10.0, 0.0)])
-    wall = Shaded(box((50, 2, 50)))
-    for order in ((hidden, shown), (shown, hidden)):
-        assert nearest_item(scene_of(wall, *order), FRONT, 200.0, 200.0).item is shown
-    assert nearest_item(scene_of(wall, hidden), FRONT, 200.0, 200.0).item is hidden
-
-
-def test_a_line_on_a_surface_is_not_covered_by_it():
-    wall = Shaded(box((50, 2, 50)))
-    on = Lines([(-20, -1, 0.5), (20, -1, 0.5)])
-    behind = Lines([(-20, 5, 0), (20, 5, 0)])
-    assert nearest_item(scene_of(wall, behind, on), FRONT, 200.0, 200.0).item is on
-
-
-def test_nothing_behind_the_eye_is_found():
-    camera = Camera(eye=(0, -100, 0), viewport=(500, 400))
-    scene = scene_of(Handle("h", (0, -200, 0)), Points([(0, -200, 0)]))
-    assert nearest_item(scene, camera, 250, 200) is None
 
 
 def test_the_tree_of_a_mesh_holds_each_corner_once():

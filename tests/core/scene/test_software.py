@@ -13,7 +13,7 @@ from bozzetto.scene import DARK, LIGHT, Handle, Image, Label, Layer, Lines, Poin
 from bozzetto.scene.picking import cast_rays
 from bozzetto.scene.renderer import SHADINGS, render
 from bozzetto.scene.renderer.triangle_soup import gather
-from bozzetto.scene.renderer.view_transform import sight_of
+from bozzetto.scene.renderer.view_transform import view_transform
 from bozzetto.scene.renderer.zbuffer import blank, rasterize
 from bozzetto.scene.snapshot import picture, thumbnail
 from bozzetto.view.camera import Camera
@@ -59,7 +59,7 @@ def test_the_z_buffer_sees_what_rays_hit(seed, kind, count):
     eye = random.normal(size=3)
     eye *= random.uniform(1, 40) / np.linalg.norm(eye)  # also in the midst of it
     camera = Camera(kind, tuple(eye), height=30, fov_y=60, viewport=(80, 60))
-    sight = sight_of(camera, 60, 80, (0, 0, 80, 60))
+    sight = view_transform(camera, 60, 80, (0, 0, 80, 60))
     triangles = gather([mesh], [None], sight)
     buffer = blank(80, 60)
     rasterize(buffer, triangles.places, triangles.faces)

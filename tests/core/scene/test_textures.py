@@ -7,7 +7,7 @@ import gc
 import numpy as np
 import pytest
 
-from bozzetto.scene.renderer.mipmaps import Kept, level, rung
+from bozzetto.scene.renderer.mipmaps import LevelCache, level, rung
 
 
 def noise(height, width, *, clear=False):
@@ -59,7 +59,7 @@ def test_rungs_are_near_and_within_the_picture(size):
 
 
 def test_the_memory_keeps_to_its_bound_and_forgets_the_oldest():
-    kept = Kept(1000)
+    kept = LevelCache(1000)
     pictures = [noise(2, 2) for _ in range(6)]
     for picture in pictures:
         kept.get(picture, "a", lambda: np.zeros(300, np.uint8))
@@ -74,13 +74,13 @@ def test_the_memory_keeps_to_its_bound_and_forgets_the_oldest():
 
 
 def test_what_is_too_large_is_made_but_not_kept():
-    kept = Kept(10)
+    kept = LevelCache(10)
     assert len(kept.get(noise(1, 1), "a", lambda: np.zeros(11, np.uint8))) == 11
     assert kept.held == 0
 
 
 def test_the_memory_does_not_outlive_its_pictures():
-    kept = Kept(10**6)
+    kept = LevelCache(10**6)
     picture, other = noise(2, 2), noise(2, 3)
     kept.get(picture, "a", lambda: np.zeros(500, np.uint8))
     del picture

@@ -12,7 +12,7 @@ from bozzetto.scene import DARK, LIGHT, Layer, Scene, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.scene.renderer.shading import fragments
 from bozzetto.scene.renderer.triangle_soup import gather
-from bozzetto.scene.renderer.view_transform import sight_of
+from bozzetto.scene.renderer.view_transform import view_transform
 from bozzetto.scene.renderer.zbuffer import blank, rasterize
 from bozzetto.scene.renderer.zebra import TUBES, stripes
 from bozzetto.view.camera import Camera
@@ -24,7 +24,7 @@ SIZE = (240, 180)
 def light_on(mesh, camera):
     """The tubes' light at every pixel of a picture, NaN beside the mesh."""
     width, height = SIZE
-    sight = sight_of(camera, height, width, (0, 0, width, height))
+    sight = view_transform(camera, height, width, (0, 0, width, height))
     triangles = gather([mesh], [None], sight)
     buffer = blank(width, height)
     rasterize(buffer, triangles.places, triangles.faces)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.view.calibration.initial_guesses import resumed, starts
+from bozzetto.view.calibration.initial_guesses import resume_poses, starts
 from bozzetto.view.calibration.pose import NEAREST, Poses, rotations
 from tests.core.view.marked_car import POINTS
 
@@ -36,7 +36,7 @@ def test_an_orthographic_view_is_found_at_once_from_its_direction(some):
             log_scale=truth.log_scale + 0.7,
             offset=truth.offset + 0.3,
         )
-        made = resumed(KNOWN[some], marks[some], rolled, False)
+        made = resume_poses(KNOWN[some], marks[some], rolled, False)
         np.testing.assert_allclose(made.turn, truth.turn, atol=1e-9)
         np.testing.assert_allclose(made.see(KNOWN).places[0], marks, atol=1e-9)
 
@@ -47,7 +47,7 @@ def test_a_perspective_view_is_found_nearly_from_its_direction_and_focal_length(
         truth = pose(rng, 0.8)
         marks = truth.see(KNOWN).places[0]
         rolled = replace(truth, turn=rotations(np.array([[0.0, 0.0, 1.0]])) @ truth.turn)
-        made = resumed(KNOWN, marks, rolled, False)
+        made = resume_poses(KNOWN, marks, rolled, False)
         assert np.abs(made.see(KNOWN).places[0] - marks).max() < 0.02
 
 
@@ -55,10 +55,10 @@ def test_a_principal_point_that_was_found_stays_where_the_picture_is_cropped():
     rng = np.random.default_rng(2)
     truth = replace(pose(rng, 0.0), principal=np.array([[0.1, -0.05]]))
     marks = truth.see(KNOWN).places[0]
-    kept = resumed(KNOWN, marks, truth, True)
+    kept = resume_poses(KNOWN, marks, truth, True)
     np.testing.assert_allclose(kept.principal, truth.principal)
     np.testing.assert_allclose(kept.see(KNOWN).places[0], marks, atol=1e-9)
-    assert not resumed(KNOWN, marks, truth, False).principal.any()
+    assert not resume_poses(KNOWN, marks, truth, False).principal.any()
 
 
 def test_all_starts_are_cameras_with_the_points_before_them():

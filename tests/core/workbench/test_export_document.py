@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.document.model import Document, Model, new_id
-from bozzetto.document.storage.state_codec import OpaqueState
+from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
 from bozzetto.exchange.svg.path_data import parse_path
 from bozzetto.geometry import Curve, Mesh, Shapes, Solid
@@ -36,7 +35,7 @@ def bench_without(*plugins):
 
 
 def solid_model(bench, name="Rock", **changes):
-    model = bench.from_shapes(MESH, Shapes(solids=(Solid(TETRA, name),)), name)
+    model = bench.sources.from_shapes(MESH, Shapes(solids=(Solid(TETRA, name),)), name)
     return replace(model, **changes)
 
 

@@ -61,7 +61,7 @@ GESTURES = (
 
 
 def test_steps_make_what_the_hand_makes(shell):
-    made = shell.workbench.from_drawing("example.ribbon", drawing(LINES, *GESTURES), {})
+    made = shell.workbench.sources.from_drawing("example.ribbon", drawing(LINES, *GESTURES), {})
     shell.open("ribbon")
     shell.draw(*LINES[:2])
     shell.drag("0", LINES[2])
@@ -76,7 +76,7 @@ def test_ink_is_laid_on_what_earlier_steps_made(shell):
     above = Camera(eye=(0.0, -500.0, 200.0))
     wide = Pen().along([(300, 450), (900, 450)])
     there = Pen(above).along([(560, 430), (640, 440)])
-    made = shell.workbench.from_drawing(
+    made = shell.workbench.sources.from_drawing(
         "example.ribbon",
         drawing([wide, there], DrawStep("draw", (0,)), SetStep({"width": 100.0}),
                 DrawStep("draw", (1,))),
@@ -99,7 +99,7 @@ def test_ink_is_laid_on_what_earlier_steps_made(shell):
 )
 def test_a_step_that_cannot_be_taken_is_named(shell, steps, words):
     with pytest.raises(UserError, match=words):
-        shell.workbench.from_drawing("example.ribbon", drawing(LINES, *steps), {})
+        shell.workbench.sources.from_drawing("example.ribbon", drawing(LINES, *steps), {})
 
 
 CIRCLES = tuple(Pen().circle(x, 450, 60) for x in (300, 600, 900))
@@ -126,7 +126,7 @@ def outline(bench, made):
 
 def test_parts_are_arranged_by_steps():
     bench = Workbench(Registry())
-    made = bench.from_drawing("bozzetto.silhouette", drawing(CIRCLES, *PARTS), {})
+    made = bench.sources.from_drawing("bozzetto.silhouette", drawing(CIRCLES, *PARTS), {})
     rows, tree = outline(bench, made)
     third = next(part.name for part in tree.parts if part.name.startswith("Part") and
                  part.name != "Part 2")  # fmt: skip
@@ -134,7 +134,7 @@ def test_parts_are_arranged_by_steps():
     assert tree.selected == ""
     assert not tree.part(tree.find("Head 2")).visible
     assert tree.part(tree.find("Part 2")).operation == "carve"
-    deleted = bench.from_drawing(
+    deleted = bench.sources.from_drawing(
         "bozzetto.silhouette", drawing(CIRCLES, *PARTS, DeleteStep("Bust")), {}
     )
     assert outline(bench, deleted)[0] == [("Head 2", 0), (third, 0)]
@@ -145,7 +145,7 @@ def test_parts_are_arranged_by_steps():
     [
         (RenameStep("X", "Nose"), "Step 2: There is no part “Nose”; there are: Part 1"),
         (SetStep({"detail": 1}, "Part 1"), "Step 2: There is no parameter 'detail'; “Part 1” has"),
-        (MoveStep("Part 1", 0, "Part 1"), "Step 2: “Part 1” is no group"),
+        (MoveStep("Part 1", 0, "Part 1"), "Step 2: “Part 1” is not a group"),
         (ShowStep(True, ""), "Step 3: No part is chosen"),
     ],
 )
@@ -154,7 +154,9 @@ def test_parts_that_are_not_there_are_named(step, words):
     if step == ShowStep(True, ""):
         steps.insert(1, SelectStep(""))
     with pytest.raises(UserError, match=words):
-        Workbench(Registry()).from_drawing("bozzetto.silhouette", drawing(CIRCLES, *steps), {})
+        Workbench(Registry()).sources.from_drawing(
+            "bozzetto.silhouette", drawing(CIRCLES, *steps), {}
+        )
 
 
 def test_the_command_line_takes_steps_and_values_of_parts(tmp_path, monkeypatch, capsys):

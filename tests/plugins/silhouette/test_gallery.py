@@ -25,7 +25,9 @@ The tree's branches and crowns may touch or not."""
 @pytest.mark.parametrize("path", INKS, ids=lambda path: path.stem)
 def test_ink_becomes_a_sound_solid_and_a_document(path: Path, tmp_path: Path) -> None:
     bench = Workbench(Registry())
-    model = bench.from_drawing("bozzetto.silhouette", read_drawing(path), {"resolution": 64})
+    model = bench.sources.from_drawing(
+        "bozzetto.silhouette", read_drawing(path), {"resolution": 64}
+    )
     result = bench.solve(model, Job())
     vertices, faces = result.body.vertices, result.body.faces
     found = topology_of(vertices, faces)

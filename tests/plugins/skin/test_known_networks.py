@@ -58,7 +58,7 @@ def test_a_car_has_a_closed_symmetric_skin_through_its_lines(name: str) -> None:
 def test_the_gallery_can_be_wrapped(name: str) -> None:
     bench = workbench()
     drawing = read_drawing(GALLERY / f"{name}.json")
-    drawn = bench.from_drawing("bozzetto.symmetry", drawing, {})
+    drawn = bench.sources.from_drawing("bozzetto.symmetry", drawing, {})
     state, skin = _wrapped(bench.shapes([drawn], Job()))
     (solid,) = RoughSkin().shapes(state, skin).solids
     assert check_solid(solid).genus == 0

@@ -65,7 +65,7 @@ def test_advice_on_a_drawing_that_was_just_opened_solves_only_its_newest_curves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     bench, drawing = Workbench(Registry()), read_drawing(FOLDER / "car-lines.json")
-    model = bench.from_drawing("bozzetto.symmetry", drawing, {})
+    model = bench.sources.from_drawing("bozzetto.symmetry", drawing, {})
     asked = []
 
     def counted(curve, state):
@@ -81,7 +81,7 @@ def test_advice_on_a_drawing_that_was_just_opened_solves_only_its_newest_curves(
 def built(request: pytest.FixtureRequest) -> tuple[Path, Workbench, dict]:
     """An ink file of the gallery, and what the report tells of every curve in it."""
     bench = Workbench(Registry())
-    model = bench.from_drawing("bozzetto.symmetry", read_drawing(request.param), {})
+    model = bench.sources.from_drawing("bozzetto.symmetry", read_drawing(request.param), {})
     told = bench.report(model, Job())["curves"]
     return request.param, bench, {curve["name"]: curve for curve in told}
 
@@ -135,7 +135,7 @@ def test_ink_becomes_a_document_and_curves_for_cad(built, tmp_path: Path) -> Non
         assert main(["build", "symmetry", str(path), "-o", target]) == 0
     opened, report = read_document(tmp_path / "x.bozz", bench.registry)
     assert not report.warnings
-    model = bench.from_drawing("bozzetto.symmetry", read_drawing(path), {})
+    model = bench.sources.from_drawing("bozzetto.symmetry", read_drawing(path), {})
     assert same(opened.models[0].state, model.state)
     pairs = sum(told["reading"] == "pair" for told in curves.values())
     text = (tmp_path / "x.step").read_text()

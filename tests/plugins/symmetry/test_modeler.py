@@ -53,7 +53,7 @@ def bench() -> Workbench:
 
 @pytest.fixture(scope="module")
 def report(bench: Workbench, drawing: Drawing) -> dict[str, Any]:
-    model = bench.from_drawing("bozzetto.symmetry", drawing, {})
+    model = bench.sources.from_drawing("bozzetto.symmetry", drawing, {})
     return json.loads(json.dumps(bench.report(model, Job()), allow_nan=False))
 
 
@@ -113,7 +113,7 @@ def test_a_side_alone_hands_over_nothing_and_says_so(report) -> None:
 
 
 def test_shapes_are_the_curves_of_the_report(bench, drawing, report) -> None:
-    model = bench.from_drawing("bozzetto.symmetry", drawing, {})
+    model = bench.sources.from_drawing("bozzetto.symmetry", drawing, {})
     shapes = bench.shapes([model], Job())
     assert [curve.name for curve in shapes.curves] == ["wave", "wave mirrored", "screen", "roof"]
     first, image = shapes.curves[:2]
@@ -141,7 +141,7 @@ def test_any_plane_gives_the_same_curves_turned(bench, report) -> None:
     strokes = [stroke(curve @ turn.T, turned, "wave") for curve in (side, side * MIRROR)]
     normal = (turn @ (0.0, 1.0, 0.0)).tolist()
     facts = {"box": [200, 200, 200], "plane": {"point": [0, 0, 0], "normal": normal}}
-    model = bench.from_drawing(
+    model = bench.sources.from_drawing(
         "bozzetto.symmetry", Drawing(Strokes(strokes), turned, "t", facts), {}
     )
     (curve,) = bench.report(model, Job())["curves"]

@@ -1,1 +1,1 @@
-"""The journal, locks, and what is found after a crash."""
+"""Recovery: the journal, locks, and what is found after a crash."""

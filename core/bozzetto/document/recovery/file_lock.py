@@ -12,7 +12,6 @@ import contextlib
 import errno
 import getpass
 import os
-import secrets
 import socket
 import time
 from pathlib import Path
@@ -25,13 +24,11 @@ from bozzetto.errors import UserError
 from bozzetto.file_locks import Taken, take, untake
 from bozzetto.processes import birth, is_running, machine_id
 
-__all__ = ["FileLock", "Holder", "Locked", "document_lock_path", "holder", "left_by"]
-
-PATIENCE_SECONDS: Final = 0.25
-"""How long a lock may be busy before it counts: somebody may just be looking at it."""
+WAIT_SECONDS: Final = 0.25
+"""Time for which a busy lock is tried again: somebody may just be looking at it."""
 
 FRESH_SECONDS: Final = 2.0
-"""How long a lock file may be without content where the disk has no locks."""
+"""Age up to which a lock file may be empty where the disk has no locks."""
 
 POLL_SECONDS: Final = 0.02
 LARGEST: Final = 4096
@@ -41,7 +38,7 @@ READ_WRITE: Final = os.O_RDWR | getattr(os, "O_BINARY", 0)
 
 
 class Holder(msgspec.Struct, frozen=True):
-    """Who holds a lock.
+    """Holder of a lock.
 
     Attributes
     ----------
@@ -125,7 +122,7 @@ class FileLock:
             If the folder cannot be written to.
         """
         place = Path(path)
-        end = time.monotonic() + PATIENCE_SECONDS
+        end = time.monotonic() + WAIT_SECONDS
         try:
             while True:
                 handle = _made(place)
@@ -168,13 +165,13 @@ class FileLock:
 
 
 def document_lock_path(document: str | os.PathLike[str]) -> Path:
-    """Where the lock file of a document lies."""
+    """Return where the lock file of a document lies."""
     path = Path(os.path.realpath(document))
     return path.with_name(f".~lock.{path.name}#")
 
 
 def holder(path: str | os.PathLike[str]) -> Holder | None:
-    """Who is named in a lock file; None if nobody is, or the file makes no sense."""
+    """Return the holder that a lock file names; None if nobody is, or the file makes no sense."""
     try:
         with open(path, "rb") as file:
             return _named(file.read(LARGEST))
@@ -182,8 +179,8 @@ def holder(path: str | os.PathLike[str]) -> Holder | None:
         return None
 
 
-def left_by(path: str | os.PathLike[str]) -> Holder | None:
-    """Who left a lock file and is gone, or may be so on another machine; None if it is held.
+def abandoned_holder(path: str | os.PathLike[str]) -> Holder | None:
+    """Return a holder who is gone, or may be so on another machine; None if the lock is held.
 
     A lock file that does not exist, or makes no sense, was left by nobody in particular.
     """
@@ -218,7 +215,7 @@ def _made(place: Path) -> int | None:
                 socket.gethostname(),
                 os.getpid(),
                 time.time(),
-                secrets.token_hex(8),
+                os.urandom(8).hex(),
                 birth(os.getpid()),
                 machine_id(),
             )

@@ -20,8 +20,6 @@ from typing import Final
 from bozzetto.atomic_files import DISK, explain
 from bozzetto.errors import UserError
 
-__all__ = ["JournalReader", "JournalWriter", "read_records"]
-
 MAGIC: Final = b"BOZZJRN1"
 HEAD: Final = struct.Struct("<2I")
 SYNC_SECONDS: Final = 1.0
@@ -138,7 +136,7 @@ class JournalWriter:
 
 
 def read_records(path: Path) -> Iterator[bytes]:
-    """The records of a journal, up to the first one that is not whole."""
+    """Iterate over the records of a journal, up to the first one that is not whole."""
     return iter(JournalReader(path))
 
 

@@ -39,11 +39,9 @@ from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
 
-__all__ = ["ChangeWriter", "Replay", "record_time"]
-
 CHANGE, PARTS = "change.json", "parts.json"
 MAX_NAMED: Final = 16
-"""How often a record may name each stroke there is, on average."""
+"""Greatest number of times that a record may name each stroke, on average."""
 
 Runs = list[tuple[int, int]]
 
@@ -127,11 +125,12 @@ class ChangeWriter:
             self._arrays.add(underlay.pixels)
 
     def record(self, document: Document, pending: Sequence[Stroke], time: float) -> bytes | None:
-        """What to append to the journal, or None if nothing changed.
+        """Return what to append to the journal, or None if nothing changed.
 
         Parameters
         ----------
         document : Document
+            The present snapshot.
         pending : sequence of Stroke
             Ink that waits beside the document's own; see `Document.waiting`.
         time : float
@@ -239,7 +238,7 @@ class Replay:
             models[entry.header.id] = StoredModel(entry.header, encoded)
         if change.order is not None:
             if len(set(change.order)) < len(change.order) or not set(change.order) <= set(models):
-                raise DocumentError("The journal orders objects that there are not.")
+                raise DocumentError("The journal orders objects that it does not hold.")
             models = {model_id: models[model_id] for model_id in change.order}
         stored = replace(self.stored, models=tuple(models.values()))
         if change.surroundings is not None:
@@ -265,7 +264,7 @@ def _waiting(strokes: Sequence[Stroke], ink: _WaitingInk) -> Waiting:
 
 
 def record_time(record: bytes) -> float:
-    """When a record was made, seconds since 1970."""
+    """Return the time at which a record was made, seconds since 1970."""
     return decode_json(ContainerReader(record).json(CHANGE), _Change).time
 
 
@@ -275,15 +274,15 @@ def _state_name(place: int) -> str:
 
 def _one(arrays: Sequence[NDArray[Any]], number: int) -> NDArray[Any]:
     if not 0 <= number < len(arrays):
-        raise DocumentError("The journal refers to an array that there is not.")
+        raise DocumentError("The journal refers to an array that it does not hold.")
     return arrays[number]
 
 
 def _named(strokes: Sequence[Stroke], pairs: Runs) -> tuple[Stroke, ...]:
-    """The strokes that (first, count) pairs name."""
+    """Return the strokes that (first, count) pairs name."""
     total = sum(count for _, count in pairs)
     if total > MAX_NAMED * len(strokes) or any(
         first < 0 or count < 1 or first + count > len(strokes) for first, count in pairs
     ):
-        raise DocumentError("The journal refers to strokes that there are not.")
+        raise DocumentError("The journal refers to strokes that it does not hold.")
     return tuple(s for first, count in pairs for s in strokes[first : first + count])

@@ -1,4 +1,4 @@
-"""What survives a crash: one folder per open document, with a base and a journal.
+"""Recovery after a crash: one folder per open document, with a base and a journal.
 
 ::
 
@@ -18,7 +18,6 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import secrets
 import shutil
 import time
 from collections.abc import Callable, Iterator
@@ -28,7 +27,7 @@ from typing import Final
 
 from bozzetto.atomic_files import DISK, FileStamp, explain
 from bozzetto.document.model import Document
-from bozzetto.document.recovery.file_lock import FileLock, left_by
+from bozzetto.document.recovery.file_lock import FileLock, abandoned_holder
 from bozzetto.document.recovery.journal import JournalReader
 from bozzetto.document.recovery.journal_records import Replay, record_time
 from bozzetto.document.recovery.recovery_session import (
@@ -135,7 +134,7 @@ class RecoveryStore:
         UserError
             If the folder cannot be written to.
         """
-        folder = self.folder / f"{time.strftime('%Y%m%d-%H%M%S')}-{secrets.token_hex(4)}"
+        folder = self.folder / f"{time.strftime('%Y%m%d-%H%M%S')}-{os.urandom(4).hex()}"
         try:
             folder.mkdir(parents=True)
             DISK.sync_folder(self.folder)
@@ -151,7 +150,7 @@ class RecoveryStore:
             raise
 
     def crashed_sessions(self) -> list[CrashedSession]:
-        """Documents that were open in a process that is gone; the latest change first.
+        """Return the documents that were open in a process that is gone; the latest change first.
 
         Raises
         ------
@@ -160,7 +159,7 @@ class RecoveryStore:
         """
         found = []
         for folder in self._folders():
-            owner = left_by(folder / LOCK)
+            owner = abandoned_holder(folder / LOCK)
             if folder.name in self._claims or owner is None:
                 continue
             try:
@@ -199,7 +198,9 @@ class RecoveryStore:
         Parameters
         ----------
         session : CrashedSession
+            The session to recover; no other process may have claimed it.
         states : StateTypes
+            Source of the modelers' state types.
         progress : callable
             Called whenever another piece was read.
 
@@ -211,7 +212,7 @@ class RecoveryStore:
             If it was claimed already, or the disk fails.
         """
         folder = self.folder / session.id
-        with _told(session, folder, "read"):
+        with _disk_errors(session, folder, "read"):
             self._claim(session)
             try:
                 return _recovered(folder, session, states, progress)
@@ -220,13 +221,13 @@ class RecoveryStore:
                 raise
 
     def keep(self, session: CrashedSession) -> None:
-        """The person said: not now. The session is offered again next time."""
+        """Release a session whose recovery the person put off; it is offered again next time."""
         claim = self._claims.pop(session.id, None)
         if claim is not None:
             claim.release()
 
     def discard(self, session: CrashedSession) -> None:
-        """The person said: away with it, or has the document open again.
+        """Discard a session that the person gave up, or whose document is open again.
 
         Raises
         ------
@@ -234,7 +235,7 @@ class RecoveryStore:
             If the data cannot be deleted, or another process has claimed them.
         """
         folder = self.folder / session.id
-        with _told(session, folder, "deleted"):
+        with _disk_errors(session, folder, "deleted"):
             if session.id not in self._claims:
                 self._claim(session)
             try:
@@ -252,7 +253,11 @@ class RecoveryStore:
             for folder in folders:
                 with contextlib.suppress(OSError):
                     age = abs(time.time() - folder.stat().st_mtime)
-                    if age > YOUNG_SECONDS and _is_empty(folder) and left_by(folder / LOCK):
+                    if (
+                        age > YOUNG_SECONDS
+                        and _is_empty(folder)
+                        and abandoned_holder(folder / LOCK)
+                    ):
                         shutil.rmtree(folder, ignore_errors=True)
             remove_leftovers(folders)
 
@@ -276,12 +281,12 @@ class RecoveryStore:
         if not folder.is_dir():
             raise UserError(f"“{session.name}” was brought back, or discarded, already.")
         # A lock of another machine is taken over: the person was told of it, and chose it.
-        force = session.host != "" and left_by(folder / LOCK) is not None
+        force = session.host != "" and abandoned_holder(folder / LOCK) is not None
         self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name, force=force)
 
 
 @contextlib.contextmanager
-def _told(session: CrashedSession, folder: Path, what: str) -> Iterator[None]:
+def _disk_errors(session: CrashedSession, folder: Path, what: str) -> Iterator[None]:
     """Say what the disk refused, and where the data are."""
     try:
         yield
@@ -329,7 +334,7 @@ def _recovered(
 
 
 def _read_facts(folder: Path) -> Facts:
-    """What a session says of itself; a drawing without a name where that cannot be read."""
+    """Read the facts of a session; a drawing without a name where they cannot be read."""
     try:
         return decode_json((folder / FACTS).read_bytes(), Facts)
     except (OSError, DocumentError):
@@ -340,7 +345,7 @@ def _read_facts(folder: Path) -> Facts:
 
 
 def _generations(folder: Path) -> list[int]:
-    """Numbers of the bases in a session's folder, ascending."""
+    """Return the numbers of the bases in a session's folder, ascending."""
     names = (re.fullmatch(r"base-(\d{1,9})\.bozz", path.name) for path in folder.iterdir())
     return sorted(int(found[1]) for found in names if found)
 
@@ -351,7 +356,7 @@ def _is_empty(folder: Path) -> bool:
 
 
 def _complete_to(folder: Path, otherwise: float) -> float:
-    """When the last change that is kept was made; the other time where nothing says so."""
+    """Return the time of the last change that is kept; the other time where none is recorded."""
     try:
         generation = _generations(folder)[-1]
         last = None

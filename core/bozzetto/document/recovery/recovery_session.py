@@ -24,8 +24,6 @@ from bozzetto.document.storage.zip_container import encode_json
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["DISCARDED", "FACTS", "LOCK", "Facts", "RecoverySession", "delete", "facts_of"]
-
 REBASE_BYTES: Final = 64 << 20
 """A journal longer than this (and than four times its base) makes room for a new base."""
 
@@ -34,7 +32,7 @@ DISCARDED: Final = ".discarded-"
 
 
 class Facts(msgspec.Struct):
-    """What a session says of its document."""
+    """Facts about the document of a session."""
 
     name: str
     path: str | None
@@ -43,7 +41,7 @@ class Facts(msgspec.Struct):
     stamp: FileStamp | None = None
 
     def file(self) -> Path | None:
-        """Where the document was saved last, byte for byte."""
+        """Path at which the document was saved last, byte for byte."""
         if self.raw_path is not None:
             return Path(os.fsdecode(self.raw_path))
         return None if self.path is None else Path(self.path)
@@ -115,7 +113,7 @@ class RecoverySession:
             self._rebase(document)
 
     def close(self) -> None:
-        """The person closed the document and knows what happened to it: forget all this.
+        """Delete the recovery data: the person closed the document and knows what happened to it.
 
         Calls that come later, from a thread that has not heard of it, do nothing.
         """
@@ -128,7 +126,7 @@ class RecoverySession:
                 delete(self.folder, self._lock)
 
     def set_aside(self) -> None:
-        """Leave all this to be offered again: nobody has said that it may go."""
+        """Keep the recovery data and offer them again: nobody has said that they may go."""
         with self._guard:
             if not self._closed:
                 self._closed = True
@@ -182,7 +180,7 @@ def delete(folder: Path, lock: FileLock) -> None:
 def facts_of(
     name: str, path: str | os.PathLike[str] | None, began: float, stamp: FileStamp | None
 ) -> Facts:
-    """Facts as JSON can hold them: file names need not be text on every system."""
+    """Return facts as JSON can hold them: file names need not be text on every system."""
     shown = None if path is None else _as_text(os.fspath(path))
     raw = None if path is None or shown == os.fspath(path) else os.fsencode(path)
     return Facts(_as_text(name), shown, began, raw, stamp)

@@ -42,7 +42,7 @@ from bozzetto.atomic_files import (
     read_stamped,
 )
 from bozzetto.chunked import Chunked
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.document.model import Document, NamedView, Underlay
 from bozzetto.document.storage.migrations import VERSION, WAITING, migrate
 from bozzetto.document.storage.records import (
@@ -73,26 +73,12 @@ from bozzetto.ink.stroke import COLUMNS, Stroke
 from bozzetto.json_size import json_values
 from bozzetto.view.camera import Camera
 
-__all__ = [
-    "LoadReport",
-    "StoredDocument",
-    "decode_document",
-    "document_info",
-    "encode_document",
-    "open_document",
-    "parse_document",
-    "put_strokes",
-    "read_document",
-    "take_strokes",
-    "write_document",
-]
-
 MIMETYPE: Final = b"application/vnd.bozzetto.document"
 FORMAT: Final = "bozzetto.document"
 MIN_READER: Final = 1
 
 MAX_UNDERLAY_PIXELS: Final = 80_000_000
-"""Of all pictures under the sheet: a third of a gigabyte unpacked."""
+"""Limit for all pictures under the sheet together: a third of a gigabyte unpacked."""
 
 MAX_STATE_VALUES: Final = 4_000_000
 """Values in the JSON of all states: each is an object, and looked at one by one."""
@@ -139,7 +125,7 @@ class _Views(msgspec.Struct):
 
 @dataclass(frozen=True)
 class LoadReport:
-    """What there is to say about a document that could be opened.
+    """Messages about a document that could be opened.
 
     Attributes
     ----------
@@ -148,7 +134,7 @@ class LoadReport:
     read_only : bool
         The file is of a newer version that may be shown, and must not be written over.
     stamp : FileStamp, optional
-        Of the content that was read, where it came from a file.
+        Stamp of the content that was read, where it came from a file.
     """
 
     warnings: tuple[str, ...] = ()
@@ -186,7 +172,9 @@ def write_document(
     Parameters
     ----------
     document : Document
+        What to save.
     path : path
+        The file; what is there is replaced.
     thumbnail : bytes, optional
         A PNG, 256 pixels square, that file managers may show.
     backups : int
@@ -208,7 +196,7 @@ def write_document(
 
 
 def encode_document(document: Document, thumbnail: bytes | None = None) -> bytes:
-    """The content of a document's file."""
+    """Return the content of a document's file."""
     file = io.BytesIO()
     _packed(document, thumbnail).write(file)
     return file.getvalue()
@@ -281,6 +269,7 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
     Parameters
     ----------
     path : path
+        The file.
     states : StateTypes
         Who knows the modelers; the registry does. States of modelers it does not know stay
         closed (`OpaqueState`) and are written back as they were.
@@ -298,8 +287,8 @@ def read_document(path: str | os.PathLike[str], states: StateTypes) -> tuple[Doc
 
 
 def decode_document(content: bytes | memoryview, states: StateTypes) -> tuple[Document, LoadReport]:
-    """As `read_document`, from the content of a file."""
-    with told_as_format_error(DocumentError):
+    """Read a document, as `read_document`, from the content of a file."""
+    with as_format_errors(DocumentError):
         return open_document(parse_document(content), states)
 
 
@@ -347,7 +336,7 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
 
 
 def _underlays(headers: Sequence[UnderlayHeader], reader: ContainerReader) -> tuple[Underlay, ...]:
-    """The underlays; their sizes are added up before the first one is unpacked."""
+    """Read the underlays; their sizes are added up before the first one is unpacked."""
     files = [reader.read(_png_name(header.id)) for header in headers]
     if sum(map(pixel_count, files)) > MAX_UNDERLAY_PIXELS:
         raise DocumentError("The pictures under this document's sheet are too large together.")
@@ -360,7 +349,7 @@ def _underlays(headers: Sequence[UnderlayHeader], reader: ContainerReader) -> tu
 def take_strokes(
     reader: ContainerReader, meta: bytes, folder: str = STROKE_COLUMNS
 ) -> list[Stroke]:
-    """The strokes that `put_strokes` added to a container."""
+    """Read the strokes that `put_strokes` added to a container."""
     names = {"offsets": f"{folder}offsets.u4"}
     names |= {name: f"{folder}{name}.f4" for name in COLUMNS}
     columns = {name: reader.array(entry) for name, entry in names.items() if entry in reader}
@@ -368,7 +357,7 @@ def take_strokes(
 
 
 def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a document's file says of itself, as plain JSON values; no plugin is asked.
+    """Return facts about a document's file, as plain JSON values; no plugin is asked.
 
     Raises
     ------
@@ -406,7 +395,7 @@ def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
-    """The JSON of the core in today's shape, and the version it was written in."""
+    """Return the JSON of the core in today's shape, and the version it was written in."""
     promise = decode_json(reader.json(MANIFEST), _Promise)
     if promise.format != FORMAT or reader.read("mimetype", len(MIMETYPE)) != MIMETYPE:
         raise DocumentError("This is not a Bozzetto document.")
@@ -432,7 +421,7 @@ def _models(
     strokes: Sequence[Stroke],
     reader: ContainerReader,
 ) -> tuple[StoredModel, ...]:
-    """The models; each owns the strokes that follow those of the one before."""
+    """Read the models; each owns the strokes that follow those of the one before."""
     if len({entry.header.id for entry in entries}) < len(entries):
         raise DocumentError("This document has two objects with one id.")
     models = []
@@ -463,7 +452,7 @@ def _models(
 
 
 def _waiting(entries: Sequence[WaitingHeader], reader: ContainerReader) -> Waiting:
-    """The ink that waits."""
+    """Read the waiting ink."""
     if not entries:
         return ()
     strokes = take_strokes(reader, reader.json(WAITING_STROKES), WAITING_COLUMNS)

@@ -11,17 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-__all__ = ["STEPS", "VERSION", "WAITING", "migrate"]
-
 Trees = dict[str, Any]
 Step = Callable[[Trees], Trees]
 
 WAITING: Final = "core/waiting.json"
-"""Where version 2 keeps the list of waiting ink."""
+"""Entry of version 2 that lists the waiting ink."""
 
 
 def _no_ink_waited(trees: Trees) -> Trees:
-    """From version 1 to 2: ink that waits is part of the document; before, it was never kept."""
+    """Migrate version 1 to 2: waiting ink is part of the document; before, it was never kept."""
     return {**trees, WAITING: []}
 
 
@@ -42,6 +40,7 @@ def migrate(trees: Trees, version: int, steps: Sequence[Step] = STEPS) -> Trees:
     version : int
         What they are now; from 1.
     steps : sequence of callable
+        The migration from each version to the next one, from version 1 on.
     """
     for step in steps[version - 1 :]:
         trees = step(trees)

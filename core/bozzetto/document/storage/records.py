@@ -8,12 +8,12 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 from msgspec import Meta
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
-from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, Underlay
+from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, OpaqueState, Underlay
 from bozzetto.document.storage.state_codec import (
     EncodedState,
-    OpaqueState,
     StateTypes,
     decode_state,
     encode_state,
@@ -22,17 +22,6 @@ from bozzetto.document.waiting_ink import Waiting, WaitingStatus, WaitingStroke
 from bozzetto.errors import DocumentError
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
-
-__all__ = [
-    "ModelHeader",
-    "StoredModel",
-    "UnderlayHeader",
-    "WaitingHeader",
-    "open_model",
-    "store_model",
-    "store_underlay",
-    "store_waiting",
-]
 
 Id = Annotated[str, Meta(pattern=ID_PATTERN)]
 
@@ -55,7 +44,7 @@ class ModelHeader(msgspec.Struct, frozen=True):
 
     @property
     def folder(self) -> str:
-        """Where the file keeps the state."""
+        """Folder of the state in the file."""
         return f"plugins/{self.modeler}/{self.id}"
 
 
@@ -71,19 +60,10 @@ class UnderlayHeader(msgspec.Struct, frozen=True):
     visible: bool
 
     def with_pixels(self, pixels: NDArray[np.uint8]) -> Underlay:
-        """The underlay; raises `DocumentError` where these are no pixels."""
+        """Return the underlay; raises `DocumentError` where the array holds no pixels."""
         if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or not pixels.size:
             raise DocumentError(f"The underlay “{self.name}” has no picture.")
-        return Underlay(
-            self.id,
-            self.name,
-            pixels,
-            self.corner,
-            self.across,
-            self.down,
-            self.opacity,
-            self.visible,
-        )
+        return Underlay(pixels=pixels, **asdict(self))
 
 
 class WaitingHeader(msgspec.Struct, frozen=True):
@@ -96,7 +76,7 @@ class WaitingHeader(msgspec.Struct, frozen=True):
     places: list[tuple[float, float]]
 
     def with_stroke(self, stroke: Stroke) -> WaitingStroke:
-        """The waiting stroke."""
+        """Return the waiting stroke."""
         return WaitingStroke(
             stroke, self.modeler, self.tool, self.status, self.reason, tuple(self.places)
         )
@@ -113,34 +93,18 @@ class StoredModel:
 def store_model(model: Model) -> StoredModel:
     """Take a model apart for writing."""
     state = model.state
-    header = ModelHeader(
-        model.id,
-        model.name,
-        model.modeler,
-        state.version if isinstance(state, OpaqueState) else model.state_version,
-        model.placement,
-        model.visible,
-        model.locked,
-        model.color,
-    )
+    version = state.version if isinstance(state, OpaqueState) else model.state_version
+    header = ModelHeader(**_fields_of(model, ModelHeader) | {"state_version": version})
     return StoredModel(header, encode_state(state))
 
 
 def store_underlay(underlay: Underlay) -> UnderlayHeader:
-    """What is written of an underlay beside its pixels."""
-    return UnderlayHeader(
-        underlay.id,
-        underlay.name,
-        underlay.corner,
-        underlay.across,
-        underlay.down,
-        underlay.opacity,
-        underlay.visible,
-    )
+    """Return the record of an underlay beside its pixels."""
+    return UnderlayHeader(**_fields_of(underlay, UnderlayHeader))
 
 
 def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
-    """What is written of ink that waits beside its strokes."""
+    """Return the records of waiting ink beside its strokes."""
     return [
         WaitingHeader(
             _writable(one.modeler),
@@ -153,8 +117,13 @@ def store_waiting(waiting: Waiting) -> list[WaitingHeader]:
     ]
 
 
+def _fields_of(source: object, record: type[msgspec.Struct]) -> dict[str, Any]:
+    """Return the fields of a record from the attributes of the same names."""
+    return {name: getattr(source, name) for name in record.__struct_fields__}
+
+
 def _writable(text: str) -> str:
-    """A text without halves of characters: plugins may say anything, and JSON cannot hold it."""
+    """Remove halves of characters: plugins may say anything, and JSON cannot hold them."""
     return text.encode("utf-8", "replace").decode()
 
 
@@ -169,17 +138,7 @@ def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | No
     closed = OpaqueState(
         header.state_version, stored.encoded.json, stored.encoded.strokes, stored.encoded.arrays
     )
-    model = Model(
-        header.id,
-        header.name,
-        header.modeler,
-        closed,
-        header.placement,
-        header.visible,
-        header.locked,
-        header.color,
-        header.state_version,
-    )
+    model = Model(state=closed, **asdict(header))
     known = states.state_type(header.modeler)
     if known is None:
         return model, (

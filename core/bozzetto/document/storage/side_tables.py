@@ -1,4 +1,4 @@
-"""What a state's JSON cannot hold, put aside: strokes and arrays, referred to by number."""
+"""Tables beside a state's JSON: strokes and arrays, referred to by number."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["Aside", "Refusal", "runs"]
-
 MAX_REPEATS: Final = 16
-"""How often a state may name each of its strokes on average: memory stays near the file's."""
+"""Greatest number of times that a state may name each of its strokes, on average: memory stays
+near the size of the file."""
 
 FEW: Final = 100_000
 """Names of strokes that are never too many: they take less than a megabyte."""
@@ -43,7 +42,7 @@ class Aside:
     numbers: dict[int, int] = field(default_factory=dict)
 
     def put(self, shelf: list[Any], item: object) -> int:
-        """Number of an item on its shelf; the same object gets the same number."""
+        """Return the number of an item in its table; the same object gets the same number."""
         number = self.numbers.setdefault(id(item), len(shelf))
         if number == len(shelf):
             shelf.append(item)
@@ -57,14 +56,14 @@ class Aside:
 
     @staticmethod
     def get(shelf: list[Any], number: object) -> Any:
-        """The item of a number found in a file."""
+        """Return the item of a number found in a file."""
         if type(number) is not int or not 0 <= number < len(shelf):
             raise Refusal(f"refers to number {number!r} of {len(shelf)} strokes or arrays")
         return shelf[number]
 
 
 def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
-    """Numbers as (first, count) of consecutive ones."""
+    """Return numbers as (first, count) of consecutive ones."""
     if not numbers:
         return []
     row = np.asarray(numbers, np.int64)

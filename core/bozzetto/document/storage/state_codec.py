@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar, cast
 import msgspec
 from numpy.typing import NDArray
 
+from bozzetto.document.model import OpaqueState
 from bozzetto.document.storage.side_tables import Aside
 from bozzetto.document.storage.type_forms import form_of
 from bozzetto.errors import DocumentError, UserError, words_of
@@ -20,16 +20,6 @@ from bozzetto.json_size import MAX_VALUES, json_values
 if TYPE_CHECKING:
     from bozzetto.parameters import Field
 
-__all__ = [
-    "EncodedState",
-    "OpaqueState",
-    "StateTypes",
-    "check_encodable",
-    "decode_state",
-    "encode_state",
-    "state_digest",
-]
-
 State = TypeVar("State")
 
 MAX_STATE_JSON: Final = 16 << 20
@@ -37,14 +27,14 @@ MAX_STATE_JSON: Final = 16 << 20
 
 
 class StateTypes(Protocol):
-    """Who knows the modelers' state types; `bozzetto.plugin.host.registry.Registry` does."""
+    """Source of modelers' state types, such as `bozzetto.plugin.host.registry.Registry`."""
 
     def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
-        """State type and version of a modeler, or None if it is absent or broken."""
+        """Return the state type and version of a modeler, or None if it is absent or broken."""
         ...
 
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """The stored form of an older version's state in today's shape."""
+        """Return the stored form of an older version's state in today's shape."""
         ...
 
 
@@ -62,24 +52,6 @@ class EncodedState:
 
     json: bytes
     strokes: tuple[Stroke, ...] = ()
-    arrays: tuple[NDArray[Any], ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class OpaqueState:
-    """The state of a model whose modeler is absent: kept as it was stored.
-
-    Parameters
-    ----------
-    version : int
-        The modeler's ``state_version`` when it was stored.
-    json, strokes, arrays
-        As in `EncodedState`; never looked into.
-    """
-
-    version: int
-    json: bytes
-    strokes: Sequence[Stroke] = ()
     arrays: tuple[NDArray[Any], ...] = ()
 
 
@@ -132,7 +104,9 @@ def decode_state(
     Parameters
     ----------
     state_type : type
+        The modeler's frozen dataclass.
     encoded : EncodedState
+        The state as `encode_state` gives it.
     upgrade : callable, optional
         Turns the JSON object of an older version into today's.
 
@@ -158,8 +132,10 @@ def decode_state(
 
 
 def state_digest(state: Any) -> bytes:
-    """16 bytes that name a state's content; equal states have equal ones."""
+    """Return 16 bytes that name a state's content; equal states have equal ones."""
     encoded = encode_state(state)
+    import hashlib
+
     digest = hashlib.blake2b(encoded.json, digest_size=16)
     for stroke in encoded.strokes:
         digest.update(stroke.digest)

@@ -16,8 +16,6 @@ from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import COLUMNS, MAX_SAMPLES, Stroke, StrokeTool, frozen_column
 from bozzetto.view.camera import Camera
 
-__all__ = ["MAX_STROKES", "pack_strokes", "unpack_strokes"]
-
 MAX_STROKES: Final = 1_000_000
 """Most strokes in one file."""
 
@@ -26,7 +24,7 @@ JOINED_AT_ONCE: Final = 256
 
 
 class _Row(msgspec.Struct, array_like=True, forbid_unknown_fields=True):
-    """What is known of a stroke beside its samples."""
+    """Facts about a stroke beside its samples."""
 
     camera: int
     tool: StrokeTool
@@ -44,7 +42,7 @@ class _Sheet(msgspec.Struct):
 
 
 def pack_strokes(strokes: Sequence[Stroke]) -> tuple[object, dict[str, NDArray[Any]]]:
-    """Strokes as one list of facts and common columns.
+    """Return strokes as one list of facts and common columns.
 
     Returns
     -------
@@ -95,7 +93,7 @@ def pack_strokes(strokes: Sequence[Stroke]) -> tuple[object, dict[str, NDArray[A
 
 
 def _gather(parts: Iterator[Any], column: NDArray[np.float32]) -> None:
-    """Lay the strokes' parts of a column one after the other."""
+    """Concatenate the strokes' parts of a column."""
     end = 0
     # Joined as bytes, in pieces that stay in the cache: half the time of numpy's concatenate.
     while piece := b"".join(islice(parts, JOINED_AT_ONCE)):
@@ -105,7 +103,7 @@ def _gather(parts: Iterator[Any], column: NDArray[np.float32]) -> None:
 
 
 def unpack_strokes(meta: bytes, columns: Mapping[str, NDArray[Any]]) -> list[Stroke]:
-    """Strokes from what `pack_strokes` made; the columns are shared, not copied.
+    """Return the strokes that `pack_strokes` took apart; the columns are shared, not copied.
 
     Parameters
     ----------
@@ -155,7 +153,7 @@ def _sliced(
     pairs: Sequence[tuple[int, int]],
     known: Sequence[bool] | None,
 ) -> list[NDArray[np.float32]]:
-    """Each stroke's part of a column; where it has none, its length of the default value."""
+    """Return each stroke's part of a column; where it has none, its length of the default value."""
     if column is not None and (known is None or all(known)):
         return [column[start:end] for start, end in pairs]
     fill = _Constant(0.5 if name == "pressure" else 0.0)
@@ -181,7 +179,7 @@ class _Constant:
 
 
 def _starts(columns: Mapping[str, NDArray[Any]], count: int) -> list[int]:
-    """Where each stroke starts in the columns, and where the last one ends."""
+    """Return where each stroke starts in the columns, and where the last one ends."""
     offsets = columns.get("offsets")
     if offsets is None or offsets.dtype != DTYPES["u4"] or offsets.shape != (count + 1,):
         raise DocumentError("This document's strokes have no usable list of lengths.")

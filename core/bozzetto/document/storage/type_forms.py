@@ -1,4 +1,4 @@
-"""How each type that a state may be made of is written as JSON, and read back.
+"""JSON forms of all types that a state may be made of.
 
 One `Form` per type does both ways, so what is accepted for writing is what can be read.
 Strokes and arrays do not go into the JSON: they are put aside (`Aside`), and the JSON
@@ -28,8 +28,6 @@ from bozzetto.document.storage.zip_container import DTYPES, MAX_AXES, all_finite
 from bozzetto.errors import words_of
 from bozzetto.ink.stroke import Stroke, Strokes
 
-__all__ = ["Form", "form_of"]
-
 MAX_DEPTH: Final = 64
 """Deepest nesting of dataclasses in a state: a tree of parts, not an attack on the stack."""
 
@@ -38,7 +36,7 @@ MAX_INTEGER: Final = 2**63 - 1
 
 
 class Form:
-    """How one type is written and read.
+    """Writer and reader of one type.
 
     Attributes
     ----------
@@ -59,13 +57,13 @@ class Form:
         return type(raw) in self.json
 
     def write(self, value: Any, aside: Aside) -> Any:
-        """The JSON value; strokes and arrays are put aside. Raises `Refusal`."""
+        """Return the JSON value; strokes and arrays go to side tables. Raises `Refusal`."""
         if not self.takes(value):
             raise Refusal(f"{type(value).__name__} where {self} belongs")
         return self._write(value, aside)
 
     def read(self, raw: Any, aside: Aside) -> Any:
-        """The value from its JSON. Raises `Refusal`."""
+        """Return the value from its JSON. Raises `Refusal`."""
         if not self.reads(raw):
             raise Refusal(f"JSON {type(raw).__name__} where {self} belongs")
         return self._read(raw, aside)
@@ -274,7 +272,7 @@ class _Union(Form):
 
 
 class _Reference(Form):
-    """What is put aside: an object with one key that starts with ``$``."""
+    """Reference into a side table: an object with one key that starts with ``$``."""
 
     key: str
 
@@ -364,7 +362,7 @@ _PLAIN: Final[dict[Any, Form]] = {
 
 
 def form_of(hint: Any) -> Form:
-    """The form of a type.
+    """Return the form of a type.
 
     Raises
     ------

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import DocumentError, FormatError
-from bozzetto.images.png import decoded, png_bytes
-
-__all__ = ["decode_png", "encode_png"]
+from bozzetto.images.png import decode_picture, png_bytes
 
 PNG_EFFORT: Final = 1
 """zlib level: a save must not wait for the last tenth of the size."""
@@ -21,7 +19,7 @@ _encoded: dict[int, tuple[weakref.ref[Any], bytes]] = {}
 
 
 def encode_png(pixels: NDArray[np.uint8]) -> bytes:
-    """A picture of shape (h, w, 4), RGBA, as PNG; remembered while the array lives."""
+    """Encode a picture of shape (h, w, 4), RGBA, as PNG; remembered while the array lives."""
     key = id(pixels)
     if key not in _encoded:
         _remember(pixels, png_bytes(pixels, PNG_EFFORT))
@@ -29,7 +27,7 @@ def encode_png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def decode_png(content: bytes) -> NDArray[np.uint8]:
-    """The pixels of a PNG, shape (h, w, 4), RGBA.
+    """Decode a PNG to pixels of shape (h, w, 4), RGBA.
 
     Raises
     ------
@@ -37,7 +35,7 @@ def decode_png(content: bytes) -> NDArray[np.uint8]:
         If it is not a PNG, or larger than `bozzetto.images.png.MAX_PIXELS`.
     """
     try:
-        return decoded(content)
+        return decode_picture(content)
     except FormatError as problem:
         raise DocumentError(problem.message) from problem
 

@@ -25,20 +25,6 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import DocumentError, UserError, words_of
 
-__all__ = [
-    "DTYPES",
-    "MAX_AXES",
-    "MAX_FILE_BYTES",
-    "ContainerReader",
-    "ContainerWriter",
-    "Part",
-    "all_finite",
-    "decode_json",
-    "dtype_name",
-    "encode_json",
-    "is_safe_name",
-]
-
 DTYPES: Final[dict[str, np.dtype[Any]]] = {
     "f4": np.dtype("<f4"),
     "f8": np.dtype("<f8"),
@@ -87,7 +73,7 @@ Content = bytes | memoryview
 
 
 class Part(msgspec.Struct):
-    """What the manifest says of an array."""
+    """Declaration of an array in the manifest."""
 
     name: str
     dtype: str
@@ -96,7 +82,7 @@ class Part(msgspec.Struct):
 
 
 def dtype_name(array: NDArray[Any]) -> str | None:
-    """The name by which files call an array's element type, or None if they cannot."""
+    """Return the name by which files call an array's element type, or None if they cannot."""
     return next((name for name, dtype in DTYPES.items() if array.dtype == dtype), None)
 
 
@@ -113,7 +99,7 @@ def all_finite(array: NDArray[Any]) -> bool:
 
 
 def encode_json(value: Any) -> bytes:
-    """JSON of structs and plain values; numpy's single numbers become Python's."""
+    """Encode structs and plain values as JSON; numpy's single numbers become Python's."""
     return msgspec.json.encode(value, enc_hook=_plain)
 
 
@@ -124,7 +110,7 @@ def _plain(value: Any) -> Any:
 
 
 def decode_json(text: bytes, kind: type[Value]) -> Value:
-    """Typed values from JSON.
+    """Decode typed values from JSON.
 
     Raises
     ------
@@ -272,12 +258,12 @@ class ContainerReader:
         return name in self._entries
 
     def unread(self) -> tuple[str, ...]:
-        """Entries that nobody has asked for yet, in the order of the directory."""
+        """Return the entries that nobody has read yet, in the order of the directory."""
         return tuple(self._unread)
 
     @property
     def arrays(self) -> tuple[str, ...]:
-        """The entries that were declared as arrays, in that order."""
+        """Entries that were declared as arrays, in that order."""
         return tuple(self._parts)
 
     def declare(self, parts: Sequence[Part]) -> None:
@@ -287,7 +273,7 @@ class ContainerReader:
             raise DocumentError("This document lists an array twice.")
 
     def read(self, name: str, limit: int = MAX_CONTENT_BYTES) -> bytes:
-        """An entry's content.
+        """Return an entry's content.
 
         Raises
         ------
@@ -295,15 +281,15 @@ class ContainerReader:
             If there is no such entry, it is longer than `limit`, or its checksum fails.
         """
         if self._entry(name).size > limit:
-            raise DocumentError(f"This document's part {name} is too long to be true.")
+            raise DocumentError(f"This document's part {name} is longer than it can be.")
         return bytes(self._content(name))
 
     def json(self, name: str) -> bytes:
-        """A JSON entry's text, of bounded length."""
+        """Return a JSON entry's text, of bounded length."""
         return self.read(name, MAX_JSON_BYTES)
 
     def array(self, name: str) -> NDArray[Any]:
-        """A read-only array that was declared; finite if it is of floats."""
+        """Return a read-only array that was declared; finite if it is of floats."""
         part = self._parts.get(name)
         if part is None:
             raise DocumentError(f"This document's array {name} is of an unknown kind.")
@@ -345,7 +331,7 @@ class ContainerReader:
 
 
 def _directory(data: Content) -> dict[str, _Entry]:
-    """The entries of a file, none of which overlaps another or promises too much."""
+    """Read the entries of a file, none of which overlaps another or promises too much."""
     end = len(data) - END.size
     if not 0 <= end <= MAX_FILE_BYTES:
         raise DocumentError("This is not a Bozzetto document, or it was cut short.")
@@ -365,9 +351,9 @@ def _directory(data: Content) -> dict[str, _Entry]:
         content += entry.size
         growth += max(0, entry.size - entry.packed)
         if growth > MAX_GROWTH:
-            raise DocumentError("This document unpacks to more than it can honestly hold.")
+            raise DocumentError("This document unpacks to far more than its size allows.")
         if entry.size > MAX_RATIO * max(entry.packed, RATIO_FLOOR) or content > MAX_CONTENT_BYTES:
-            raise DocumentError("This document unpacks to more than it can honestly hold.")
+            raise DocumentError("This document unpacks to far more than its size allows.")
         if name.endswith("/") and not entry.size:
             continue  # a folder, as other zip programs note them
         if name in entries or not is_safe_name(name):
@@ -382,7 +368,7 @@ def _directory(data: Content) -> dict[str, _Entry]:
 
 
 def _central(data: Content, place: int, end: int) -> tuple[str, _Entry, int, int]:
-    """Name, entry, place of the local header, and place of the next record."""
+    """Return name, entry, place of the local header, and place of the next record."""
     if place + CENTRAL.size > end:
         raise DocumentError("This document's directory is damaged. Open a backup of it.")
     record = CENTRAL.unpack_from(data, place)
@@ -402,7 +388,7 @@ def _central(data: Content, place: int, end: int) -> tuple[str, _Entry, int, int
 
 
 def _local(data: Content, place: int, name: str, entry: _Entry, end: int) -> int:
-    """Where an entry's content begins; its own header must agree with the directory."""
+    """Return where an entry's content begins; its own header must agree with the directory."""
     begins = place + LOCAL.size
     if begins > end:
         raise DocumentError("This document's directory is damaged. Open a backup of it.")

@@ -13,15 +13,11 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.shapes import Curve, Shapes
-
-__all__ = ["RESOLUTION", "bezier_pieces", "checked_curves", "points_on", "readable"]
-
-Array = NDArray[np.float64]
 
 RESOLUTION: Final = 1e-6
 """Distance that the files declare to be none, mm: far above rounding, far below any machine."""
@@ -30,7 +26,7 @@ MAX_DEGREE: Final = 25
 """Highest degree written: the limit of the OpenCASCADE kernel, the lowest of the kernels known."""
 
 SHARES_OF_SPAN: Final = np.linspace(0.0, 1.0, 9)[:, None, None, None]
-"""Where on a span the points lie by which it is framed."""
+"""Places on a span by which a curve is framed, as shares of the span."""
 SHARES_OF_SPAN.flags.writeable = False
 
 SAME_KNOT: Final = 8
@@ -52,11 +48,12 @@ UNSPEAKABLE: Final = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
 def checked_curves(shapes: Shapes, *, corners: bool = True) -> tuple[Curve, ...]:
-    """The curves of shapes as they can be written.
+    """Return the curves of shapes as they can be written.
 
     Parameters
     ----------
     shapes : Shapes
+        Shapes with curves, mm.
     corners : bool
         Whether a curve may have corners. Otherwise it ends there, and another one of its name
         begins; polylines stay whole.
@@ -86,12 +83,12 @@ def checked_curves(shapes: Shapes, *, corners: bool = True) -> tuple[Curve, ...]
 
 
 def readable(name: str) -> str:
-    """A name as readers take it: without control characters and halves of surrogate pairs."""
+    """Return a name without control characters and halves of surrogate pairs."""
     return UNSPEAKABLE.sub(" ", name).strip()
 
 
 def bezier_pieces(curve: Curve) -> Array:
-    """Bézier control points of every span of a clamped curve.
+    """Return the Bézier control points of every span of a clamped curve.
 
     They are the blossom of the span's polynomial at its two ends (Ramshaw 1989, "Blossoms are
     polar forms"), all by interpolation inside the span's knots.
@@ -126,7 +123,7 @@ def bezier_pieces(curve: Curve) -> Array:
 
 
 def points_on(curve: Curve) -> Array:
-    """Some points (n, 3) of every span of a curve, its ends among them, mm; to frame it by."""
+    """Return points (n, 3) of every span of a curve, its ends among them, mm; to frame it by."""
     found = []
     for piece in checked_curves(Shapes(curves=(curve,))):
         row = bezier_pieces(piece)[None]
@@ -182,7 +179,7 @@ def _pieces(curve: Curve, corners: bool) -> list[Curve]:
     return found
 
 
-def _turns(points: Array, first: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _turns(points: Array, first: Index) -> Flags:
     """Whether a curve has a corner at its control point before each of these numbers, (k,)."""
     at = np.clip(first - 1, 1, len(points) - 2)
     before, after = points[at] - points[at - 1], points[at + 1] - points[at]
@@ -217,7 +214,7 @@ def _refuse_unwritable(curve: Curve) -> None:
 
 
 def _common_weights(weights: Array | None) -> Array | None:
-    """The weights, by a power of two if they are of odd size; None where they are all equal."""
+    """Return the weights, scaled by a power of two if of odd size; None where all are equal."""
     if weights is None or (weights == weights[0]).all():
         return None
     largest = float(weights.max())
@@ -227,7 +224,7 @@ def _common_weights(weights: Array | None) -> Array | None:
 
 
 def _common_knots(curve: Curve) -> Array:
-    """The knots with those that are as good as one made one, over a range of common size."""
+    """Return the knots over a range of common size, with those that nearly agree made one."""
     knots = curve.knots
     close = SAME_KNOT * np.spacing(np.abs(knots).max())
     apart = np.append(True, np.diff(knots / 2) > close / 2)  # halved, so as not to overflow
@@ -242,7 +239,7 @@ def _common_knots(curve: Curve) -> Array:
 
 
 def _with_knot(curve: Curve, knot: float) -> Curve:
-    """The same curve with one knot more (Boehm 1980, knot insertion), by convex combinations.
+    """Return the same curve with one more knot (Boehm 1980), by convex combinations.
 
     Both shares are divided out alike: of a curve that mirrors itself, both ends round alike.
     """

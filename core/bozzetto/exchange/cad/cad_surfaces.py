@@ -1,4 +1,4 @@
-"""Patchworks as every reader takes them, and what all formats say of a patch alike."""
+"""Patchworks as every reader takes them, and the names of their patches."""
 
 from __future__ import annotations
 
@@ -15,14 +15,12 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.patches.tessellation import tessellated
 from bozzetto.geometry.shapes import Shapes, Surface
 
-__all__ = ["CUBIC_KNOTS", "checked_patchworks", "names_of_patches", "with_meshes"]
-
 CUBIC_KNOTS: Final = frozen((0.0,) * 4 + (1.0,) * 4, np.float64)
 """Knots with which a cubic B-spline of four control points is a Bézier curve."""
 
 
 def checked_patchworks(shapes: Shapes) -> tuple[Patchwork, ...]:
-    """The patchworks of shapes as they can be written.
+    """Return the patchworks of shapes as they can be written.
 
     Returns
     -------
@@ -65,11 +63,11 @@ def _refuse_unwritable(patchwork: Patchwork) -> None:
 
 
 def names_of_patches(patchwork: Patchwork) -> tuple[str, ...]:
-    """A name for each patch: its own, or that of the whole."""
+    """Return a name for each patch: its own, or that of the whole."""
     return patchwork.patch_names or (patchwork.name,) * len(patchwork.nets)
 
 
 def with_meshes(shapes: Shapes) -> Shapes:
-    """Shapes for formats that hold triangles only: patchworks become surfaces of triangles."""
+    """Return shapes for formats that hold triangles only: patchworks become surfaces."""
     meshes = tuple(Surface(tessellated(p), p.name, p.color) for p in shapes.patchworks)
     return replace(shapes, surfaces=shapes.surfaces + meshes, patchworks=())

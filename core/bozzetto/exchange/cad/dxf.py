@@ -14,8 +14,6 @@ from bozzetto.exchange.cad.cad_curves import checked_curves
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.geometry.shapes import Shapes
 
-__all__ = ["write_shapes"]
-
 VERSION: Final = "R2010"
 """Names in Unicode begin with R2007; all programs tried read R2010."""
 
@@ -34,7 +32,7 @@ DEFAULT_LAYER: Final = "0"
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A DXF file of the curves; DXF knows no names of curves, so each names its layer.
+    """Write the curves as DXF; DXF knows no names of curves, so each names its layer.
 
     Raises
     ------

@@ -22,8 +22,6 @@ from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, 
 from bozzetto.exchange.cad.step_text import real
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
-__all__ = ["write_shapes"]
-
 CURVE: Final = 126
 SURFACE: Final = 128
 GROUP: Final = 402
@@ -33,7 +31,7 @@ PROPERTY: Final = 406
 NAME_FORM: Final = 15
 
 DEPENDENT: Final = "00010000"
-"""Status of a property: it hangs on another entity."""
+"""Status of a property: it depends on another entity."""
 
 DEFINITION: Final = "00000200"
 """Status of a colour: a definition that others use."""
@@ -49,7 +47,7 @@ COLUMNS: Final = 72
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """An IGES file of the patchworks and curves, with names and colours.
+    """Write the patchworks and curves as IGES, with names and colours.
 
     Names are in ASCII there: accents are taken off, other characters become ``?``.
 
@@ -118,7 +116,7 @@ class _File:
         return self.add(kind, [*values, "0", "1", str(label)], form=form, color=tint)
 
     def encoded(self, reach: float) -> bytes:
-        """The whole file.
+        """Return the whole file.
 
         Parameters
         ----------
@@ -142,12 +140,12 @@ class _File:
 
 
 def _fields(*values: object) -> str:
-    """Fields of a directory entry, eight columns each."""
+    """Return the fields of a directory entry, eight columns each."""
     return "".join(f"{value:>8}" for value in values)
 
 
 def _settings(title: str, reach: float) -> list[str]:
-    """The global section (2.2.4.3)."""
+    """Return the fields of the global section (2.2.4.3)."""
     program = _text("Bozzetto")
     return [
         _text(","), _text(";"), program, _text(f"{title.lower()}.igs"), program, program,
@@ -159,7 +157,7 @@ def _settings(title: str, reach: float) -> list[str]:
 
 
 def _parameters(curve: Curve) -> Iterator[str]:
-    """The parameters of a rational B-spline curve (4.23)."""
+    """Yield the parameters of a rational B-spline curve (4.23)."""
     count = len(curve.control_points)
     normal = _normal(curve.control_points)
     weights = np.ones(count) if curve.weights is None else curve.weights
@@ -171,7 +169,7 @@ def _parameters(curve: Curve) -> Iterator[str]:
 
 
 def _net_parameters(net: NDArray[np.float64]) -> Iterator[str]:
-    """The parameters of a rational B-spline surface (4.24) that is one bicubic patch."""
+    """Yield the parameters of a rational B-spline surface (4.24) that is one bicubic patch."""
     yield from ("3", "3", "3", "3", "0", "0", "1", "0", "0")  # open, polynomial, not periodic
     along_u = net.transpose(1, 0, 2)  # the first index runs first
     for values in (CUBIC_KNOTS, CUBIC_KNOTS, np.ones(16), along_u, (0.0, 1.0, 0.0, 1.0)):
@@ -179,7 +177,7 @@ def _net_parameters(net: NDArray[np.float64]) -> Iterator[str]:
 
 
 def _normal(points: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """The unit normal of the plane that points lie in; None where they lie in none.
+    """Return the unit normal of the plane that holds the points; None where no plane does.
 
     Of a straight line any normal will do.
     """
@@ -190,12 +188,12 @@ def _normal(points: NDArray[np.float64]) -> NDArray[np.float64] | None:
 
 
 def _real(value: float) -> str:
-    """A number with all its digits; the exponent's letter says double precision."""
+    """Write a number with all its digits; the exponent's letter says double precision."""
     return real(value).replace("E", "D")
 
 
 def _text(text: str) -> str:
-    """A string with its length before it (2.2.2.4); nothing for an empty one."""
+    """Write a string with its length before it (2.2.2.4); nothing for an empty one."""
     plain = unicodedata.normalize("NFKD", text)
     plain = "".join(letter for letter in plain if not unicodedata.combining(letter))
     plain = re.sub(r"[^\x20-\x7e]", "?", plain)
@@ -203,7 +201,7 @@ def _text(text: str) -> str:
 
 
 def _rows(values: Iterable[str], width: int) -> Iterator[str]:
-    """Values with their delimiters on lines; only what is longer than one is broken."""
+    """Break values with their delimiters into lines; only what is longer than one is split."""
     values = list(values)
     row = ""
     for number, value in enumerate(values, 1):

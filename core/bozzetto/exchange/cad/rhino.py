@@ -18,8 +18,6 @@ from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, 
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
-__all__ = ["write_shapes"]
-
 VERSION: Final = 7
 """The version of the file: Rhino 7 and all later ones read it."""
 
@@ -28,7 +26,7 @@ BRACKETS: Final = ("(", "[", "{", ")", "]", "}")
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A 3dm file of the patchworks and curves, with names and colours.
+    """Write the patchworks and curves as 3dm, with names and colours.
 
     Raises
     ------

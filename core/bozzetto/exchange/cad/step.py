@@ -11,18 +11,14 @@ from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, names_of_patches
 from bozzetto.exchange.cad.step_text import Part21, many, real, string
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Color, Curve, Shapes
-
-__all__ = ["write_shapes"]
-
-Array = NDArray[np.float64]
 
 SCHEMA: Final = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
 
@@ -31,7 +27,7 @@ LINE_WIDTH: Final = 0.25
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A STEP file of the patchworks and curves, with names and colours.
+    """Write the patchworks and curves as STEP, with names and colours.
 
     Raises
     ------
@@ -71,7 +67,7 @@ def write_shapes(shapes: Shapes) -> bytes:
 
 
 def _product(file: Part21, name: str) -> str:
-    """A product, down to the definition of its shape."""
+    """Add a product, down to the definition of its shape."""
     label = string(name)
     application = file.add(
         "APPLICATION_CONTEXT('core data for automotive mechanical design processes')"
@@ -90,7 +86,7 @@ def _product(file: Part21, name: str) -> str:
 
 
 def _millimetres(file: Part21) -> str:
-    """The context of the geometry: three dimensions, millimetres, radians."""
+    """Add the context of the geometry: three dimensions, millimetres, radians."""
     length = file.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
     angle = file.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
     solid_angle = file.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
@@ -107,7 +103,7 @@ def _millimetres(file: Part21) -> str:
 
 
 def _frame(file: Part21) -> str:
-    """The axes of the world."""
+    """Add the axes of the world."""
     origin = file.add("CARTESIAN_POINT('',(0.,0.,0.))")
     up = file.add("DIRECTION('',(0.,0.,1.))")
     right = file.add("DIRECTION('',(1.,0.,0.))")
@@ -115,7 +111,7 @@ def _frame(file: Part21) -> str:
 
 
 def _curve(file: Part21, curve: Curve) -> str:
-    """One curve with its control points (ISO 10303-42, b_spline_curve_with_knots)."""
+    """Add a curve with its control points (ISO 10303-42, b_spline_curve_with_knots)."""
     points = [_point(file, point) for point in curve.control_points.tolist()]
     name = string(curve.name)
     closed = ".T." if curve.closed else ".F."
@@ -133,7 +129,7 @@ def _curve(file: Part21, curve: Curve) -> str:
 
 
 def _faces(file: Part21, patchwork: Patchwork) -> list[str]:
-    """Patches as faces; both at an edge name the same edge curve, in opposite senses."""
+    """Add patches as faces; both at an edge name the same edge curve, in opposite senses."""
     places, ends = patchwork.nodes
     corners = [file.add(f"VERTEX_POINT('',{_point(file, place)})") for place in places.tolist()]
     edges = []
@@ -148,7 +144,7 @@ def _faces(file: Part21, patchwork: Patchwork) -> list[str]:
 
 
 def _shells(file: Part21, patchwork: Patchwork, faces: list[str]) -> str:
-    """A surface model with one shell for every piece of a patchwork."""
+    """Add a surface model with one shell for every piece of a patchwork."""
     shells = []
     for piece in patchwork.pieces:
         is_open = np.isin(edge_numbers(patchwork.sides[piece]), patchwork.rim).any()
@@ -158,7 +154,7 @@ def _shells(file: Part21, patchwork: Patchwork, faces: list[str]) -> str:
 
 
 def _face(file: Part21, net: Array, edges: list[str], sides: list[int], name: str) -> str:
-    """One patch within its edges (ISO 10303-42, b_spline_surface_with_knots)."""
+    """Add one patch within its edges (ISO 10303-42, b_spline_surface_with_knots)."""
     rows = many(many(_point(file, point) for point in row) for row in net.tolist())
     surface = file.add(
         f"B_SPLINE_SURFACE_WITH_KNOTS({name},3,3,{rows},.UNSPECIFIED.,.F.,.F.,.U.,"
@@ -180,8 +176,12 @@ def _paint(file: Part21, items: list[tuple[str, Color | None, bool]], context: s
 
     Parameters
     ----------
+    file : Part21
+        The file to add to.
     items : list of (str, color, bool)
         Each with whether it is a surface.
+    context : str
+        The context of the geometry.
     """
     styles: dict[tuple[Color, bool], str] = {}
     styled: list[str] = []

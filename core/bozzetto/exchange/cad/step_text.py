@@ -6,19 +6,17 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
-__all__ = ["Part21", "many", "real", "string"]
-
 EPOCH: Final = "1980-01-01T00:00:00"
 """Time stamp of every file, so that equal shapes give equal files."""
 
 PLAIN: Final = re.compile(r"[^\x20-\x7e]+")
-"""What the clear text cannot hold as it is."""
+"""Characters that the clear text cannot hold as they are."""
 
 ENDING: Final = re.compile("'(?= *[,)])")
 """Apostrophes at which OpenCASCADE believes a string to end, even where they are doubled."""
 
 APOSTROPHE: Final = "\\X2\\0027\\X0\\"
-"""What stands for them then."""
+"""Escape sequence of an apostrophe."""
 
 
 class Part21:
@@ -33,13 +31,14 @@ class Part21:
         return f"#{len(self._lines)}"
 
     def encoded(self, schema: str, title: str) -> bytes:
-        """The whole file.
+        """Return the whole file.
 
         Parameters
         ----------
         schema : str
             The application protocol's schema with its object identifier.
         title : str
+            Name of the file in its header.
         """
         program = string("Bozzetto")
         return (
@@ -53,7 +52,7 @@ class Part21:
 
 
 def real(value: float) -> str:
-    """A number with all its digits (17 where it takes so many), and the dot that reals need.
+    """Write a number with all its digits (17 where it takes so many), and the dot that reals need.
 
     Parameters
     ----------
@@ -67,13 +66,13 @@ def real(value: float) -> str:
 
 
 def string(text: str) -> str:
-    """A string literal; characters beyond ASCII by their code points (6.4.3.3)."""
+    """Write a string literal; characters beyond ASCII by their code points (6.4.3.3)."""
     text = ENDING.sub(lambda _: APOSTROPHE, text.replace("\\", "\\\\")).replace("'", "''")
     return f"'{PLAIN.sub(_code_points, text)}'"
 
 
 def _code_points(match: re.Match[str]) -> str:
-    """A run of characters, those of the first plane in 16 bits, others in 32."""
+    """Write a run of characters, those of the first plane in 16 bits, others in 32."""
     pieces = []
     for run in re.findall("[\x00-\uffff]+|[^\x00-\uffff]+", match[0]):
         wide = run[0] > "\uffff"
@@ -83,5 +82,5 @@ def _code_points(match: re.Match[str]) -> str:
 
 
 def many(values: Iterable[str]) -> str:
-    """A list."""
+    """Write a list."""
     return f"({','.join(values)})"

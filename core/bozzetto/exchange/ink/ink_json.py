@@ -21,7 +21,7 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError, UserError, words_of
+from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.camera_record import (
     CameraRecord,
     CanvasRecord,
@@ -29,15 +29,13 @@ from bozzetto.exchange.camera_record import (
     camera_record,
     canvas_record,
 )
-from bozzetto.exchange.ink.ink_steps import read_steps, step_record
+from bozzetto.exchange.ink.ink_steps import decode_json, read_steps, step_record
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import COLUMNS, Stroke, Strokes
 from bozzetto.ink.stroke import MAX_SAMPLES as MAX_SAMPLES_OF_STROKE
 from bozzetto.json_size import MAX_VALUES, json_values
 from bozzetto.view.camera import Camera
-
-__all__ = ["read_drawing", "write_drawing"]
 
 FORMAT: Final = "bozzetto-ink/1"
 
@@ -76,8 +74,9 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     Parameters
     ----------
     data : bytes
+        Content of the file.
     name : str
-        Of the drawing.
+        Name of the drawing.
 
     Returns
     -------
@@ -91,17 +90,17 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         Names the place.
     """
     at_most(json_values(data), MAX_NUMBERS, "values")
-    top = _decoded(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
+    top = decode_json(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
     if top and not any(key in top for key in KNOWN):
         return Drawing(Strokes(), Camera(), name, _extra(top))
-    if NEEDED[0] not in top or _decoded(top["format"], str, "format") != FORMAT:
+    if NEEDED[0] not in top or decode_json(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
     for key in NEEDED[1:]:
         if key not in top:
             raise FormatError(f"“{key}” is missing.")
-    canvas = _decoded(top["canvas"], CanvasRecord, "canvas")
-    camera = camera_from(_decoded(top["camera"], CameraRecord, "camera"), canvas)
-    raw = _decoded(top["strokes"], list[msgspec.Raw], "strokes")
+    canvas = decode_json(top["canvas"], CanvasRecord, "canvas")
+    camera = camera_from(decode_json(top["camera"], CameraRecord, "camera"), canvas)
+    raw = decode_json(top["strokes"], list[msgspec.Raw], "strokes")
     at_most(len(raw), MAX_STROKES, "strokes")
     strokes: list[Stroke] = []
     samples = 0
@@ -117,22 +116,13 @@ def _extra(top: dict[str, msgspec.Raw]) -> dict[str, Any]:
     rest = [key for key in top if key not in KNOWN]
     at_most(len(rest), MAX_KEYS, "keys")
     at_most(sum(json_values(bytes(top[key])) for key in rest), MAX_VALUES, "values")
-    return {key: _decoded(top[key], Any, key[:40]) for key in rest}
-
-
-def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
-    try:
-        return msgspec.json.decode(text, type=kind)
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise FormatError(f"{place}: {words_of(error)}.") from error
-    except RecursionError:
-        raise FormatError(f"{place}: nested too deeply.") from None
+    return {key: decode_json(top[key], Any, key[:40]) for key in rest}
 
 
 def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord) -> Stroke:
     place = f"stroke {number}"
     at_most(json_values(bytes(text)), len(COLUMNS) * MAX_SAMPLES_OF_STROKE, "numbers in a stroke")
-    record: _StrokeRecord = _decoded(text, _StrokeRecord, place)
+    record: _StrokeRecord = decode_json(text, _StrokeRecord, place)
     columns = {name: getattr(record, name) for name in COLUMNS}
     for name, values in columns.items():
         if values is not None and len(values) != len(record.x):
@@ -149,7 +139,7 @@ def _stroke(text: msgspec.Raw, number: int, camera: Camera, canvas: CanvasRecord
 
 
 def write_drawing(drawing: Drawing) -> bytes:
-    """Ink JSON that reads back as an equal drawing."""
+    """Write ink JSON that reads back as an equal drawing."""
     top = {
         "format": FORMAT,
         "canvas": canvas_record(drawing.camera),
@@ -186,5 +176,5 @@ def _record(stroke: Stroke, camera: Camera) -> dict[str, Any]:
 
 
 def _shortest(column: NDArray[np.float32]) -> list[float]:
-    """The shortest decimals that give the same float32."""
+    """Return the shortest decimals that give the same float32."""
     return [float(str(value)) for value in column]

@@ -34,8 +34,6 @@ from bozzetto.ink.steps import (
     UngroupStep,
 )
 
-__all__ = ["read_steps", "step_record"]
-
 VERBS: Final[dict[str, type[Step]]] = {
     "strokes": DrawStep,
     "drag": DragStep,
@@ -62,7 +60,7 @@ def read_steps(text: msgspec.Raw, canvas: CanvasRecord, stroke_count: int) -> tu
     text : Raw
         JSON.
     canvas : CanvasRecord
-        Of the file; a step's own camera looks through it unless it brings another.
+        Canvas of the file; a step's own camera looks through it unless it brings another.
     stroke_count : int
         Strokes that the file holds.
 
@@ -71,7 +69,7 @@ def read_steps(text: msgspec.Raw, canvas: CanvasRecord, stroke_count: int) -> tu
     FormatError
         Names the step, counted from 1.
     """
-    records = _decoded(text, list[dict[str, msgspec.Raw]], "steps")
+    records = decode_json(text, list[dict[str, msgspec.Raw]], "steps")
     at_most(len(records), MAX_STEPS, "steps")
     return tuple(
         _step(record, f"step {number}", canvas, stroke_count)
@@ -80,7 +78,7 @@ def read_steps(text: msgspec.Raw, canvas: CanvasRecord, stroke_count: int) -> tu
 
 
 def step_record(step: Step) -> dict[str, Any]:
-    """A step as a JSON object, without what goes without saying."""
+    """Return a step as a JSON object, without its default values."""
     record: dict[str, Any] = {}
     for field in fields(step):
         value = getattr(step, field.name)
@@ -91,10 +89,11 @@ def step_record(step: Step) -> dict[str, Any]:
     return record
 
 
-def _decoded(text: bytes | msgspec.Raw, kind: Any, place: str) -> Any:
+def decode_json(text: bytes | str | msgspec.Raw, kind: Any, place: str) -> Any:
+    """Decode typed JSON of an ink file; a refusal begins with the `place`."""
     try:
         return msgspec.json.decode(text, type=kind)
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+    except (msgspec.MsgspecError, UnicodeError) as error:
         raise FormatError(f"{place}: {words_of(error)}.") from error
     except RecursionError:
         raise FormatError(f"{place}: nested too deeply.") from None
@@ -115,15 +114,15 @@ def _step(
             raise FormatError(f"{place}: there is no “{key[:40]}” in a step with “{verbs[0]}”.")
     camera = None
     if "camera" in record and "camera" in hints:
-        seen = _decoded(record["camera"], CameraRecord, f"{place}, camera")
-        own = _decoded(record.get("canvas", msgspec.Raw(msgspec.json.encode(canvas))), CanvasRecord,
-                       f"{place}, canvas")  # fmt: skip
+        seen = decode_json(record["camera"], CameraRecord, f"{place}, camera")
+        if "canvas" in record:
+            canvas = decode_json(record["canvas"], CanvasRecord, f"{place}, canvas")
         try:
-            camera = camera_from(seen, own)
+            camera = camera_from(seen, canvas)
         except FormatError as error:
             raise FormatError(f"{place}: {error.message}") from error
     plain = {key: raw for key, raw in record.items() if key not in ("camera", "canvas")}
-    step: Step = _decoded(msgspec.json.encode(plain), kind, place)
+    step: Step = decode_json(msgspec.json.encode(plain), kind, place)
     if isinstance(step, TapStep):
         if not all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in step.tap):
             raise FormatError(f"{place}: the place of the tap is beyond all bounds.")

@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.errors import FormatError, UserError, words_of
+from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.camera_record import (
     CameraRecord,
     CanvasRecord,
@@ -23,15 +23,14 @@ from bozzetto.exchange.camera_record import (
     camera_record,
     canvas_record,
 )
+from bozzetto.exchange.ink.ink_steps import decode_json
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_SAMPLES, MAX_STROKES, at_most
 from bozzetto.exchange.page_layout import Sheet
-from bozzetto.exchange.safe_xml import Element, parsed, writable
+from bozzetto.exchange.safe_xml import Element, parse_xml, writable
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import MAX_SAMPLES as MAX_STROKE
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.view.camera import Camera
-
-__all__ = ["read_drawing", "write_drawing"]
 
 SPACE: Final = "http://www.w3.org/2003/InkML"
 OURS: Final = "urn:bozzetto:ink"
@@ -83,7 +82,7 @@ class _Trace:
 
 @dataclass
 class _Ink:
-    """What was found on the way through the file."""
+    """Definitions and traces found so far."""
 
     formats: dict[str, list[_Channel]] = field(default_factory=dict)
     traces: list[_Trace] = field(default_factory=list)
@@ -101,20 +100,21 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     """Read the traces of an InkML file.
 
     Channels X, Y, F, T, OTx, OTy and OR are understood, in any trace format; others are
-    passed over. Without our camera the unit is a millimetre on the front view, where the
+    ignored. Without our camera the unit is a millimetre on the front view, where the
     file names no other.
 
     Parameters
     ----------
     data : bytes
+        Content of the file.
     name : str
-        Of the drawing.
+        Name of the drawing.
 
     Raises
     ------
     FormatError
     """
-    root = parsed(data)
+    root = parse_xml(data)
     if root.tag != "ink":
         raise FormatError("This is not an InkML file.")
     ink = _Ink()
@@ -134,15 +134,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         _stroke(trace, camera, shift, pressure_top=most if most > 1 else 1.0, number=number)
         for number, trace in enumerate(ink.traces, 1)
     ]
-    extra = _json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any])
+    extra = decode_json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
     return Drawing(Strokes(strokes), camera, name, extra)
-
-
-def _json(text: str, kind: Any) -> Any:
-    try:
-        return msgspec.json.decode(text.encode(), type=kind)
-    except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
-        raise FormatError(f"An annotation cannot be understood: {words_of(error)}.") from error
 
 
 class _View(msgspec.Struct):
@@ -151,12 +144,12 @@ class _View(msgspec.Struct):
 
 
 def _camera(text: str) -> Camera:
-    view: _View = _json(text, _View)
+    view: _View = decode_json(text, _View, "an annotation")
     return camera_from(view.camera, view.canvas)
 
 
 def _find_formats(element: Element, ink: _Ink) -> None:
-    """Trace formats by the ids of all elements that hold one; "" is the first in the file."""
+    """Collect trace formats by the ids of all elements that hold one; "" is the first one."""
     for child in element.children:
         if child.tag == "traceFormat":
             channels = [
@@ -191,7 +184,7 @@ def _channel(element: Element) -> _Channel:
 
 
 def _walk(element: Element, context: str, ink: _Ink) -> None:
-    """Traces in the order of the file."""
+    """Collect the traces in the order of the file."""
     for child in element.children:
         own = child.attributes.get("contextRef", f"#{context}").lstrip("#")
         if child.tag == "trace" and child.attributes.get("type") == "penUp":
@@ -210,7 +203,7 @@ def _walk(element: Element, context: str, ink: _Ink) -> None:
 
 
 def _columns(text: str, channels: list[_Channel], number: int) -> dict[str, NDArray[np.float64]]:
-    """The samples of one trace as columns, in our units but for pressure without a top."""
+    """Read the samples of one trace, in our units but for pressure without a top."""
     at_most(text.count(",") + 1, 2 * MAX_STROKE, "samples in one trace")
     rows = [row for row in text.split(",") if row.strip()]
     if not rows:
@@ -249,7 +242,7 @@ class _Running:
         self.value = self.step = 0.0
 
     def take(self, sign: str, word: str) -> float:
-        """The next value, from the file's word and the sign before it."""
+        """Return the next value, from the file's word and the sign before it."""
         if word in ("*", "?"):
             return self.value
         if word in ("T", "F"):
@@ -299,7 +292,9 @@ def _stroke(
             _camera(own["camera"]) if "camera" in own else camera,
             **columns,
             tool=tool,  # type: ignore[arg-type]
-            color=_json(own["color"], tuple[int, int, int]) if "color" in own else None,
+            color=decode_json(own["color"], tuple[int, int, int], "an annotation")
+            if "color" in own
+            else None,
             group=own.get("curve", ""),
         )
     except UserError as error:
@@ -310,7 +305,7 @@ def _stroke(
 
 
 def write_drawing(drawing: Drawing) -> bytes:
-    """InkML that reads back as an equal drawing."""
+    """Write InkML that reads back as an equal drawing."""
     layouts: dict[tuple[str, ...], str] = {}
     traces = [_trace(stroke, drawing.camera, layouts) for stroke in drawing.strokes]
     contexts = [

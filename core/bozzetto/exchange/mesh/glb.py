@@ -34,8 +34,6 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
 from bozzetto.json_size import MAX_VALUES, json_values
 
-__all__ = ["read_shapes", "write_shapes"]
-
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = 0x4E4F534A
 BIN_CHUNK: Final = 0x004E4942
@@ -46,7 +44,7 @@ AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 MM_PER_METRE: Final = 1000.0
 
 TO_FILE: Final = Placement(tuple(AXES.ravel().tolist()), 1.0 / MM_PER_METRE)
-"""The same as a placement."""
+"""The change of axes and units as a placement."""
 
 ARRAY_BUFFER: Final = 34962
 ELEMENT_ARRAY_BUFFER: Final = 34963
@@ -71,7 +69,7 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """GLB with one node, mesh and material per part.
+    """Write GLB with one node, mesh and material per part.
 
     A texture takes the place of vertex colours, which glTF would multiply with it. A solid with
     a skin is written at rest, and its joints as they are turned.
@@ -178,7 +176,7 @@ def _unit_normals(mesh: Mesh) -> NDArray[np.float32]:
 
 
 def _linear_colors(colors: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """Vertex colours are linear in glTF; 16 bits keep every sRGB byte apart."""
+    """Convert vertex colours to glTF's linear ones; 16 bits keep every sRGB byte apart."""
     linear = np.hstack((srgb_to_linear(colors[:, :3]), colors[:, 3:] / 255.0))
     return np.rint(65535.0 * linear).astype("<u2")
 
@@ -232,7 +230,7 @@ def _check_sum(gltf: Gltf) -> None:
 
 
 def _sizes(gltf: Gltf, primitive: Primitive) -> tuple[int, int]:
-    """How many vertices and corners a primitive names."""
+    """Return how many vertices and corners a primitive names."""
     if "POSITION" not in primitive.attributes:
         return 0, 0
     vertices: int = item(gltf.accessors, primitive.attributes["POSITION"], "accessor").count
@@ -242,7 +240,7 @@ def _sizes(gltf: Gltf, primitive: Primitive) -> tuple[int, int]:
 
 
 def _opened(data: bytes) -> tuple[Gltf, bytes]:
-    """The JSON chunk, understood, and the binary one."""
+    """Return the decoded JSON chunk and the binary one."""
     if data[:4] != MAGIC or len(data) < 20:
         raise FormatError("This is not a GLB file.")
     version, length, size, kind = (int(v) for v in np.frombuffer(data, "<u4", 4, 4))
@@ -272,7 +270,7 @@ def _opened(data: bytes) -> tuple[Gltf, bytes]:
 def _surface(
     gltf: Gltf, blob: bytes, primitive: Primitive, matrix: NDArray[np.float64], name: str
 ) -> Surface | None:
-    """One primitive in our axes; None for points and lines."""
+    """Return one primitive in our axes; None for points and lines."""
     if primitive.mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
         return None
     local = _values(gltf, blob, primitive.attributes["POSITION"], 3)
@@ -282,7 +280,7 @@ def _surface(
     order = np.arange(len(places))
     if primitive.indices is not None:
         if item(gltf.accessors, primitive.indices, "accessor").component_type == FLOAT:
-            raise FormatError("Its indices are no whole numbers.")
+            raise FormatError("Its indices are not whole numbers.")
         order = _values(gltf, blob, primitive.indices, 1)[:, 0].astype(np.int64)
     faces = without_degenerate(_faces(order, primitive.mode).astype(np.int64))
     if not len(faces):
@@ -308,7 +306,7 @@ def _surface(
 def _normals(
     gltf: Gltf, blob: bytes, primitive: Primitive, to_world: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Unit normals in our axes; None where there are none, or they are of no use."""
+    """Return unit normals in our axes; None where the file has none that can be used."""
     if "NORMAL" not in primitive.attributes:
         return None
     local = _values(gltf, blob, primitive.attributes["NORMAL"], 3)
@@ -333,7 +331,7 @@ def _faces(order: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
 
 
 def _values(gltf: Gltf, blob: bytes, index: int, width: int | None) -> NDArray[np.float64]:
-    """The values of an accessor, shape (n, width); whole numbers only scaled if normalised."""
+    """Return the values of an accessor, (n, width); integers are scaled only if normalised."""
     accessor: Accessor = item(gltf.accessors, index, "accessor")
     kind = COMPONENTS.get(accessor.component_type)
     columns = WIDTHS.get(accessor.type)

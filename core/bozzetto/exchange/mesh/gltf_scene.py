@@ -1,4 +1,4 @@
-"""What we understand of a glTF description, and where its nodes stand."""
+"""glTF description: the parts that we understand, and the placements of its nodes."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, at_most
 
-__all__ = ["Accessor", "Buffer", "Gltf", "Material", "Primitive", "View", "item", "placed_meshes"]
-
 TRIANGLES: Final = 4
 
 MAX_NODES: Final = 100_000
@@ -21,7 +19,7 @@ MAX_NODES: Final = 100_000
 
 
 class Record(msgspec.Struct, rename="camel"):
-    """A JSON object of the file; unknown fields are passed over."""
+    """A JSON object of the file; unknown fields are ignored."""
 
 
 class View(Record):
@@ -34,7 +32,7 @@ class View(Record):
 
 
 class Accessor(Record):
-    """How numbers lie in a view."""
+    """Layout of numbers in a buffer view."""
 
     component_type: int
     count: int
@@ -113,14 +111,14 @@ class Gltf(Record):
 
 
 def item(items: list[Any], index: int, what: str) -> Any:
-    """One of the records by its number, if there is such a one."""
+    """Return one of the records by its number, if it exists."""
     if not 0 <= index < len(items):
         raise FormatError(f"It names {what} {index}, which it does not hold.")
     return items[index]
 
 
 def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.float64]]]:
-    """Every mesh of the scene with its name and its matrix (4, 4), parents before children."""
+    """Yield every mesh of the scene with its name and its matrix (4, 4), parents first."""
     if gltf.scenes:
         roots = item(gltf.scenes, gltf.scene or 0, "scene").nodes
     elif gltf.nodes:
@@ -136,7 +134,7 @@ def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.floa
     while stack:
         index, above, depth = stack.pop()
         if index in seen:
-            raise FormatError("Its nodes are no tree: one has two parents.")
+            raise FormatError("Its nodes are not a tree: one has two parents.")
         seen.add(index)
         at_most(depth, MAX_DEPTH, "levels of nodes")
         node: Node = item(gltf.nodes, index, "node")

@@ -1,4 +1,4 @@
-"""Skins in glTF: joints as nodes, and what every vertex follows."""
+"""Skins in glTF: joints as nodes, and the joints and weights of every vertex."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry.rig import Rig, Skin
 
-__all__ = ["follows", "inverse_binds", "rig_nodes"]
-
 FEW = 256
 """Joints that one byte can tell apart."""
 
 
 def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
-    """The nodes of a rig: one that holds all roots, as joints need a common one, then the joints.
+    """Return the nodes of a rig: one that holds all roots, as glTF demands, then the joints.
 
     Parameters
     ----------
@@ -26,7 +24,7 @@ def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
     first : int
         Number of the first of these nodes in the file.
     name : str
-        What hangs on the rig.
+        Name of the part that follows the rig.
     """
     nodes: list[dict[str, Any]] = [{"name": f"{name} rig"}]
     for joint, parent in enumerate(rig.parents.tolist()):
@@ -45,7 +43,7 @@ def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
 
 
 def inverse_binds(rig: Rig) -> NDArray[np.float32]:
-    """From the mesh at rest to every joint, (n, 16), columns first: only moved, not turned."""
+    """Return the inverse bind matrices, (n, 16), columns first: only moved, not turned."""
     matrices = np.tile(np.eye(4, dtype="<f4"), (len(rig.joints), 1, 1))
     matrices[:, 3, :3] = -rig.joints
     return matrices.reshape(-1, 16)
@@ -54,7 +52,7 @@ def inverse_binds(rig: Rig) -> NDArray[np.float32]:
 def follows(
     skin: Skin, vertex: NDArray[np.intp]
 ) -> tuple[NDArray[np.uint8] | NDArray[np.uint16], NDArray[np.float32]]:
-    """Joints and weights of the file's vertices, (n, 4) each; joint 0 where the weight is 0."""
+    """Return joints and weights of the file's vertices, (n, 4) each; joint 0 for weight 0."""
     weights = skin.weights[vertex].astype(np.float64)
     shares = (weights / weights.sum(axis=1, keepdims=True)).astype("<f4")
     joints = np.where(shares > 0.0, skin.joints[vertex], 0)

@@ -12,8 +12,6 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.texture import Texture
 from bozzetto.images.png import png_bytes
 
-__all__ = ["SAMPLER", "Corners", "corners_of", "picture_file"]
-
 LINEAR: Final = 9729
 LINEAR_MIPMAP_LINEAR: Final = 9987
 CLAMP_TO_EDGE: Final = 33071
@@ -27,7 +25,7 @@ SAMPLER: Final = {
 
 
 class Corners(NamedTuple):
-    """What a file's vertices are made of.
+    """Vertices of the file, made of those of a mesh.
 
     Attributes
     ----------
@@ -45,7 +43,7 @@ class Corners(NamedTuple):
 
 
 def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
-    """The vertices of a mesh, split where the texture is torn: there corners differ in place."""
+    """Return the vertices of a mesh, split where the texture has a seam."""
     proper = ~is_degenerate(mesh.faces)
     faces = mesh.faces[proper].astype(np.int64)
     if texture is None:
@@ -60,7 +58,7 @@ def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
 
 
 def picture_file(texture: Texture, base: tuple[int, int, int]) -> bytes:
-    """PNG of the picture over the colour of what it is wrapped around."""
+    """Return a PNG of the texture, blended over the base colour of the part."""
     share = texture.pixels[..., 3:].astype(np.float32) / np.float32(255)
     under = np.array(base, np.float32)
     flat = np.full_like(texture.pixels, 255)

@@ -1,4 +1,4 @@
-"""Whether a mesh bounds a volume: checked before anybody prints it."""
+"""Checks that a mesh bounds a volume, before anybody prints it."""
 
 from __future__ import annotations
 
@@ -10,12 +10,10 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Solid
 
-__all__ = ["SolidFacts", "bounds_volume", "check_solid", "enclosed_volume"]
-
 
 @dataclass(frozen=True)
 class SolidFacts:
-    """What a checked solid is like.
+    """Facts about a checked solid.
 
     Attributes
     ----------
@@ -33,7 +31,7 @@ class SolidFacts:
 
 
 def _unpaired_edges(mesh: Mesh) -> int:
-    """How many directed edges lack exactly one partner that runs the other way."""
+    """Return how many directed edges lack exactly one partner of the opposite direction."""
     forth = np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)]).astype(np.int64)
     count = np.int64(len(mesh.vertices))
     keys, times = np.unique(forth[:, 0] * count + forth[:, 1], return_counts=True)
@@ -43,7 +41,7 @@ def _unpaired_edges(mesh: Mesh) -> int:
 
 
 def enclosed_volume(mesh: Mesh) -> float:
-    """Signed volume inside a closed mesh, mm³: positive where faces look outwards."""
+    """Return the signed volume inside a closed mesh, mm³: positive where faces look outwards."""
     if not len(mesh.faces):
         return 0.0
     corners = mesh.vertices[mesh.faces].astype(np.float64) - mesh.vertices[0]
@@ -90,7 +88,7 @@ def check_solid(solid: Solid) -> SolidFacts:
     status = made.status()
     if status != manifold3d.Error.NoError:
         raise UserError(
-            f"“{solid.name}” is no proper solid ({status.name}). Undo the last step on it, "
+            f"“{solid.name}” is not a valid solid ({status.name}). Undo the last step on it, "
             "or solve it again at a finer quality."
         )
     parts = made.decompose()

@@ -14,22 +14,20 @@ from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import (
     check_places,
     checked_mesh,
-    triangulated,
+    triangulate,
     without_degenerate,
 )
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
-__all__ = ["read_shapes", "write_shapes"]
-
 MAX_LINES: Final = 6_000_000
-"""As objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
+"""Limit of lines: as objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
 
 HEADER: Final = "# Bozzetto: millimetres, Z up\n"
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """OBJ with one object per part; faces share the vertices of their part."""
+    """Write OBJ with one object per part; faces share the vertices of their part."""
     pieces = [HEADER]
     first = 1
     for part in shapes.meshes():
@@ -90,12 +88,12 @@ def read_shapes(data: bytes) -> Shapes:
     if rings.max() >= len(places):
         raise FormatError("A face names a vertex that the file does not hold.")
     check_places(places)
-    faces = without_degenerate(triangulated(places, rings, np.array(sizes, np.int64)))
+    faces = without_degenerate(triangulate(places, rings, np.array(sizes, np.int64)))
     return Shapes(surfaces=(Surface(checked_mesh(places, faces, colors=colors), name=""),))
 
 
 def _lines(data: bytes) -> list[bytes]:
-    """Lines without comments; a backslash at the end joins the next one."""
+    """Return lines without comments; a backslash at the end joins the next one."""
     if b"\\\n" in data or b"\\\r\n" in data:
         data = re.sub(rb"\\\r?\n", b" ", data)
     return [line.partition(b"#")[0] for line in data.splitlines()]
@@ -104,7 +102,7 @@ def _lines(data: bytes) -> list[bytes]:
 def _columns(
     rows: list[list[bytes]],
 ) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None]:
-    """Places and, where every vertex has three values more, colours."""
+    """Return places and, where every vertex has three values more, colours."""
     width = min(map(len, rows), default=0)
     if rows and width < 3:
         raise FormatError("A vertex of this file has fewer than three coordinates.")

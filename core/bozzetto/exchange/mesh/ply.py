@@ -14,13 +14,11 @@ from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import (
     check_places,
     checked_mesh,
-    triangulated,
+    triangulate,
     without_degenerate,
 )
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
-
-__all__ = ["read_shapes", "write_shapes"]
 
 TYPES: Final = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -48,7 +46,7 @@ Columns = dict[str, NDArray[Any]]
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Binary little-endian PLY of all meshes together; with colours if any part has one.
+    """Write binary little-endian PLY of all meshes together; with colours if any part has one.
 
     Parts without a colour are white among coloured ones.
     """
@@ -123,7 +121,7 @@ def read_shapes(data: bytes) -> Shapes:
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
-    """Byte order, elements and what follows the header."""
+    """Return byte order, elements and what follows the header."""
     end = data.find(b"end_header", 0, MAX_HEADER)
     line_end = data.find(b"\n", end)
     if data[:3] != b"ply" or end < 0 or line_end < 0:
@@ -165,7 +163,7 @@ def _short() -> FormatError:
 
 
 def _binary(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
-    """The columns of one element from byte `at` on, and where the next one begins."""
+    """Read the columns of one element from byte `at` on; return where the next one begins, too."""
     if not element.has_lists:
         return _table(element, body, at, order, ())
     # Nearly always all lists are of one length: then the rows are a table, too.
@@ -185,7 +183,7 @@ def _lists(element: _Element) -> list[_Property]:
 
 
 def _first_lengths(element: _Element, body: bytes, at: int, order: str) -> tuple[int, ...] | None:
-    """Lengths of the lists in the first row; None if the table would not fit the file."""
+    """Return the lengths of the lists in the first row; None if the table exceeds the file."""
     lengths: list[int] = []
     start = at
     for p in element.properties:
@@ -207,7 +205,7 @@ def _first_lengths(element: _Element, body: bytes, at: int, order: str) -> tuple
 def _table(
     element: _Element, body: bytes, at: int, order: str, lengths: tuple[int, ...]
 ) -> tuple[Columns, int]:
-    """Columns of rows of one size; a list as its values in a row and a column of lengths."""
+    """Read rows of one size; a list becomes its values in a row and a column of lengths."""
     fields: list[Any] = []
     names: list[str] = []
     sizes = iter(lengths)
@@ -231,7 +229,7 @@ def _table(
 
 
 def _row_by_row(element: _Element, body: bytes, at: int, order: str) -> tuple[Columns, int]:
-    """Rows whose lists differ in length."""
+    """Read rows whose lists differ in length."""
     kinds = [
         (p.name, np.dtype(order + p.kind), np.dtype(order + p.counts) if p.counts else None)
         for p in element.properties
@@ -263,7 +261,7 @@ def _length(value: float) -> int:
 
 
 def _text(element: _Element, words: list[bytes], at: int) -> tuple[Columns, int]:
-    """The columns of one element of a text file, and where the next one begins."""
+    """Read the columns of one element of a text file; return where the next one begins, too."""
     if element.count > len(words) - at and element.properties:
         raise _short()
     try:
@@ -293,13 +291,13 @@ def _text(element: _Element, words: list[bytes], at: int) -> tuple[Columns, int]
     except IndexError:
         raise _short() from None
     except ValueError:
-        raise FormatError("There is something among the numbers that is none.") from None
+        raise FormatError("A value in this file is not a number.") from None
     columns |= {f"{name} length": np.array(column) for name, column in sizes.items()}
     return columns, at
 
 
 def _typed(words: list[bytes], kind: str) -> NDArray[Any]:
-    """A column of text as numbers; whole ones where the header says so."""
+    """Convert a column of text to numbers; to integers where the header says so."""
     values = np.array([float(word) for word in words])
     if kind[0] == "f":
         return values
@@ -324,12 +322,12 @@ def _shapes(vertex: Columns, face: Columns) -> Shapes:
     colors = _colors(vertex)
     check_places(places)
     sizes = np.asarray(face[f"{name} length"]).astype(np.int64)
-    faces = without_degenerate(triangulated(places, corners, sizes))
+    faces = without_degenerate(triangulate(places, corners, sizes))
     return Shapes(surfaces=(Surface(checked_mesh(places, faces, colors=colors), name=""),))
 
 
 def _colors(vertex: Columns) -> NDArray[np.uint8] | None:
-    """RGBA, from bytes or from numbers 0 … 1 as the types say."""
+    """Return RGBA, from bytes or from numbers 0 … 1 as the types say."""
     if not {"red", "green", "blue"} <= vertex.keys():
         return None
     share = vertex["red"].dtype.kind == "f"

@@ -1,4 +1,4 @@
-"""From the polygons and loose triangles of files to triangles over shared vertices."""
+"""Polygons and loose triangles of files, as triangles over shared vertices."""
 
 from __future__ import annotations
 
@@ -10,15 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_FACES, at_most, exceeds
 from bozzetto.geometry.mesh import Mesh
-
-__all__ = [
-    "check_places",
-    "checked_mesh",
-    "is_degenerate",
-    "triangulated",
-    "welded",
-    "without_degenerate",
-]
 
 Faces = NDArray[np.int32]
 
@@ -34,16 +25,18 @@ TOO_MANY_CORNERS: Final = (
 )
 
 PER_POLYGON: Final = 1_000
-"""What a small one costs, in the same measure."""
+"""Cost of a small polygon, in the same measure."""
 
 
-def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
+def weld(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
     """Make one vertex of all that are at bit for bit the same place.
 
     Parameters
     ----------
     vertices : (v, 3) float32
+        Places, in the units of the file.
     faces : (f, 3) array_like of int
+        Vertices of each triangle.
 
     Returns
     -------
@@ -63,17 +56,17 @@ def welded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.
 
 
 def is_degenerate(faces: Faces) -> NDArray[np.bool_]:
-    """Which triangles name a vertex twice."""
+    """Return which triangles name a vertex twice."""
     a, b, c = faces.T
     return np.asarray((a == b) | (b == c) | (c == a))
 
 
 def without_degenerate(faces: Faces) -> Faces:
-    """Leave out triangles that name a vertex twice."""
+    """Remove triangles that name a vertex twice."""
     return np.asarray(faces[~is_degenerate(faces)])
 
 
-def triangulated(
+def triangulate(
     vertices: NDArray[np.float64], corners: NDArray[np.int64], sizes: NDArray[np.int64]
 ) -> Faces:
     """Cut polygons into triangles.
@@ -84,6 +77,7 @@ def triangulated(
     Parameters
     ----------
     vertices : (v, 3) float
+        Places, in the units of the file.
     corners : (n,) int
         The corners of all polygons, one polygon after the other; existing vertices.
     sizes : (p,) int
@@ -125,7 +119,7 @@ def triangulated(
 
 
 def _turned_quads(vertices: NDArray[np.float64], rings: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Quadrangles begun at the corner whose diagonal lies inside."""
+    """Rotate quadrangles to begin at the corner whose diagonal lies inside."""
     a, b, c, d = np.moveaxis(vertices[rings], 1, 0)
     area = np.cross(c - a, d - b)
     inside = [
@@ -137,7 +131,7 @@ def _turned_quads(vertices: NDArray[np.float64], rings: NDArray[np.int64]) -> ND
 
 
 def _convex(rings: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which polygons, shape (p, k, 3), turn the same way at every corner."""
+    """Return which polygons, shape (p, k, 3), turn the same way at every corner."""
     edges = np.roll(rings, -1, axis=1) - rings
     turns = np.cross(edges, np.roll(edges, -1, axis=1))
     fans = np.cross(rings[:, 1:-1] - rings[:, :1], rings[:, 2:] - rings[:, :1])
@@ -148,7 +142,7 @@ def _convex(rings: NDArray[np.float64]) -> NDArray[np.bool_]:
 def _cut(
     ring: NDArray[np.float64], indices: NDArray[np.int64], fan: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Triangles of one polygon that is not convex; the fan where it is beyond saving."""
+    """Triangulate one polygon that is not convex; fall back to a fan where that fails."""
     import manifold3d
 
     area = np.cross(ring[1:-1] - ring[0], ring[2:] - ring[0]).sum(axis=0)
@@ -182,7 +176,7 @@ def checked_mesh(
     normals: NDArray[np.floating] | None = None,
     colors: NDArray[np.uint8] | None = None,
 ) -> Mesh:
-    """A mesh out of a file's arrays, if they can be trusted.
+    """Make a mesh of a file's arrays, if they can be trusted.
 
     Raises
     ------

@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_FACES, at_most
-from bozzetto.exchange.mesh.polygons import checked_mesh, welded, without_degenerate
+from bozzetto.exchange.mesh.polygons import checked_mesh, weld, without_degenerate
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
-
-__all__ = ["read_shapes", "write_shapes"]
 
 HEADER: Final = b"Binary STL, millimetres, Z up".ljust(80)
 """Must not begin with "solid": many readers take that for the text form."""
@@ -22,7 +20,7 @@ RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("sp
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Binary STL of all meshes, one after the other."""
+    """Write binary STL of all meshes, one after the other."""
     corners = np.concatenate([part.mesh.vertices[part.mesh.faces] for part in shapes.meshes()])
     records = np.zeros(len(corners), RECORD)
     records["corners"] = corners
@@ -39,13 +37,13 @@ def read_shapes(data: bytes) -> Shapes:
     if corners is None:
         corners = _text(data)
     loose = checked_mesh(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3))
-    kept, faces = welded(loose.vertices, loose.faces)
+    kept, faces = weld(loose.vertices, loose.faces)
     mesh = checked_mesh(loose.vertices[kept], without_degenerate(faces))
     return Shapes(surfaces=(Surface(mesh, name=""),))
 
 
 def _binary(data: bytes) -> NDArray[np.floating] | None:
-    """Corners of a binary file; None if its length does not fit its count."""
+    """Return the corners of a binary file; None if its length does not fit its count."""
     if len(data) < 84:
         return None
     count = int(np.frombuffer(data, "<u4", 1, 80)[0])

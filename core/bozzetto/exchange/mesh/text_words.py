@@ -1,4 +1,4 @@
-"""The words of a text file, counted before they are made."""
+"""Word counts of text files, before the words are made."""
 
 from __future__ import annotations
 
@@ -8,17 +8,15 @@ import numpy as np
 
 from bozzetto.exchange.limits import MAX_WORDS, at_most
 
-__all__ = ["check_words", "word_count"]
-
 PIECE: Final = 1 << 20
 """Bytes that are looked at in one go."""
 
 BLANK: Final = 0x20
-"""What lies at or below is taken for a blank."""
+"""Largest byte that is taken for a blank."""
 
 
 def word_count(text: bytes) -> int:
-    """How many words ``text.split()`` finds; a few more where control characters stand."""
+    """Count the words that ``text.split()`` finds; a few more where control characters stand."""
     count = 0
     after_blank = True
     for first in range(0, len(text), PIECE):

@@ -22,8 +22,6 @@ from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.exchange.safe_xml import writable
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
 
-__all__ = ["write_shapes"]
-
 CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 MATERIAL: Final = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
 XML: Final = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -49,7 +47,7 @@ COMPRESSION: Final = 4
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """A 3MF package with one object per part."""
+    """Write a 3MF package with one object per part."""
     parts = [part for part in shapes.meshes() if len(part.mesh.faces)]
     colored = any(vertex_colors(part) is not None for part in parts)
     resources: list[str] = []
@@ -78,7 +76,7 @@ def write_shapes(shapes: Shapes) -> bytes:
 
 
 def _object(part: Solid | Surface, color_id: int, object_id: int) -> str:
-    """The XML of one object, its colours before it."""
+    """Return the XML of one object, its colours before it."""
     faces = without_degenerate(part.mesh.faces)  # the schema forbids them
     colors = vertex_colors(part)
     group, default, line = "", "", '<triangle v1="%d" v2="%d" v3="%d"/>'

@@ -1,4 +1,4 @@
-"""What readers answer, taken apart into plain values and raw arrays, and put together again.
+"""Answers of readers, taken apart into plain values and raw arrays, and put together again.
 
 This is what crosses from the process that reads a file to the one that asked for it. Nothing
 in it can run code: the values are msgpack of declared types, the arrays are bytes of a declared
@@ -24,8 +24,6 @@ from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 
-__all__ = ["Answer", "packed_answer", "unpacked_answer"]
-
 Answer = Shapes | Drawing | Picture | NDArray[np.uint8]
 Arrays = list[NDArray[Any]]
 Color = tuple[int, int, int]
@@ -50,6 +48,7 @@ class _Drawing(msgspec.Struct, tag=True):
     columns: list[str]
     extra: bytes
     steps: list[tuple[str, bytes]]
+    left_out: tuple[str, ...]
 
 
 class _Picture(msgspec.Struct, tag=True):
@@ -67,7 +66,7 @@ _Record = _Shapes | _Drawing | _Picture | _Pixels
 _VERB_OF: Final = {kind: verb for verb, kind in VERBS.items()}
 
 
-def packed_answer(answer: Answer) -> tuple[bytes, Arrays]:
+def pack_answer(answer: Answer) -> tuple[bytes, Arrays]:
     """Take an answer apart.
 
     Returns
@@ -120,17 +119,18 @@ def _drawing_record(drawing: Drawing) -> tuple[_Record, Arrays]:
         list(columns),
         msgspec.json.encode(drawing.extra),
         steps,
+        drawing.left_out,
     )
     return record, list(columns.values())
 
 
-def unpacked_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
+def unpack_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
     """Put an answer together again.
 
     Parameters
     ----------
     record, arrays
-        As `packed_answer` gave them; the arrays are read-only and backed by ``bytes``.
+        As `pack_answer` gave them; the arrays are read-only and backed by ``bytes``.
     """
     told: _Record = msgspec.msgpack.decode(record, type=_Record)
     match told:
@@ -165,4 +165,6 @@ def _drawing_of(told: _Drawing, arrays: Sequence[NDArray[Any]]) -> Drawing:
         msgspec.msgpack.decode(text, type=VERBS[verb]) for verb, text in told.steps
     ]
     extra: dict[str, Any] = msgspec.json.decode(told.extra)
-    return Drawing(Strokes(strokes), told.camera, told.name, extra, tuple(steps))
+    return Drawing(
+        Strokes(strokes), told.camera, told.name, extra, tuple(steps), left_out=told.left_out
+    )

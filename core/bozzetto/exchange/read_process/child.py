@@ -17,23 +17,21 @@ from typing import Any, BinaryIO, Final
 
 import msgspec
 
-from bozzetto.damaged_files import told_as_format_error
+from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.import_file import read_here
-from bozzetto.exchange.read_process.answers import packed_answer
-
-__all__ = ["ACCEPTED", "LENGTH", "Reply", "Request", "main"]
+from bozzetto.exchange.read_process.answers import pack_answer
 
 LENGTH: Final = struct.Struct("<Q")
-"""Of the message that follows, bytes."""
+"""Length of the message that follows, bytes."""
 
 ACCEPTED: Final = b"+"
-"""What is sent as soon as a request has arrived: from then on, silence is a failure."""
+"""Byte sent as soon as a request has arrived: from then on, silence is a failure."""
 
 IDLE_SECONDS: Final = 20.0
 """Time without a request after which the process ends by itself."""
 
-TIRED_BYTES: Final = 256 << 20
+RESTART_BYTES: Final = 256 << 20
 """Resident memory above which the process ends after its answer: the next one begins small."""
 
 
@@ -47,7 +45,7 @@ class Request(msgspec.Struct):
     path : bytes
         As the system spells it, from the root.
     seconds, megabytes : int
-        Of the `Budget`.
+        Limits of the `Budget`.
     """
 
     kind: str
@@ -57,12 +55,12 @@ class Request(msgspec.Struct):
 
 
 class Reply(msgspec.Struct):
-    """What came of a request.
+    """Outcome of a request.
 
     Attributes
     ----------
     record : bytes
-        Of the answer; the arrays follow the reply.
+        Record of the answer; the arrays follow the reply.
     arrays : list of (str, tuple of int)
         Element type and shape of each.
     refused, fault : str
@@ -108,15 +106,15 @@ def _answer(request: Request, answers: BinaryIO) -> bool:
     arrays: list[Any] = []
     try:
         _hold_to(request)
-        with told_as_format_error():
-            record, arrays = packed_answer(read_here(request.kind, os.fsdecode(request.path)))
+        with as_format_errors():
+            record, arrays = pack_answer(read_here(request.kind, os.fsdecode(request.path)))
         facts = [(array.dtype.str, array.shape) for array in arrays]
         reply = Reply(record, facts)
     except UserError as refusal:
         reply = Reply(refused=refusal.message, is_format=isinstance(refusal, FormatError))
     except Exception:
         reply = Reply(fault=traceback.format_exc())
-    reply.last = _resident_bytes() > TIRED_BYTES
+    reply.last = _resident_bytes() > RESTART_BYTES
     text = msgspec.msgpack.encode(reply)
     answers.write(LENGTH.pack(len(text)) + text)
     for array in arrays:
@@ -146,7 +144,7 @@ def _resident_bytes() -> int:
     try:
         import resource
     except ImportError:
-        return TIRED_BYTES + 1  # not known: the next one begins small in any case
+        return RESTART_BYTES + 1  # not known: the next one begins small in any case
     if sys.platform == "linux":  # its ru_maxrss counts in what the process that started us took
         with open("/proc/self/statm", encoding="ascii") as file:
             return int(file.read().split()[1]) * resource.getpagesize()

@@ -26,12 +26,10 @@ from numpy.typing import NDArray
 from bozzetto.document.storage.zip_container import all_finite
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import Budget
-from bozzetto.exchange.read_process.answers import Answer, unpacked_answer
-
-__all__ = ["Checkpoint", "ReaderFault", "read_in_child"]
+from bozzetto.exchange.read_process.answers import Answer, unpack_answer
 
 POLL_SECONDS: Final = 0.05
-"""How often it is asked whether the answer is still wanted."""
+"""Interval at which it is asked whether the answer is still wanted."""
 
 TOO_MUCH: Final = (
     "It takes more than {what} to be read. Simplify it or split it in the program that made "
@@ -95,7 +93,7 @@ class _Process:
         return code
 
     def ended_by(self) -> int:
-        """How it ended by itself."""
+        """Return the exit code with which it ended by itself."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._popen.wait(1.0)
         return self.end()
@@ -156,7 +154,7 @@ def _end_idle() -> None:
 
 
 def _taken() -> _Process | None:
-    """The process that waits, if there is one and it is ours: a fork's is not."""
+    """Return the waiting process, if there is one of this process; a fork's does not count."""
     with _lock:
         process = _idle.pop() if _idle else None
     return process if process is not None and process.owner == os.getpid() else None
@@ -183,7 +181,9 @@ def read_in_child(
     kind : {"mesh", "drawing", "image", "picture"}
         As `import_file.read_here` knows them.
     path : path
+        The file.
     budget : Budget
+        Processor time and memory that the reading may take.
     checkpoint : callable, optional
         Called now and then while waiting; whatever it raises ends the reading and passes.
 
@@ -211,7 +211,7 @@ def read_in_child(
 
 
 def _refusal(process: _Process, budget: Budget) -> FormatError:
-    """Why a process ended that had a file to read."""
+    """Return the reason why a process ended that had a file to read."""
     import signal
 
     code = process.ended_by()
@@ -268,4 +268,4 @@ def _conversation(
         raise ReaderFault(reply.fault)
     if reply.refused:
         raise (FormatError if reply.is_format else UserError)(reply.refused)
-    return unpacked_answer(reply.record, arrays)
+    return unpack_answer(reply.record, arrays)

@@ -10,16 +10,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.exchange.cad.cad_curves import bezier_pieces
 from bozzetto.exchange.svg.path_data import Subpath
 from bozzetto.geometry.shapes import Curve
 from bozzetto.view.camera import Camera
-
-__all__ = ["FRONT", "camera_matrix", "picture"]
-
-Array = NDArray[np.float64]
 
 NEAREST: Final = 1e-3
 """Depth at which pictures are cut off, as a share of the distance from eye to target: what
@@ -38,7 +34,7 @@ FRONT.flags.writeable = False
 
 
 def camera_matrix(camera: Camera) -> Array:
-    """The matrix from homogeneous points, mm, to homogeneous pixels.
+    """Return the matrix from homogeneous points, mm, to homogeneous pixels.
 
     Returns
     -------
@@ -57,7 +53,7 @@ def camera_matrix(camera: Camera) -> Array:
 
 
 def picture(curve: Curve, matrix: Array, tolerance: float) -> list[Subpath]:
-    """What is seen of a curve.
+    """Return the visible part of a curve.
 
     Parameters
     ----------
@@ -92,7 +88,7 @@ def picture(curve: Curve, matrix: Array, tolerance: float) -> list[Subpath]:
 
 
 def _lines(flat: Array, ahead: Array) -> tuple[Array, Array, Array]:
-    """Straight spans, cut where they pass the eye; and where they begin and end, in spans."""
+    """Return straight spans, cut where they pass the eye, and their ends, in spans."""
     seen = (ahead > 0).any(axis=1)
     flat, (first, last) = flat[seen], ahead[seen].T
     crossing = first / np.where(first == last, 1.0, first - last)
@@ -107,7 +103,7 @@ def _lines(flat: Array, ahead: Array) -> tuple[Array, Array, Array]:
 
 
 def _cubics(flat: Array, ahead: Array, tolerance: float) -> tuple[Array, Array, Array]:
-    """Cubics near enough to rational pieces; and where they begin and end, in spans.
+    """Return cubics near enough to rational pieces, and their ends, in spans.
 
     Whatever is not near enough, or not altogether before the eye, is halved.
     """
@@ -132,7 +128,7 @@ def _cubics(flat: Array, ahead: Array, tolerance: float) -> tuple[Array, Array, 
 
 
 def _fitted(pieces: Array) -> tuple[Array, Array]:
-    """The cubics with the ends and end derivatives of rational pieces, and how far they stray.
+    """Fit cubics to the ends and end derivatives of rational pieces; return their errors, too.
 
     With the piece n / w and the cubic c, the polynomial c w − n lies within its Bézier
     coefficients (Farin, "Curves and Surfaces for CAGD", on products and the convex hull); their
@@ -169,7 +165,7 @@ def _binomials(degree: int) -> Array:
 
 
 def _halves(pieces: Array) -> Array:
-    """Bézier pieces cut in the middle (de Casteljau), shape (2 k, degree + 1, n)."""
+    """Cut Bézier pieces in the middle (de Casteljau), shape (2 k, degree + 1, n)."""
     left, right = [pieces[:, 0]], [pieces[:, -1]]
     while pieces.shape[1] > 1:
         pieces = (pieces[:, :-1] + pieces[:, 1:]) / 2

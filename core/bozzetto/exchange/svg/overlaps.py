@@ -14,11 +14,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
-
-__all__ = ["Area", "without_overlaps"]
-
-Array = NDArray[np.float64]
 
 HAIR: Final = 1e-4
 """Half the width of what is cut away where an outline touches itself, as a share of the
@@ -38,7 +35,7 @@ MAX_NEAR: Final = 12_000_000
 """Pairs of sides whose boxes overlap that are enumerated: two seconds of work."""
 
 MAX_TESTED: Final = 1_500_000
-"""Of these, pairs that are looked at exactly: two seconds of work, too."""
+"""Limit of pairs that are looked at exactly: two seconds of work, too."""
 
 MAX_CROSSINGS: Final = 20_000
 """Places where sides of areas cross that are to be joined; the work grows faster than them."""
@@ -136,7 +133,7 @@ def _without_overlaps(
 
 
 def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
-    """Pairs of different rings that share a point. Raises `_TooMany`."""
+    """Return pairs of different rings that share a point. Raises `_TooMany`."""
     import shapely
 
     if len(rings) < 2:
@@ -163,15 +160,15 @@ def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
 
 
 def _sides(ring: Array) -> NDArray[np.object_]:
-    """The sides of a ring, as lines of two points."""
+    """Return the sides of a ring, as lines of two points."""
     import shapely
 
     sides: NDArray[np.object_] = shapely.linestrings(np.stack((ring[:-1], ring[1:]), axis=1))
     return sides
 
 
-def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[NDArray[np.intp]]:
-    """Pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
+def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
+    """Yield pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
 
     Raises `_TooMany` where there are more than `limit`.
     """
@@ -191,7 +188,7 @@ def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[NDArray[np.intp]]
 
 
 def _crossings(rings: Sequence[Array]) -> int:
-    """How often the sides of some rings cross.
+    """Count how often the sides of some rings cross.
 
     Raises `_TooMany` where there are more than `MAX_CROSSINGS`, or it takes too long to tell.
     """
@@ -212,7 +209,7 @@ def _crossings(rings: Sequence[Array]) -> int:
 
 
 def _turn(one: Array, other: Array) -> Array:
-    """Twice the area between two rows of vectors (n, 2), positive to the left."""
+    """Return twice the area between two rows of vectors (n, 2), positive to the left."""
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
@@ -237,7 +234,7 @@ def _only_touches_itself(ring: Array) -> bool:
 
 
 def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
-    """Numbers that pairs connect, each with the smallest of those it is connected to."""
+    """Return the numbers that pairs connect, each with the smallest of those it is connected to."""
     parent: dict[int, int] = {}
 
     def root(k: int) -> int:
@@ -253,7 +250,7 @@ def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
 
 
 def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]:
-    """The outline of everything that the rings of some elements paint. Raises `_TooMany`."""
+    """Return the outline of all that the rings of some elements paint. Raises `_TooMany`."""
     from manifold3d import CrossSection, FillRule, JoinType, OpType
 
     _crossings(rings)
@@ -276,7 +273,7 @@ def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]
 
 
 def _closed(polygons: Sequence[Array]) -> list[Array]:
-    """Rings that repeat their first point, without specks."""
+    """Return rings that repeat their first point, without specks."""
     rings = [np.vstack((p, p[:1])).astype(np.float64) for p in polygons if len(p) > 2]
     return [ring for ring in rings if abs(_area(ring)) > SPECK]
 

@@ -6,13 +6,9 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.exchange.svg.path_data import Subpath
-
-__all__ = ["clipped"]
-
-Array = NDArray[np.float64]
 
 SLIVER: Final = 1e-9
 """Shortest piece that is kept, as a share of a cubic's parameter: crossings that are nearer to each
@@ -27,12 +23,13 @@ REAL: Final = 1e-6
 some. A crossing too many only cuts a piece in two."""
 
 
-def clipped(path: Subpath, low: Array, high: Array) -> list[Subpath]:
-    """The stretches of a path that lie on a page.
+def clip_path(path: Subpath, low: Array, high: Array) -> list[Subpath]:
+    """Return the stretches of a path that lie on a page.
 
     Parameters
     ----------
     path : Subpath
+        The path, in units of the page.
     low, high : (2,) float
         Upper left and lower right corner of the page.
 
@@ -77,14 +74,14 @@ def clipped(path: Subpath, low: Array, high: Array) -> list[Subpath]:
     return [Subpath(np.array(stretch), False) for stretch in stretches]
 
 
-def _hull_within(cubics: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+def _hull_within(cubics: Array, low: Array, high: Array) -> Flags:
     """Whether all control points of cubics (k, 4, 2) lie on the page, and so the cubics, (k,)."""
     return np.asarray(((cubics >= low) & (cubics <= high)).all(axis=(1, 2)))
 
 
-def _hull_beyond(cubics: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+def _hull_beyond(cubics: Array, low: Array, high: Array) -> Flags:
     """Whether all control points of cubics (k, 4, 2) lie beyond one side of the page, (k,)."""
-    over: NDArray[np.bool_] = np.all(cubics < low, axis=1) | np.all(cubics > high, axis=1)
+    over: Flags = np.all(cubics < low, axis=1) | np.all(cubics > high, axis=1)
     return np.asarray(np.any(over, axis=1))
 
 
@@ -93,7 +90,7 @@ def _is_within(point: Array, low: Array, high: Array) -> bool:
 
 
 def _crossings(cubic: Array, low: Array, high: Array) -> list[float]:
-    """Where a cubic meets the lines of the page's border, with 0 and 1, ascending."""
+    """Return where a cubic meets the lines of the page's border, with 0 and 1, ascending."""
     found = [0.0, 1.0]
     p0, p1, p2, p3 = cubic
     powers = np.array([p3 - 3 * p2 + 3 * p1 - p0, 3 * (p2 - 2 * p1 + p0), 3 * (p1 - p0), p0])
@@ -118,7 +115,7 @@ def _point(cubic: Array, t: float) -> Array:
 
 
 def _between(cubic: Array, begin: float, end: float) -> Array:
-    """The part of a cubic between two parameters, by its blossom."""
+    """Return the part of a cubic between two parameters, by its blossom."""
 
     def blossom(*at: float) -> Array:
         row = cubic

@@ -11,21 +11,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.ink.stroke import MAX_SAMPLES
 
-__all__ = [
-    "MAX_PIECES",
-    "Subpath",
-    "chord_counts",
-    "ellipse",
-    "flattened",
-    "parse_path",
-    "polyline",
-]
-
-Array = NDArray[np.float64]
 Point = complex
 
 ARC_PIECE: Final = math.pi / 4
@@ -63,7 +53,7 @@ class Subpath:
 
 
 def polyline(points: Array, *, closed: bool) -> Subpath:
-    """Straight lines through points, shape (n, 2), ``n >= 1``."""
+    """Return straight lines through points, shape (n, 2), ``n >= 1``."""
     ring = np.vstack((points, points[:1])) if closed else points
     begin, end = ring[:-1], ring[1:]
     thirds = (begin, begin + (end - begin) / 3, end - (end - begin) / 3, end)
@@ -71,7 +61,7 @@ def polyline(points: Array, *, closed: bool) -> Subpath:
 
 
 def ellipse(center: Point, radii: Point) -> Subpath:
-    """A whole ellipse, from its rightmost point clockwise on the canvas."""
+    """Return a whole ellipse, from its rightmost point clockwise on the canvas."""
     unit = _arc_pieces(0.0, 2 * math.pi)
     cubics = np.stack(
         (center.real + radii.real * unit.real, center.imag + radii.imag * unit.imag), axis=-1
@@ -81,13 +71,13 @@ def ellipse(center: Point, radii: Point) -> Subpath:
 
 
 def chord_counts(subpath: Subpath, tolerance: float) -> NDArray[np.int64]:
-    """How many chords `flattened` gives to each cubic of a subpath."""
+    """Return how many chords `flatten` gives to each cubic of a subpath."""
     bend = np.linalg.norm(np.diff(subpath.cubics, n=2, axis=1), axis=2).max(axis=1)
     return np.asarray(np.maximum(np.ceil(np.sqrt(0.75 * bend / tolerance)), 1), np.int64)
 
 
-def flattened(subpath: Subpath, tolerance: float) -> Array:
-    """Points on a subpath such that no chord strays further than the tolerance.
+def flatten(subpath: Subpath, tolerance: float) -> Array:
+    """Return points on a subpath whose chords stay within the tolerance of the curve.
 
     A cubic strays from ``n`` equal chords by at most ``|B''| / 8n²``, and its second
     derivative is at most six times its largest second difference.
@@ -95,6 +85,7 @@ def flattened(subpath: Subpath, tolerance: float) -> Array:
     Parameters
     ----------
     subpath : Subpath
+        The curve.
     tolerance : float
         In the units of the control points.
 
@@ -119,7 +110,7 @@ def flattened(subpath: Subpath, tolerance: float) -> Array:
 
 
 def parse_path(data: str) -> list[Subpath]:
-    """Understand the ``d`` attribute of a path.
+    """Parse the ``d`` attribute of a path.
 
     Returns
     -------
@@ -139,7 +130,7 @@ def parse_path(data: str) -> list[Subpath]:
 
 
 def _commands(data: str) -> Iterator[tuple[str, list[float]]]:
-    """Commands with exactly their numbers; repeated arguments as repeated commands."""
+    """Yield commands with exactly their numbers; repeated arguments as repeated commands."""
     at = BLANK.match(data, 0).end()  # type: ignore[union-attr]
     command = ""
     while at < len(data):
@@ -173,7 +164,7 @@ def _broken(data: str, at: int) -> FormatError:
 
 
 class _Pen:
-    """Where the path has got to."""
+    """Current state while path data are read."""
 
     def __init__(self) -> None:
         self.at: Point = 0j
@@ -245,7 +236,7 @@ class _Pen:
         self.handle, self.at = one, end
 
     def _arc(self, radii: Point, degrees: float, large: bool, sweep: bool, end: Point) -> None:
-        """An elliptical arc from its end points (SVG 1.1, appendix F.6.5)."""
+        """Add an elliptical arc from its end points (SVG 1.1, appendix F.6.5)."""
         begin = self.at
         rx, ry = abs(radii.real), abs(radii.imag)
         if begin == end:
@@ -279,7 +270,7 @@ class _Pen:
 
 
 def _arc_pieces(first: float, span: float) -> NDArray[np.complex128]:
-    """Cubics along the unit circle, shape (k, 4)."""
+    """Return cubics along the unit circle, shape (k, 4)."""
     count = max(1, math.ceil(abs(span) / ARC_PIECE - 1e-9))
     angle = first + span * np.arange(count + 1) / count
     on = np.exp(1j * angle)

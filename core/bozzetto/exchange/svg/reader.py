@@ -1,4 +1,4 @@
-"""SVG: drawings to strokes, strokes and projected curves to paths.
+"""SVG reader: painted lines and areas become strokes.
 
 One user unit is one millimetre, and the point (x, y) of the file is the world point
 (x, 0, -y): drawings from other programs stand upright on the front view.
@@ -7,12 +7,13 @@ One user unit is one millimetre, and the point (x, y) of the file is the world p
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import (
     MAX_COORDINATE,
@@ -22,9 +23,9 @@ from bozzetto.exchange.limits import (
     at_most,
 )
 from bozzetto.exchange.page_layout import Sheet, sheet_drawing
-from bozzetto.exchange.safe_xml import Element, parsed
+from bozzetto.exchange.safe_xml import Element, parse_xml
 from bozzetto.exchange.svg.overlaps import Area, without_overlaps
-from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flattened
+from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flatten
 from bozzetto.exchange.svg.shapes import (
     LONGEST_LENGTH,
     NUMBER,
@@ -35,20 +36,20 @@ from bozzetto.exchange.svg.shapes import (
     transform,
 )
 from bozzetto.exchange.svg.style import Look, Sheets
-from bozzetto.exchange.svg.writer import write_drawing, write_view
+from bozzetto.exchange.svg.writer import write_drawing as write_drawing
+from bozzetto.exchange.svg.writer import write_view as write_view
 from bozzetto.ink.drawing import Drawing
-
-__all__ = ["read_drawing", "write_drawing", "write_view"]
-
-Array = NDArray[np.float64]
 
 XLINK_HREF: Final = "http://www.w3.org/1999/xlink href"
 
 FLATTENING: Final = 2e-4
-"""How far a chord may stray from its curve, as a share of the drawing's diagonal."""
+"""Greatest distance of a chord from its curve, as a share of the drawing's diagonal."""
 
 GROUPS: Final = {"svg", "g", "a", "switch"}
 """Elements that merely hold others."""
+
+UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded page"}
+"""Elements that show something other than lines, and what people call it."""
 
 FRAME: Final = ("x", "y", "width", "height", "viewBox")
 """Attributes that say where a viewport is."""
@@ -70,29 +71,29 @@ class _Line:
 
 
 class _Own:
-    """What one element says, apart from where it stands.
+    """Properties of one element, apart from where it stands.
 
     Attributes
     ----------
-    said : Said
-        Of its look.
+    properties : Properties
+        Properties of its look.
     matrix : (3, 3) array or None
         Its transform, if it has one.
     paths : list of Subpath or None
         Its outline, once it was asked for.
     """
 
-    __slots__ = ("matrix", "paths", "said")
+    __slots__ = ("matrix", "paths", "properties")
 
     def __init__(self, element: Element, sheets: Sheets) -> None:
-        self.said = sheets.said(element)
+        self.properties = sheets.properties(element)
         text = element.attributes.get("transform")
         self.matrix = transform(text) if text else None
         self.paths: list[Subpath] | None = None
 
 
 class _Reader:
-    """On its way through a document, collecting lines."""
+    """Traversal of a document that collects lines."""
 
     def __init__(self, root: Element) -> None:
         self.sheets = Sheets(root)
@@ -104,6 +105,7 @@ class _Reader:
         self.clones = 0
         self.repeating = 0
         self.known: dict[Element, _Own] = {}
+        self.unread: Counter[str] = Counter()
         waiting = [root]
         while waiting:
             element = waiting.pop()
@@ -113,7 +115,7 @@ class _Reader:
         self.collect(root, np.eye(3), Look(), outermost=True)
 
     def own(self, element: Element) -> _Own:
-        """What an element says: understood once, however often it is repeated."""
+        """Return the properties of an element: read once, however often it is repeated."""
         if not self.repeating:
             return _Own(element, self.sheets)
         if element not in self.known:
@@ -143,12 +145,12 @@ class _Reader:
             self.clones += 1
             at_most(self.clones, MAX_CLONES, "repeated elements")
         own = self.own(element)
-        if own.said.get("display") == "none":
+        if own.properties.get("display") == "none":
             return
         if own.matrix is not None:
             with np.errstate(all="ignore"):
                 matrix = matrix @ own.matrix
-        look = self.sheets.look(own.said, inherited)
+        look = self.sheets.look(own.properties, inherited)
         if element.tag == "use":
             self.repeat(element, matrix, look, depth)
         elif element.tag in GROUPS or frame is not None:
@@ -156,8 +158,22 @@ class _Reader:
                 matrix = matrix @ _nested_viewport(frame or element)
             for child in element.children:
                 self.collect(child, matrix, look, depth=depth + 1)
+        elif element.tag in UNREAD:
+            self.unread[UNREAD[element.tag]] += look.visible
         else:
             self.take(own, element, matrix, look)
+
+    def left_out(self) -> tuple[str, ...]:
+        """Return a sentence about what the file shows and is not read; none where nothing is."""
+        kinds = [(what, count) for what, count in sorted(self.unread.items()) if count]
+        if not kinds:
+            return ()
+        total = sum(count for _, count in kinds)
+        said = " and ".join(f"{count} {what}{'s' * (count > 1)}" for what, count in kinds)
+        return (
+            f"Only lines are read; {said} of this drawing {'is' if total == 1 else 'are'} "
+            "left out. Turn text into paths, and trace pictures, in the program that made it.",
+        )
 
     def take(self, own: _Own, element: Element, matrix: Array, look: Look) -> None:
         """Take the lines of a shape."""
@@ -192,7 +208,7 @@ class _Reader:
         self.repeating -= 1
 
     def frame(self, use: Element, target: Element) -> Element:
-        """Where a ``use`` shows a symbol: a viewport without content."""
+        """Return the viewport, without content, in which a ``use`` shows a symbol."""
         sizes = {side: use.attributes.get(side) for side in ("width", "height")}
         if self.canvas is not None:
             whole = {"width": f"{self.canvas.width!r}", "height": f"{self.canvas.height!r}"}
@@ -209,27 +225,29 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 
     Paths and basic shapes under nested transforms are read; a closed one repeats its first
     point at the end. Painted areas that overlap become one outline (`without_overlaps`).
-    Text, images, clips and what is not to be seen are passed over.
+    Text and pictures are left out, and named (`Drawing.left_out`); clips and what is not to be
+    seen are ignored.
 
     Parameters
     ----------
     data : bytes
+        Content of the file.
     name : str
-        Of the drawing.
+        Name of the drawing.
 
     Raises
     ------
     FormatError
         If it is no SVG, is damaged or too large, defines entities, or holds no line.
     """
-    root = parsed(data)
+    root = parse_xml(data)
     if root.tag != "svg" or root.space not in ("", SPACE):
         raise FormatError("This is not an SVG file.")
     reader = _Reader(root)
     # Where nothing at all is painted, the lines themselves are meant.
     found = [line for line in reader.found if line.look.painted] or reader.found
     if not found:
-        raise FormatError("There are no lines in this drawing.")
+        raise FormatError(" ".join(("There are no lines in this drawing.", *reader.left_out())))
     corners = np.concatenate([line.path.cubics.reshape(-1, 2) for line in found])
     if not (np.abs(corners) <= MAX_COORDINATE).all():
         raise FormatError("A point lies further away than a drawing can reach.")
@@ -237,7 +255,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     tolerance = max(FLATTENING * size, 1e-300)
     points = sum(int(chord_counts(line.path, tolerance).sum()) for line in found)
     at_most(points, MAX_POINTS, "points")
-    lines = [flattened(line.path, tolerance) for line in found]
+    lines = [flatten(line.path, tolerance) for line in found]
     areas = [
         Area(line.element, line.look.rule) if line.look.filled and line.look.painted else None
         for line in found
@@ -246,11 +264,12 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     if not joined:
         raise FormatError("The areas of this drawing cancel each other out.")
     colors = [found[k].look.color for k, _ in joined]
-    return sheet_drawing([points for _, points in joined], reader.canvas, name, colors=colors)
+    drawing = sheet_drawing([points for _, points in joined], reader.canvas, name, colors=colors)
+    return replace(drawing, left_out=reader.left_out())
 
 
 def _canvas(root: Element) -> Sheet | None:
-    """The view box, else width and height, else None."""
+    """Return the view box, else width and height, else None."""
     text = root.attributes.get("viewBox", "")
     box = NUMBER.findall(text) if len(text) <= LONGEST_LENGTH else []
     if len(box) == 4:
@@ -265,7 +284,7 @@ def _canvas(root: Element) -> Sheet | None:
 
 
 def _nested_viewport(element: Element) -> Array:
-    """Where an inner ``svg`` puts its own units."""
+    """Return the matrix from the units of an inner ``svg`` to those around it."""
     matrix = shift(length(element, "x", 0.0), length(element, "y", 0.0))
     inner = _canvas(element) if "viewBox" in element.attributes else None
     width, height = (length(element, side, 0.0) for side in ("width", "height"))

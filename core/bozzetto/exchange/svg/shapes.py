@@ -7,16 +7,12 @@ import re
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.exchange.safe_xml import Element
 from bozzetto.exchange.svg.path_data import Subpath, ellipse, parse_path, polyline
-
-__all__ = ["LONGEST_LENGTH", "NUMBER", "SPACE", "length", "outline", "shift", "transform"]
-
-Array = NDArray[np.float64]
 
 SPACE: Final = "http://www.w3.org/2000/svg"
 """The namespace of SVG."""
@@ -34,11 +30,11 @@ LONGEST_LENGTH: Final = 200
 
 TRANSFORM: Final = re.compile(r"[\s,]*+([A-Za-z]++)\s*+\(([^()]*+)\)[\s,]*+")
 MOST_TRANSFORMS: Final = 10_000
-"""Of one element."""
+"""Limit of transforms of one element."""
 
 
 def length(element: Element, name: str, default: float) -> float:
-    """A length in user units; the default where it is absent or relative.
+    """Return a length in user units; the default where it is absent or relative.
 
     Raises
     ------
@@ -56,7 +52,7 @@ def length(element: Element, name: str, default: float) -> float:
 
 
 def outline(element: Element) -> list[Subpath]:
-    """The subpaths of one shape; none for what is no shape.
+    """Return the subpaths of one shape; none for what is no shape.
 
     Raises
     ------
@@ -108,12 +104,12 @@ def _rectangle(element: Element) -> list[Subpath]:
 
 
 def shift(x: float, y: float) -> Array:
-    """A translation as a matrix (3, 3)."""
+    """Return a translation as a matrix (3, 3)."""
     return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
 
 
 def transform(text: str) -> Array:
-    """A transform list as one matrix (3, 3).
+    """Return a transform list as one matrix (3, 3).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How the elements of an SVG are painted: attributes, style sheets and inheritance.
+"""Style of SVG elements: attributes, style sheets and inheritance.
 
 Of style sheets the rules for a type, a class or an id are understood, which is what drawing
 programs write; others are passed over.
@@ -13,17 +13,15 @@ from typing import Final, Literal
 
 from bozzetto.exchange.safe_xml import Element
 
-__all__ = ["Color", "Look", "Said", "Sheets"]
-
 Color = tuple[int, int, int]
 
 SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
 
 PROPERTIES: Final[tuple[str, ...]] = ("display", "fill", "stroke", "fill-rule", "visibility")
-"""What is asked of an element's look; nothing else is kept of a style sheet."""
+"""Properties that are read; nothing else is kept of a style sheet."""
 
-Said = dict[str, str]
-"""What is said of an element: some of `PROPERTIES` and their values."""
+Properties = dict[str, str]
+"""Properties of an element: some of `PROPERTIES`, with their values."""
 
 LONGEST_COLOR: Final = 100
 """Longest name of a colour, characters."""
@@ -33,7 +31,7 @@ UNPAINTED: Final = ("none", "transparent")
 
 @dataclass(frozen=True)
 class Look:
-    """What an element shows and hands on to the elements inside it.
+    """Painting of an element, handed on to the elements inside it.
 
     Attributes
     ----------
@@ -42,7 +40,7 @@ class Look:
     rule : {"nonzero", "evenodd"}
         What counts as its inside.
     color : (r, g, b) or None
-        Of the line, where it is a plain colour.
+        Colour of the line, where it is a plain colour.
     visible : bool
     """
 
@@ -84,10 +82,12 @@ class Sheets:
                         known = self._rules.setdefault(selector, {})
                         known.update((name, (order, value)) for name, value in said.items())
 
-    def said(self, element: Element) -> Said:
-        """What is said of one element: its attributes, its rules, and above all its style."""
+    def properties(self, element: Element) -> Properties:
+        """Return the properties of an element: attributes, then rules, above all its own style."""
         attributes = element.attributes
-        said: Said = {name: attributes[name] for name in PROPERTIES if name in attributes}
+        properties: Properties = {
+            name: attributes[name] for name in PROPERTIES if name in attributes
+        }
         if self._rules:
             classes = [f".{word}" for word in attributes.get("class", "").split()]
             identity = f"#{attributes.get('id', '')}"
@@ -96,16 +96,16 @@ class Sheets:
                 for key in group:
                     for name, told in self._rules.get(key, {}).items():
                         found[name] = max(told, found.get(name, told))
-                said |= {name: value for name, (_, value) in found.items()}
+                properties |= {name: value for name, (_, value) in found.items()}
         if own := attributes.get("style"):
-            said |= _declarations(own)
-        return said
+            properties |= _declarations(own)
+        return properties
 
-    def look(self, said: Said, inherited: Look) -> Look:
-        """How an element is painted of which this is said."""
-        if not said:
+    def look(self, properties: Properties, inherited: Look) -> Look:
+        """Return the look of an element that has these properties."""
+        if not properties:
             return inherited
-        told = {name: value for name, value in said.items() if value != "inherit"}
+        told = {name: value for name, value in properties.items() if value != "inherit"}
         fill, stroke, rule = told.get("fill"), told.get("stroke"), told.get("fill-rule")
         visibility = told.get("visibility")
         return Look(
@@ -118,7 +118,7 @@ class Sheets:
 
 
 def _rules(text: str) -> Iterator[tuple[str, str]]:
-    """Selectors and bodies of a style sheet's innermost blocks, in one pass."""
+    """Yield selectors and bodies of a style sheet's innermost blocks, in one pass."""
     for piece in _without_comments(text).split("}")[:-1]:
         head, brace, body = piece.rpartition("{")
         if brace:
@@ -126,7 +126,7 @@ def _rules(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _without_comments(text: str) -> str:
-    """The text without its comments; one that does not end goes on to the end."""
+    """Return the text without its comments; one without an end reaches to the end."""
     kept: list[str] = []
     at = 0
     while (begin := text.find("/*", at)) >= 0:
@@ -138,8 +138,8 @@ def _without_comments(text: str) -> str:
     return "".join((*kept, text[at:]))
 
 
-def _declarations(text: str) -> Said:
-    """Properties that matter and their values, as in ``fill: none; stroke: red``."""
+def _declarations(text: str) -> Properties:
+    """Return properties that matter and their values, as in ``fill: none; stroke: red``."""
     result = {}
     for entry in text.split(";"):
         name, colon, value = entry.partition(":")

@@ -1,4 +1,4 @@
-"""SVG: strokes and projected curves to paths."""
+"""SVG writer: strokes and projected curves become paths."""
 
 from __future__ import annotations
 
@@ -6,24 +6,20 @@ from typing import Final
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.page_layout import Sheet
 from bozzetto.exchange.safe_xml import writable
 from bozzetto.exchange.svg.curves import FRONT, camera_matrix, picture
-from bozzetto.exchange.svg.page_clip import clipped
-from bozzetto.exchange.svg.path_data import Subpath, flattened
+from bozzetto.exchange.svg.page_clip import clip_path
+from bozzetto.exchange.svg.path_data import Subpath, flatten
 from bozzetto.exchange.svg.shapes import SPACE
 from bozzetto.exchange.svg.style import Color
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
-
-__all__ = ["write_drawing", "write_view"]
-
-Array = NDArray[np.float64]
 
 INK_WIDTH: Final = 1 / 600
 """Width of the lines written, as a share of the sheet's height."""
@@ -38,11 +34,11 @@ MARGIN: Final = 0.05
 """Paper left around curves that are written without a camera, as a share of their size."""
 
 BOUNDS: Final = 1e-3
-"""How well their size is known, as a share of it: a small part of the margin."""
+"""Accuracy of their size, as a share of it: a small part of the margin."""
 
 
 def write_drawing(drawing: Drawing) -> bytes:
-    """The strokes as paths of straight lines.
+    """Write the strokes as paths of straight lines.
 
     A drawing on the front view is written in millimetres of the world, so that it comes
     back to its place; every other one in pixels of its canvas.
@@ -62,7 +58,7 @@ def write_drawing(drawing: Drawing) -> bytes:
 
 
 def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
-    """The curves of shapes as a camera sees them; on the front view without one.
+    """Write the curves of shapes as a camera sees them; on the front view without one.
 
     Parallel views of polylines and of curves up to degree three without weights are exact, and
     so are polylines in perspective. All else is right within `STRAY`. Front views are in
@@ -88,11 +84,11 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
         raise UserError("All curves lie behind the eye. Turn the view to them, then export.")
     if sheet is None:
         chord = BOUNDS * size
-        sheet = Sheet.around([flattened(path, chord) for _, path in seen], MARGIN)
+        sheet = Sheet.around([flatten(path, chord) for _, path in seen], MARGIN)
     else:
         low = np.array((sheet.x, sheet.y))
         high = np.add(low, (sheet.width, sheet.height))
-        seen = [(curve, part) for curve, path in seen for part in clipped(path, low, high)]
+        seen = [(curve, part) for curve, path in seen for part in clip_path(path, low, high)]
         if not seen:
             raise UserError("No curve lies on the page. Turn the view to them, then export.")
     lines = [_path(_pen(path, curve), curve.color, curve.name) for curve, path in seen]
@@ -100,7 +96,7 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
 
 
 def _pen(path: Subpath, curve: Curve) -> str:
-    """Path data with all digits: lines of a polyline, cubics of any other curve."""
+    """Write path data with all digits: lines of a polyline, cubics of any other curve."""
     start = path.cubics[0, 0].tolist()
     rows = path.cubics[:, 3:] if curve.degree == 1 else path.cubics[:, 1:]
     letter = "L" if curve.degree == 1 else "C"
@@ -109,7 +105,7 @@ def _pen(path: Subpath, curve: Curve) -> str:
 
 
 def _corners(points: Array) -> str:
-    """Path data of straight lines, as fine as ink is."""
+    """Write path data of straight lines, as fine as ink is."""
     closed = len(points) > 3 and bool((points[0] == points[-1]).all())
     rows = points[:-1] if closed else points
     return "M" + "L".join(f"{x:.9g},{y:.9g}" for x, y in rows.tolist()) + ("Z" if closed else "")

@@ -1,17 +1,14 @@
-"""Foot points on patches: the places of a surface that are closest to points in space."""
+"""Closest points on patches to points in space."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches.patch import Places, grid, points_at
-
-__all__ = ["foot_points"]
-
-Array = NDArray[np.float64]
 
 SEEDS: Final = 10
 """Places tried along u and along v of each patch; even, for each quarter gives its best one."""
@@ -35,7 +32,7 @@ DAMPING: Final = 1e-3
 
 
 def foot_points(nets: ArrayLike, points: ArrayLike, near: Places | None = None) -> Places:
-    """The closest places of patches to points.
+    """Find the closest points on patches to given points.
 
     Newton's method on the squared distance within the unit square of each patch, damped where
     a step leads away (Levenberg 1944); parameters that would leave the square stay on its
@@ -47,6 +44,7 @@ def foot_points(nets: ArrayLike, points: ArrayLike, near: Places | None = None) 
     nets : (k, 4, 4, 3) array_like
         ``k >= 1``.
     points : (n, 3) array_like
+        Places, mm.
     near : Places, optional
         Where to start from, and the patches to stay on: for places that follow a small change.
 
@@ -78,13 +76,13 @@ def foot_points(nets: ArrayLike, points: ArrayLike, near: Places | None = None) 
 
 
 def _squared_distances(points: Array, places: Array) -> Array:
-    """Up to rounding, which only chooses where to start; (n, s)."""
+    """Return squared distances, (n, s), up to rounding; they only choose where to start."""
     squares = (points * points).sum(axis=1)[:, None] + (places * places).sum(axis=1)
     return np.asarray(squares - 2.0 * points @ places.T)
 
 
 def _descended(nets: Array, points: Array, start: Places) -> Places:
-    """The bottom of the valley of the squared distance that each place lies in."""
+    """Minimise the squared distance from each start, within the valley that it lies in."""
     at = np.clip(start.parameters, 0.0, 1.0)
     offset = points_at(nets, Places(start.patches, at)) - points
     damping = np.zeros(len(points))
@@ -107,7 +105,7 @@ def _descended(nets: Array, points: Array, start: Places) -> Places:
 
 
 def _step(nets: Array, here: Places, offset: Array, damping: Array) -> Array:
-    """A damped Newton step in u and v, (n, 2), along the border where it would lead out."""
+    """Return a damped Newton step in u and v, (n, 2), along the border where it would lead out."""
     xu, xv = points_at(nets, here, du=1), points_at(nets, here, dv=1)
     slope = np.stack(((xu * offset).sum(1), (xv * offset).sum(1)), axis=1)
     at = here.parameters
@@ -134,5 +132,5 @@ def _step(nets: Array, here: Places, offset: Array, damping: Array) -> Array:
 
 
 def _determinant(matrix: Array) -> Array:
-    """Of symmetric 2 × 2 matrices given by their three numbers, (n, 3)."""
+    """Return determinants of symmetric 2 × 2 matrices given by their three numbers, (n, 3)."""
     return np.asarray(matrix[:, 0] * matrix[:, 2] - matrix[:, 1] ** 2)

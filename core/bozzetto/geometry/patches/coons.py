@@ -24,27 +24,26 @@ side  where    runs
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-__all__ = ["boundaries", "coons_nets", "edge_numbers", "sides_of", "with_boundaries"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Index
 
 
 def edge_numbers(sides: ArrayLike) -> Index:
-    """The edges of sides without their sense: e for e and for ``~e``."""
+    """Return the edges of sides without their sense: e for e and for ``~e``."""
     signed = np.asarray(sides, np.intp)
     return np.asarray(np.where(signed < 0, ~signed, signed))
 
 
 def boundaries(edges: ArrayLike, sides: ArrayLike) -> Array:
-    """The curves round patches, each the way that it is run through.
+    """Return the curves round patches, each in the sense in which it is followed.
 
     Parameters
     ----------
     edges : (m, 4, 3) array_like
+        Control points of the edges, mm.
     sides : (…) array_like of int
+        Edges by number, ``~e`` where followed against their sense.
 
     Returns
     -------
@@ -56,7 +55,7 @@ def boundaries(edges: ArrayLike, sides: ArrayLike) -> Array:
 
 
 def coons_nets(edges: ArrayLike, sides: ArrayLike) -> Array:
-    """Control nets of the bicubically blended Coons patches with zero twists.
+    """Return control nets of the bicubically blended Coons patches with zero twists.
 
     Parameters
     ----------
@@ -79,11 +78,12 @@ def coons_nets(edges: ArrayLike, sides: ArrayLike) -> Array:
 
 
 def with_boundaries(nets: ArrayLike, edges: ArrayLike, sides: ArrayLike) -> Array:
-    """Nets whose outer control points are those of their sides, bit for bit.
+    """Return nets whose outer control points are those of their sides, bit for bit.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm; the inner ones are kept.
     edges, sides
         As in `coons_nets`.
     """
@@ -97,6 +97,6 @@ def with_boundaries(nets: ArrayLike, edges: ArrayLike, sides: ArrayLike) -> Arra
 
 
 def sides_of(nets: ArrayLike) -> Array:
-    """The curves round control nets in the order of their sides, (k, 4, 4, 3)."""
+    """Return the curves round control nets in the order of their sides, (k, 4, 4, 3)."""
     nets = np.asarray(nets, float)
     return np.stack((nets[:, :, 0], nets[:, 3], nets[:, ::-1, 3], nets[:, 0, ::-1]), axis=1)

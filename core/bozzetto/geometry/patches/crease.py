@@ -1,4 +1,4 @@
-"""How smoothly patches meet: the crease along an edge, and the lock that takes it away.
+"""Creases between patches: the angle along an edge, and tangents that make it smooth.
 
 Over an edge with two patches the derivatives across it are blended from those in its two ends.
 Where the tangents in each end are opposite, as in smooth lines that cross the edge, the patches
@@ -14,15 +14,11 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import grid_normals
-
-__all__ = ["SMOOTH", "crease_angles", "joints_of_chain", "locked"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 SMOOTH: Final = 0.1
 """Degrees below which no crease is seen: the tolerance of class A surfacing."""
@@ -36,11 +32,12 @@ smooth line there."""
 
 
 def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
-    """The largest angle between the tangent planes of both patches along each edge.
+    """Return the largest angle between the tangent planes of both patches along each edge.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     sides : (k, 4) array_like of int
         As in `coons`; no edge belongs to more than two of them.
     edges : int
@@ -75,28 +72,13 @@ def crease_angles(nets: ArrayLike, sides: ArrayLike, edges: int) -> Array:
     return found
 
 
-def joints_of_chain(chain: ArrayLike, *, closed: bool = False) -> tuple[Joint, ...]:
-    """The joints of edges that follow each other.
-
-    Parameters
-    ----------
-    chain : (n,) array_like of int
-        Edges as they are run through, ``~e`` where against their sense.
-    closed : bool
-        The last one is joined to the first.
-    """
-    row = [int(edge) for edge in np.asarray(chain, np.intp)]
-    after = row[1:] + row[:1] if closed else row[1:]
-    return tuple((~edge, next_) for edge, next_ in zip(row, after, strict=False))
-
-
 def locked(
     edges: ArrayLike,
     sides: ArrayLike,
     joints: tuple[Joint, ...],
     firmness: ArrayLike | None = None,
 ) -> Array:
-    """Edges with the lengths of their tangents evened out, so that joints make smooth surfaces.
+    """Even out the tangent lengths of edges, so that joints make smooth surfaces.
 
     Joints in both ends of an edge that lies between their lines need one ratio of lengths, and
     so do those in the ends of the next edge in line: each such row gets the one that changes the
@@ -109,6 +91,7 @@ def locked(
     edges : (m, 4, 3) array_like
         The tangents in a joint are opposite (the lock cannot make them so).
     sides : (k, 4) array_like of int
+        As in `coons_nets`.
     joints : tuple of (int, int)
         No end of an edge is in two of them.
     firmness : (m,) array_like, optional
@@ -142,25 +125,25 @@ def locked(
 
 
 def _firmness(firm: Array, joint: Joint) -> tuple[float, float]:
-    """Of the two edges of a joint."""
+    """Return the firmness of the two edges of a joint."""
     one, other = (float(firm[max(end, ~end)]) for end in joint)
     return one, other
 
 
 def _ratio(lengths: Array, joint: Joint) -> float:
-    """Logarithm of the second tangent's length over that of the first; 0 where one has none."""
+    """Return the logarithm of the ratio of two tangents' lengths; 0 where one has none."""
     one, other = (float(lengths[e, 0] if e >= 0 else lengths[~e, 1]) for e in joint)
     return math.log(other) - math.log(one) if one > 0.0 < other else 0.0
 
 
 def _stretch(edges: Array, end: int, share: float) -> None:
-    """Multiply the tangent in one end of an edge."""
+    """Scale the tangent in one end of an edge."""
     edge, node, inner = (end, 0, 1) if end >= 0 else (~end, 3, 2)
     edges[edge, inner] = edges[edge, node] + share * (edges[edge, inner] - edges[edge, node])
 
 
 def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]:
-    """Joints that need one ratio, each with the sense in which it counts."""
+    """Yield joints that need one ratio, each with the sense in which it counts."""
     links = _links(sides, joints)
     seen: set[int] = set()
     for first in range(len(joints)):
@@ -179,7 +162,7 @@ def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]
 
 
 def _links(sides: Index, joints: tuple[Joint, ...]) -> dict[int, list[tuple[int, float]]]:
-    """For each joint those in the other ends of the edges between its lines.
+    """Return for each joint those in the other ends of the edges between its lines.
 
     The sign says whether both name the two sides of the edge in the same order.
     """

@@ -1,17 +1,14 @@
-"""How bicubic patches bend: principal, mean and Gaussian curvature in closed form."""
+"""Principal and mean curvature of bicubic patches, in closed form."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.geometry.patches.patch import FLAT_SINE, Places, grid, points_at
-
-__all__ = ["Curvatures", "grid_curvatures", "patch_curvatures"]
-
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array
+from bozzetto.geometry.patches.patch import FLAT_SINE, grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,35 +32,16 @@ class Curvatures:
         """Mean curvature, 1/mm, (…)."""
         return 0.5 * (self.most + self.least)
 
-    @property
-    def gaussian(self) -> Array:
-        """Gaussian curvature, 1/mm², (…)."""
-        return self.most * self.least
-
-
-def patch_curvatures(nets: ArrayLike, places: Places) -> Curvatures:
-    """Curvatures at places on patches, each of shape (n,).
-
-    Parameters
-    ----------
-    nets : (k, 4, 4, 3) array_like
-        mm.
-    places : Places
-        All of them on patches.
-    """
-    nets = np.asarray(nets, float)
-    orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-    return _bent(*(points_at(nets, places, du=du, dv=dv) for du, dv in orders))
-
 
 def grid_curvatures(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Curvatures:
-    """Curvatures of all patches on one grid of parameters, each of shape (k, a, b).
+    """Return curvatures of all patches on one grid of parameters, each of shape (k, a, b).
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
         mm.
     u, v : (a,), (b,) array_like
+        Parameters of the grid, 0 … 1.
     """
     nets = np.asarray(nets, float)
     orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
@@ -71,7 +49,7 @@ def grid_curvatures(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Curvatures:
 
 
 def _bent(by_u: Array, by_v: Array, by_uu: Array, by_uv: Array, by_vv: Array) -> Curvatures:
-    """From first and second derivatives (do Carmo 1976, section 3-3).
+    """Compute curvatures from first and second derivatives (do Carmo 1976, section 3-3).
 
     The second fundamental form is written in a frame of two unit tangents, one along x_u. There
     the first form is the identity, and what is left is the eigenvalues of a symmetric matrix;

@@ -11,24 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-__all__ = [
-    "Places",
-    "bernstein",
-    "extent",
-    "grid",
-    "grid_normals",
-    "halved",
-    "mirrored",
-    "normals_at",
-    "points_at",
-    "split",
-    "turned_over",
-]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Flags, Index
 
 FLAT_SINE: Final = 1e-9
 """Sine of the angle between the tangents in u and v below which they tell no tangent plane."""
@@ -72,18 +57,19 @@ class Places:
     def __len__(self) -> int:
         return len(self.patches)
 
-    def __getitem__(self, which: slice | NDArray[np.bool_] | Index) -> Places:
+    def __getitem__(self, which: slice | Flags | Index) -> Places:
         return Places(self.patches[which], self.parameters[which])
 
 
 def bernstein(at: ArrayLike, order: int = 0) -> Array:
-    """Cubic Bernstein polynomials, or a derivative of them.
+    """Evaluate the cubic Bernstein polynomials, or a derivative of them.
 
     Parameters
     ----------
     at : (n,) array_like
+        Parameters, 0 … 1.
     order : int
-        Of the derivative: 0 … 3.
+        Order of the derivative: 0 … 3.
 
     Returns
     -------
@@ -109,12 +95,14 @@ def bernstein(at: ArrayLike, order: int = 0) -> Array:
 
 
 def grid(nets: ArrayLike, u: ArrayLike, v: ArrayLike, *, du: int = 0, dv: int = 0) -> Array:
-    """Places of all patches, or derivatives there, on one grid of parameters.
+    """Evaluate all patches, or derivatives of them, on one grid of parameters.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     u, v : (a,), (b,) array_like
+        Parameters of the grid, 0 … 1.
     du, dv : int
         Orders of the derivatives by u and by v.
 
@@ -126,7 +114,7 @@ def grid(nets: ArrayLike, u: ArrayLike, v: ArrayLike, *, du: int = 0, dv: int = 
 
 
 def _columns(nets: ArrayLike, u: ArrayLike, v: ArrayLike, du: int, dv: int) -> Array:
-    """As `grid`, each coordinate by itself, (3, k, a, b): quicker to go on with."""
+    """Evaluate like `grid`, each coordinate by itself, (3, k, a, b): quicker to go on with."""
     nets = np.asarray(nets, float)
     rows, columns = bernstein(u, du), bernstein(v, dv)
     both = (rows.T[:, None, :, None] * columns.T[None, :, None, :]).reshape(
@@ -139,7 +127,7 @@ def _columns(nets: ArrayLike, u: ArrayLike, v: ArrayLike, du: int, dv: int) -> A
 
 
 def grid_normals(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
-    """Unit normals of all patches on one grid of parameters, along x_u × x_v.
+    """Return unit normals of all patches on one grid of parameters, along x_u × x_v.
 
     Parameters
     ----------
@@ -163,11 +151,12 @@ def grid_normals(nets: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
 
 
 def points_at(nets: ArrayLike, places: Places, *, du: int = 0, dv: int = 0) -> Array:
-    """Points at places, or derivatives there.
+    """Evaluate patches, or derivatives of them, at places.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     places : Places
         All of them on patches.
     du, dv : int
@@ -184,7 +173,7 @@ def points_at(nets: ArrayLike, places: Places, *, du: int = 0, dv: int = 0) -> A
 
 
 def normals_at(nets: ArrayLike, places: Places) -> Array:
-    """Unit normals at places, (n, 3), as `grid_normals` gives them."""
+    """Return unit normals at places, (n, 3), as `grid_normals` gives them."""
     across, sound = _unit_across(points_at(nets, places, du=1).T, points_at(nets, places, dv=1).T)
     normals = np.ascontiguousarray(across.T)
     if not sound.all():
@@ -196,8 +185,8 @@ def normals_at(nets: ArrayLike, places: Places) -> Array:
     return normals
 
 
-def _unit_across(a: Array, b: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The unit vector across two, 0 where they are parallel, (3, …); and where they are not."""
+def _unit_across(a: Array, b: Array) -> tuple[Array, Flags]:
+    """Return unit vectors across two, (3, …), 0 where they are parallel, and where they are not."""
     across = np.stack(
         (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
     )
@@ -208,7 +197,7 @@ def _unit_across(a: Array, b: Array) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _squares(a: Array) -> Array:
-    """Squared lengths of vectors (3, …)."""
+    """Return squared lengths of vectors (3, …)."""
     return np.asarray(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
@@ -216,11 +205,12 @@ def _squares(a: Array) -> Array:
 
 
 def split(nets: ArrayLike, at: float, axis: int) -> tuple[Array, Array]:
-    """Both parts of patches cut along a line of one parameter (de Casteljau 1959).
+    """Split patches along a line of one parameter (de Casteljau 1959).
 
     Parameters
     ----------
     nets : (k, 4, 4, d) array_like
+        Control points.
     at : float
         0 … 1.
     axis : int
@@ -240,25 +230,26 @@ def split(nets: ArrayLike, at: float, axis: int) -> tuple[Array, Array]:
 
 
 def halved(nets: Array) -> Array:
-    """All quarters of patches, (4, k, 4, 4, d): halves of u, and in each those of v."""
+    """Return all quarters of patches, (4, k, 4, 4, d): halves of u, and in each those of v."""
     return np.stack([part for half in split(nets, 0.5, 0) for part in split(half, 0.5, 1)])
 
 
 def turned_over(nets: ArrayLike) -> Array:
-    """The same patches with u run the other way, so that their normals point the other way."""
+    """Return the same patches with u reversed, so that their normals point the other way."""
     return np.asarray(nets, float)[:, ::-1].copy()
 
 
 def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
-    """Mirror images in the plane where one coordinate is 0, exact to the last bit.
+    """Return mirror images in the plane where one coordinate is 0, exact to the last bit.
 
     They are turned over, too: normals that pointed outward still do.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
+        Control points, mm.
     axis : int
-        Of the coordinate that changes its sign.
+        Number of the coordinate that changes its sign.
     """
     made = turned_over(nets)
     made[..., axis] *= -1.0
@@ -269,7 +260,7 @@ def mirrored(nets: ArrayLike, axis: int = 1) -> Array:
 
 
 def extent(nets: ArrayLike) -> Array:
-    """The bounding box of the very surface; that of the control points is larger.
+    """Return the bounding box of the surface itself; that of the control points is larger.
 
     Branch and bound: a patch lies within its control points, and its corners lie on it. What
     cannot reach further than a corner does is dropped, the rest is cut in quarters.
@@ -293,7 +284,7 @@ def extent(nets: ArrayLike) -> Array:
 
 
 def _highest(heights: Array, slack: float) -> Array:
-    """For each row of polynomials (r, k, 4, 4) the largest value, from below, within slack."""
+    """Return upper bounds, tight within slack, of each row of polynomials (r, k, 4, 4)."""
     rows, patches = heights.shape[:2]
     row, pieces = np.repeat(np.arange(rows), patches), heights.reshape(-1, 4, 4)
     best = np.full(rows, -np.inf)

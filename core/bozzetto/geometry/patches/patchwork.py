@@ -18,10 +18,8 @@ from bozzetto.geometry.patches.coons import (
 from bozzetto.geometry.patches.patch import turned_over
 from bozzetto.geometry.placement import Placement
 
-__all__ = ["Patchwork"]
-
 TURNED_SIDES = (0, 3, 2, 1)
-"""Where the sides of a patch come from when u runs the other way; all change their sense."""
+"""New order of a patch's sides after u is reversed; all of them change their sense."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,19 +84,19 @@ class Patchwork:
         color: tuple[int, int, int] | None = None,
         patch_names: tuple[str, ...] = (),
     ) -> Patchwork:
-        """The Coons patches between edges (`coons_nets`)."""
+        """Return the Coons patches between edges (`coons_nets`)."""
         nets = coons_nets(edges, sides)
         return cls(nets, np.asarray(edges, float), np.asarray(sides), name, color, patch_names)
 
     @property
     def rim(self) -> NDArray[np.intp]:
-        """The edges of one patch, in order of their numbers, (r,)."""
+        """Edges of one patch, in order of their numbers, (r,)."""
         numbers, counts = np.unique(edge_numbers(self.sides), return_counts=True)
         return np.asarray(numbers[counts == 1], np.intp)
 
     @property
     def pieces(self) -> tuple[NDArray[np.intp], ...]:
-        """The patches of each part that hangs together by edges."""
+        """Patches of each part that is connected by edges."""
         numbers = edge_numbers(self.sides)
         least = np.arange(len(numbers))
         while True:
@@ -111,7 +109,7 @@ class Patchwork:
 
     @property
     def nodes(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        """The places in which edges end.
+        """Places in which edges end.
 
         Returns
         -------
@@ -126,7 +124,7 @@ class Patchwork:
         return places, np.asarray(ends, np.intp).reshape(-1, 2)
 
     def placed(self, placement: Placement) -> Patchwork:
-        """The patchwork moved by a placement; turned over if the placement mirrors."""
+        """Return the patchwork moved by a placement; inside out where the placement mirrors."""
         if placement.is_identity:
             return self
         edges = placement.points(self.edges).reshape(self.edges.shape)

@@ -1,18 +1,14 @@
-"""Where rays meet patches: lines of sight on a surface, whole and exact."""
+"""Intersections of rays with patches, exact and over the whole surface."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.patches.patch import Places, points_at, split
-
-__all__ = ["ray_hits"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 LEVELS: Final = 5
 """Times that patches are cut in quarters before Newton's method takes over."""
@@ -27,7 +23,7 @@ between two patches."""
 
 
 def ray_hits(nets: ArrayLike, origins: ArrayLike, directions: ArrayLike) -> tuple[Places, Array]:
-    """The first places in which rays meet patches.
+    """Return the first places in which rays meet patches.
 
     Seen along a ray a patch is flat, and the ray a point. Pieces whose control points leave the
     point outside their box are dropped, the others cut in quarters (Nishita, Sederberg & Kakimoto
@@ -76,7 +72,7 @@ def ray_hits(nets: ArrayLike, origins: ArrayLike, directions: ArrayLike) -> tupl
 
 
 def _across(directions: Array) -> Array:
-    """Two unit vectors across each direction, (n, 2, 3)."""
+    """Return two unit vectors across each direction, (n, 2, 3)."""
     unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     least = np.eye(3)[np.abs(unit).argmin(axis=1)]
     first = np.cross(unit, least)
@@ -85,7 +81,7 @@ def _across(directions: Array) -> Array:
 
 
 def _candidates(nets: Array, origins: Array, frames: Array) -> tuple[Index, Index, Array]:
-    """Pieces of patches that rays may meet: rays, patches, and the middles of the pieces."""
+    """Return pieces of patches that rays may meet: rays, patches, and the pieces' middles."""
     seen = np.einsum("kijx,nax->nkija", nets, frames)
     seen -= np.einsum("nx,nax->na", origins, frames)[:, None, None, None]
     size = np.abs(nets).max() + np.abs(origins).max()
@@ -108,7 +104,7 @@ def _candidates(nets: Array, origins: Array, frames: Array) -> tuple[Index, Inde
     return rays, patches, corner + 0.5 * width
 
 
-def _boxed(pieces: Array, slack: float) -> NDArray[np.bool_]:
+def _boxed(pieces: Array, slack: float) -> Flags:
     """Whether the box of flat control nets (…, 4, 4, 2) holds the point that a ray is."""
     low, high = pieces.min(axis=(-3, -2)), pieces.max(axis=(-3, -2))
     return np.asarray(((low <= slack) & (high >= -slack)).all(axis=-1))
@@ -116,8 +112,8 @@ def _boxed(pieces: Array, slack: float) -> NDArray[np.bool_]:
 
 def _refined(
     nets: Array, origins: Array, frames: Array, start: Places, size: Array
-) -> tuple[Places, NDArray[np.bool_]]:
-    """Hits by Newton's method on the distance across the ray, and which of them are hits."""
+) -> tuple[Places, Flags]:
+    """Refine hits by Newton's method on the distance across the ray; return which are hits, too."""
     at = start.parameters
     for step in range(NEWTON_STEPS + 1):
         here = Places(start.patches, at)

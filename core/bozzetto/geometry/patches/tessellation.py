@@ -8,16 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, Index, frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import bernstein, grid, grid_normals
 from bozzetto.geometry.patches.patchwork import Patchwork
-
-__all__ = ["TOLERANCE", "shaded", "shaded_parameters", "tessellated"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 TOLERANCE: Final = 1e-4
 """Usual distance of triangles from the surface, per diagonal of what is shown: half a millimetre
@@ -28,7 +23,7 @@ MOST_DIVISIONS: Final = 256
 
 
 def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
-    """Triangles within a distance of the surface, closed wherever patches share an edge.
+    """Triangulate within a distance of the surface, closed wherever patches share an edge.
 
     Patches on both sides of an edge share its vertices. So opposite sides of a patch have
     the same number of steps, and with them whole strips of patches.
@@ -36,6 +31,7 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
     Parameters
     ----------
     patchwork : Patchwork
+        The patches.
     tolerance : float, optional
         mm, above 0; by default `TOLERANCE` of the size. Kept unless an edge would need more
         than `MOST_DIVISIONS` steps.
@@ -76,7 +72,7 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
 
 
 def _divisions(patchwork: Patchwork, tolerance: float) -> Index:
-    """Steps along each edge, (m,).
+    """Return the number of steps along each edge, (m,).
 
     A triangle with legs of a and b in u and v is nowhere further from the surface than
     (a² M_uu + 2 a b M_uv + b² M_vv) / 8, where M bound the second derivatives (Filip,
@@ -98,12 +94,12 @@ def _divisions(patchwork: Patchwork, tolerance: float) -> Index:
 
 
 def _longest(vectors: Array) -> Array:
-    """Length of the longest vector of each net, (k,)."""
+    """Return the length of the longest vector of each net, (k,)."""
     return np.asarray(np.linalg.norm(vectors, axis=-1).reshape(len(vectors), -1).max(axis=1))
 
 
 def _strips(numbers: Index, count: int) -> Index:
-    """The least edge in the strip of each edge: edges across each other's patches are in one."""
+    """Return the least edge in the strip of each edge: opposite edges of a patch share a strip."""
     least = np.arange(count)
     pairs = np.vstack((numbers[:, [0, 2]], numbers[:, [1, 3]]))
     while True:
@@ -115,7 +111,7 @@ def _strips(numbers: Index, count: int) -> Index:
 
 
 def _triangles(at: Index, vertices: Array) -> Index:
-    """Two triangles in every cell of a grid of vertices, on both sides of the shorter diagonal."""
+    """Return two triangles in every cell of a grid, on both sides of the shorter diagonal."""
     a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
     first = ((vertices[a] - vertices[c]) ** 2).sum(axis=1)
     second = ((vertices[b] - vertices[d]) ** 2).sum(axis=1)
@@ -126,7 +122,7 @@ def _triangles(at: Index, vertices: Array) -> Index:
 
 
 def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
-    """Triangles for the eye: every patch on its own with exact normals, so that creases show.
+    """Triangulate for display: every patch on its own with exact normals, so that creases show.
 
     Made in about a millisecond, to follow a hand. Neighbours have the same places on the edge
     between them, bit for bit.
@@ -134,6 +130,7 @@ def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
     Parameters
     ----------
     patchwork : Patchwork
+        The patches.
     divisions : int
         Steps along each side of a patch.
 
@@ -162,13 +159,13 @@ def shaded(patchwork: Patchwork, divisions: int = 12) -> Mesh:
 
 
 def shaded_parameters(divisions: int = 12) -> Array:
-    """The values of u, and those of v, at the vertices that `shaded` makes, (divisions + 1,)."""
+    """Return the parameters u and v of the vertices that `shaded` makes, (divisions + 1,)."""
     return np.linspace(0.0, 1.0, divisions + 1)
 
 
 @lru_cache(maxsize=8)
 def _grid_faces(patches: int, divisions: int) -> NDArray[np.int32]:
-    """Two triangles in every cell of `patches` grids."""
+    """Return two triangles in every cell of `patches` grids."""
     at = np.arange(patches * (divisions + 1) ** 2).reshape(patches, divisions + 1, divisions + 1)
     a, b, c, d = at[:, :-1, :-1], at[:, 1:, :-1], at[:, 1:, 1:], at[:, :-1, 1:]
     faces = np.stack((np.stack((a, b, c), axis=-1), np.stack((a, c, d), axis=-1)), axis=-2)

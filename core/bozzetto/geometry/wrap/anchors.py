@@ -8,16 +8,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.wrap.icosphere import Icosphere, edges_of
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe
 
-__all__ = ["Anchors", "anchored", "with_edges"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Flags = NDArray[np.bool_]
 Pairs = list[tuple[int, int]]
 Row = list[tuple[int, int]]
 
@@ -28,7 +23,7 @@ the curve need not shear."""
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """Where a skin is held.
+    """Vertices of a shrunk surface that are fixed to curves.
 
     Attributes
     ----------
@@ -45,7 +40,7 @@ class Anchors:
     links: Pairs
 
 
-def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flags) -> Anchors:
+def choose_anchors(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flags) -> Anchors:
     """Choose the vertices that follow the curves most closely.
 
     Each place of a curve is given to the nearest vertex. The row of vertices along a curve is
@@ -55,9 +50,11 @@ def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flag
     Parameters
     ----------
     sphere : Icosphere
+        The triangles of the surface.
     vertices : (v, 3) float
         The skin as it is, near the curves.
     frame : Wireframe
+        The curves to follow.
     reached : (n,) bool
         The places that it should be fixed to.
     """
@@ -95,12 +92,12 @@ def anchored(sphere: Icosphere, vertices: Array, frame: Wireframe, reached: Flag
 
 
 def _changes(*columns: Index) -> Flags:
-    """Where any of some columns differs from its row before, from the second row on."""
+    """Return where a column differs from its predecessor, from the second one on."""
     return np.asarray(np.any([np.diff(column) != 0 for column in columns], axis=0), bool)
 
 
 def _evened(at: Array, fixed: Flags) -> Array:
-    """Places along a curve moved toward even steps, those that are fixed left where they are."""
+    """Move places along a curve towards even steps; those that are fixed stay."""
     fixed = fixed.copy()
     fixed[[0, -1]] = True
     for _ in range(EVENING):
@@ -110,7 +107,7 @@ def _evened(at: Array, fixed: Flags) -> Array:
 
 
 def _owners(sphere: Icosphere, vertices: Array, frame: Wireframe) -> tuple[Array, Index]:
-    """The distance of each place from the vertex that is nearest to it, and that vertex."""
+    """Return the distance of each place from its nearest vertex, and that vertex."""
     from scipy.spatial import cKDTree
 
     found = cKDTree(vertices).query(frame.places)
@@ -127,7 +124,7 @@ def _owners(sphere: Icosphere, vertices: Array, frame: Wireframe) -> tuple[Array
 def _rows(
     sphere: Icosphere, owner: Index, distance: Array, frame: Wireframe, reached: Flags
 ) -> list[Row]:
-    """The straightened row of vertices along each piece."""
+    """Return the straightened row of vertices along each piece."""
     gap = np.where(frame.sharp, -1.0, distance)
     kept = np.flatnonzero(reached)
     starts = np.flatnonzero(np.append(True, _changes(owner[kept], frame.piece[kept])))[: len(kept)]
@@ -140,7 +137,7 @@ def _rows(
 
 
 def _append(row: Row, vertex: int, at: int, gap: Array, beside: frozenset[tuple[int, int]]) -> None:
-    """Go on to a vertex, by the shortest way."""
+    """Continue to a vertex, by the shortest way."""
     while row:
         last, place = row[-1]
         if last == vertex:
@@ -155,7 +152,7 @@ def _append(row: Row, vertex: int, at: int, gap: Array, beside: frozenset[tuple[
     row.append((vertex, at))
 
 
-def with_edges(faces: Index, links: Pairs) -> Index:
+def flip_to_links(faces: Index, links: Pairs) -> Index:
     """Flip edges that cross a link, so that the link is one.
 
     A link that crosses more than one edge is left alone, and so is an edge that is a link.
@@ -163,7 +160,9 @@ def with_edges(faces: Index, links: Pairs) -> Index:
     Parameters
     ----------
     faces : (f, 3) int
+        Vertices of each triangle.
     links : list of (int, int)
+        Pairs of vertices that shall be joined by an edge.
 
     Returns
     -------

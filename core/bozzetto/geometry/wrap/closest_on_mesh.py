@@ -1,22 +1,17 @@
-"""The places of a mesh that are nearest to points close by."""
+"""Closest points on a mesh to points near it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.wrap.icosphere import Icosphere
-
-__all__ = ["Feet", "closest_on_triangles", "mesh_feet"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Feet:
+class MeshPoints:
     """Places of a mesh.
 
     Attributes
@@ -39,18 +34,18 @@ class Feet:
         row = np.arange(len(self.corners))
         return np.asarray(self.corners[row, np.argmax(self.weights, axis=1)])
 
-    def taken(self, kept: NDArray[np.bool_]) -> Feet:
-        """Some of them."""
-        return Feet(self.corners[kept], self.weights[kept], self.distances[kept])
+    def taken(self, kept: Flags) -> MeshPoints:
+        """Return some of the rows."""
+        return MeshPoints(self.corners[kept], self.weights[kept], self.distances[kept])
 
-    def outside(self, vertices: Array, points: Array) -> NDArray[np.bool_]:
+    def outside(self, vertices: Array, points: Array) -> Flags:
         """Whether the points that they are nearest to lie before their triangles, (n,)."""
         a, b, c = np.moveaxis(vertices[self.corners], 1, 0)
         return np.asarray(_dot(np.cross(b - a, c - a), points - a) > 0)
 
 
-def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
-    """The nearest place of the triangles round the vertex that is nearest to each point.
+def closest_on_mesh(sphere: Icosphere, vertices: Array, points: Array) -> MeshPoints:
+    """Find the nearest place on the triangles round the vertex that is nearest to each point.
 
     On a mesh of even triangles that is the nearest place of all.
 
@@ -59,7 +54,9 @@ def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
     sphere : Icosphere
         How the vertices hang together.
     vertices : (v, 3) float
+        Places of the vertices, mm.
     points : (n, 3) float
+        Places near the mesh, mm.
     """
     from scipy.spatial import cKDTree
 
@@ -69,11 +66,11 @@ def mesh_feet(sphere: Icosphere, vertices: Array, points: Array) -> Feet:
     offset = np.einsum("nkc,nkcx->nkx", weights, vertices[corners]) - points[:, None]
     square = np.einsum("nkx,nkx->nk", offset, offset)
     row, best = np.arange(len(points)), np.argmin(square, axis=1)
-    return Feet(corners[row, best], weights[row, best], np.sqrt(square[row, best]))
+    return MeshPoints(corners[row, best], weights[row, best], np.sqrt(square[row, best]))
 
 
 def closest_on_triangles(points: Array, triangles: Array) -> Array:
-    """Barycentric coordinates of the places of triangles that are nearest to points.
+    """Return barycentric coordinates of the places of triangles that are nearest to points.
 
     Ericson, *Real-time collision detection* (2005), section 5.1.5: the region of the triangle's
     plane over which the point lies tells whether a corner, a side or the inside is nearest.
@@ -81,6 +78,7 @@ def closest_on_triangles(points: Array, triangles: Array) -> Array:
     Parameters
     ----------
     points : (…, 3) float
+        Places, mm.
     triangles : (…, 3, 3) float
         Corners; leading axes as those of the points, by broadcasting.
 

@@ -7,14 +7,8 @@ from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
-
-__all__ = ["VALENCE", "Icosphere", "edges_of", "icosphere"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Index, frozen
 
 VALENCE: Final = 6
 """Most triangles round a vertex: five round the twelve of the icosahedron, six round others."""
@@ -62,13 +56,13 @@ class Icosphere:
         return frozenset((a, b) for a, b in self.edges.tolist())
 
     def refined(self, vertices: Array) -> Array:
-        """Places of the coarser sphere's vertices, and the middles of its edges, (n, 3)."""
+        """Return places of the coarser sphere's vertices, and the middles of its edges, (n, 3)."""
         return np.vstack((vertices, 0.5 * vertices[self.parents].sum(axis=1)))
 
 
 @lru_cache(maxsize=8)
 def icosphere(level: int) -> Icosphere:
-    """The icosahedron subdivided `level` times, ``level >= 0``."""
+    """Return the icosahedron subdivided `level` times, ``level >= 0``."""
     if level == 0:
         places, faces, parents = *_icosahedron(), np.zeros((0, 2), np.intp)
     else:
@@ -84,7 +78,7 @@ def icosphere(level: int) -> Icosphere:
 
 
 def edges_of(faces: Index) -> tuple[Index, Index]:
-    """The edges of a closed mesh.
+    """Return the edges of a closed mesh.
 
     Returns
     -------
@@ -102,7 +96,7 @@ def edges_of(faces: Index) -> tuple[Index, Index]:
 
 
 def _icosahedron() -> tuple[Array, Index]:
-    """Corners of three golden rectangles, and the triangles of neighbours among them."""
+    """Return the corners of three golden rectangles, and the triangles of neighbours among them."""
     signs = np.array([[0.0, s, t * GOLDEN] for s in (-1, 1) for t in (-1, 1)])
     corners = np.vstack((signs, signs[:, [2, 0, 1]], signs[:, [1, 2, 0]]))
     close = np.linalg.norm(corners[:, None] - corners, axis=2) < 2.5
@@ -125,7 +119,7 @@ def _subdivided(coarse: Icosphere) -> tuple[Array, Index, Index]:
 
 
 def _unit(places: Array) -> Array:
-    """Vectors of length one; squares are added so that signs of coordinates do not matter."""
+    """Return vectors of length one; squares are added so that signs do not matter."""
     return np.asarray(places / np.sqrt((places * places).sum(axis=1, keepdims=True)))
 
 
@@ -139,7 +133,7 @@ def _rings(faces: Index, count: int) -> Index:
 
 
 def _mirrored(places: Array) -> Index:
-    """Pairs by their coordinates: the mirror image of a vertex is one, bit for bit."""
+    """Return pairs of mirror images by their coordinates, bit for bit."""
     here = np.lexsort((places + 0.0).T)
     there = np.lexsort((places * (1.0, -1.0, 1.0) + 0.0).T)
     image = np.empty(len(places), np.intp)

@@ -15,17 +15,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.wrap.anchors import anchored, with_edges
-from bozzetto.geometry.wrap.closest_on_mesh import closest_on_triangles, mesh_feet
+from bozzetto.geometry.wrap.anchors import choose_anchors, flip_to_links
+from bozzetto.geometry.wrap.closest_on_mesh import closest_on_mesh, closest_on_triangles
 from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere
-from bozzetto.geometry.wrap.thin_plate import drawn_to, even_energy, held_at, true_energy
+from bozzetto.geometry.wrap.thin_plate import even_energy, hold_at, pull_towards, true_energy
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
 
-__all__ = ["LEVELS", "curve_distances", "shrink_wrap"]
-
-Array = NDArray[np.float64]
 Checkpoint = Callable[[float, str], None]
 
 LEVELS: Final = (3, 6)
@@ -39,13 +37,13 @@ FINE: Final = 5
 """Level for which places along curves lie close enough; one below can do with every other."""
 
 FIRST_ROUNDS: Final = 8
-"""How often nearest places are looked for anew on the first level; deeper ones each time."""
+"""Searches for nearest places on the first level; deeper ones each time."""
 
 NEXT_ROUNDS: Final = 2
-"""How often on each of the next levels."""
+"""Searches for nearest places on each of the next levels."""
 
 ANCHOR_ROUNDS: Final = 2
-"""How often vertices are chosen that are fixed to curves."""
+"""Rounds in which vertices are chosen that are fixed to curves."""
 
 SLACK: Final = 1e-2
 """Tension of the skin while it is shrunk, per pull of a curve at a vertex."""
@@ -74,7 +72,7 @@ NEIGHBOURS: Final = 24
 
 
 def _nobody(fraction: float, step: str) -> None:
-    """Progress that no one watches."""
+    """Ignore progress that no one watches."""
 
 
 def shrink_wrap(
@@ -137,14 +135,14 @@ def shrink_wrap(
 
 
 def curve_distances(curves: Sequence[ArrayLike], mesh: Mesh) -> Array:
-    """How far places at even steps along curves are from a skin.
+    """Return how far places at even steps along curves are from a surface.
 
     Parameters
     ----------
     curves : sequence of (n, 3) array_like
         As for `shrink_wrap`, mm.
     mesh : Mesh
-        Of triangles that are not much longer than wide.
+        A mesh of triangles that are not much longer than wide.
 
     Returns
     -------
@@ -164,7 +162,7 @@ def curve_distances(curves: Sequence[ArrayLike], mesh: Mesh) -> Array:
 
 
 def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoint) -> Array:
-    """A skin of the wanted level near the curves, drawn there level by level."""
+    """Return a surface of the wanted level near the curves, shrunk towards them level by level."""
     start = START if level > START + 1 else START - 1
     vertices = _around(icosphere(start), frame)
     bending = GIVE
@@ -175,14 +173,14 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
         rounds = FIRST_ROUNDS if now == start else NEXT_ROUNDS
         for done in range(1, rounds + 1):
             checkpoint(0.5 * (now - start + done / rounds) / (level - start), "Shrinking")
-            feet = mesh_feet(sphere, vertices, points)
+            feet = closest_on_mesh(sphere, vertices, points)
             share = done / rounds if now == start else 1.0
             limit = _edge(now) + share * tightness * DEEPEST
             pulling = (feet.distances <= limit) | feet.outside(vertices, points)
             feet = feet.taken(pulling)
             near = feet.vertices
             weights = 1.0 / np.bincount(near, minlength=len(vertices))[near]
-            vertices = _evened(sphere, drawn_to(energy, feet, points[pulling], weights), frame)
+            vertices = _evened(sphere, pull_towards(energy, feet, points[pulling], weights), frame)
         vertices = icosphere(now + 1).refined(vertices)
         bending *= STIFFER
     return vertices
@@ -191,19 +189,19 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
 def _anchored(
     frame: Wireframe, level: int, vertices: Array, smoothing: float, checkpoint: Checkpoint
 ) -> tuple[Array, NDArray[np.int32]]:
-    """The skin with the curves that it has reached as its edges, and smooth between."""
+    """Return the surface with the curves that it has reached as its edges, and smooth between."""
     sphere = icosphere(level)
     energy = even_energy(level, 1.0, HOLD)
     for done in range(ANCHOR_ROUNDS):
         checkpoint(0.55 + 0.1 * done, "Anchoring")
-        reached = mesh_feet(sphere, vertices, frame.places).distances < REACHED * _edge(level)
-        anchors = anchored(sphere, vertices, frame, reached)
-        held = held_at(energy, anchors.vertices, anchors.places)
+        reached = closest_on_mesh(sphere, vertices, frame.places).distances < REACHED * _edge(level)
+        anchors = choose_anchors(sphere, vertices, frame, reached)
+        held = hold_at(energy, anchors.vertices, anchors.places)
         vertices = _evened(sphere, held, frame)
     checkpoint(0.8, "Smoothing")
-    faces = with_edges(sphere.faces, anchors.links)
+    faces = flip_to_links(sphere.faces, anchors.links)
     energy = true_energy(faces, vertices, smoothing**2)
-    held = held_at(energy, anchors.vertices, anchors.places)
+    held = hold_at(energy, anchors.vertices, anchors.places)
     return _evened(sphere, held, frame), faces.astype(np.int32)
 
 
@@ -212,7 +210,7 @@ def _edge(level: int) -> float:
 
 
 def _around(sphere: Icosphere, frame: Wireframe) -> Array:
-    """The sphere shrunk until each of its tangent planes touches a curve: nearly the hull."""
+    """Return the sphere shrunk until its tangent planes touch a curve: nearly the hull."""
     points = frame.both_sides()
     half = 0.5 * np.ptp(points, axis=0)
     centre = points.mean(axis=0)
@@ -226,7 +224,7 @@ def _around(sphere: Icosphere, frame: Wireframe) -> Array:
 
 
 def _evened(sphere: Icosphere, vertices: Array, frame: Wireframe) -> Array:
-    """The mean of a skin and its mirror image, if it should be symmetric."""
+    """Return the mean of a surface and its mirror image, if it should be symmetric."""
     if not frame.symmetric:
         return vertices
     return np.asarray(0.5 * (vertices + vertices[sphere.mirrored] * MIRROR))

@@ -1,4 +1,4 @@
-"""Skins that hang between what they are held by: a membrane, a thin plate, or something between.
+"""Membranes and thin plates: fair surfaces between given points.
 
 On a mesh with vertices p and umbrella operator L (Kobbelt et al., *Interactive multi-resolution
 modeling on arbitrary meshes*, 1998), a membrane has the least sum of squared edges and a plate the
@@ -11,18 +11,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto.geometry.wrap.closest_on_mesh import Feet
+from bozzetto.arrays import Array, Index
+from bozzetto.geometry.wrap.closest_on_mesh import MeshPoints
 from bozzetto.geometry.wrap.icosphere import icosphere
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-__all__ = ["Energy", "drawn_to", "even_energy", "held_at", "true_energy"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 Energy = Any
 """A sparse symmetric matrix, (v, v): half of the second derivative of an energy by the vertices,
@@ -36,15 +32,15 @@ COTANGENTS: Final = (0.02, 5.0)
 membrane folds, and slivers have huge ones."""
 
 
-def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array:
-    """The skin that is drawn to points by springs.
+def pull_towards(energy: Energy, feet: MeshPoints, points: Array, weights: Array) -> Array:
+    """Return the surface that springs draw to points.
 
     Parameters
     ----------
     energy : Energy
         With which the skin resists.
-    feet : Feet
-        Where each spring takes hold.
+    feet : MeshPoints
+        Where each spring is attached.
     points : (n, 3) float
         Where it leads to.
     weights : (n,) float
@@ -63,12 +59,13 @@ def drawn_to(energy: Energy, feet: Feet, points: Array, weights: Array) -> Array
     return _solved((pulled @ hold) + energy, np.asarray(pulled @ points))
 
 
-def held_at(energy: Energy, held: Index, places: Array) -> Array:
-    """The skin that is held at some of its vertices.
+def hold_at(energy: Energy, held: Index, places: Array) -> Array:
+    """Return the surface that is held at some of its vertices.
 
     Parameters
     ----------
     energy : Energy
+        Resistance of the surface to stretching and bending.
     held : (k,) int
         Vertices, each once.
     places : (k, 3) float
@@ -88,23 +85,24 @@ def held_at(energy: Energy, held: Index, places: Array) -> Array:
 
 
 def even_energy(level: int, tension: float, bending: float) -> Energy:
-    """Resistance of an icosphere's edges, all of the same weight: vertices spread evenly.
+    """Return the resistance of an icosphere whose edges all weigh the same: even vertices.
 
     Parameters
     ----------
     level : int
+        How often the icosahedron is subdivided.
     tension : float
-        Of the membrane, above 0.
+        Stiffness of the membrane, above 0.
     bending : float
-        Of the plate. Its ratio to the tension is the square of the number of edges over which
-        the skin bends.
+        Stiffness of the plate. Its ratio to the tension is the square of the number of edges
+        over which the skin bends.
     """
     membrane, plate = _operators(level)
     return tension * membrane + bending * plate
 
 
 def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
-    """Resistance of a mesh as it lies in space, whatever its triangles are like.
+    """Return the resistance of a mesh as it lies in space, whatever its triangles are like.
 
     With the cotangent weights of Pinkall & Polthier (*Computing discrete minimal surfaces*,
     1993), each vertex having a third of the area round it, so that uneven steps along a curve do
@@ -113,7 +111,9 @@ def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
     Parameters
     ----------
     faces : (f, 3) int
+        Vertices of each triangle.
     vertices : (v, 3) float
+        Places of the vertices, mm.
     length : float
         Over which the skin bends; 0 for a membrane.
     """
@@ -141,7 +141,7 @@ def true_energy(faces: Index, vertices: Array, length: float) -> Energy:
 
 @lru_cache(maxsize=8)
 def _operators(level: int) -> tuple[csc_array, csc_array]:
-    """The quadratic forms of the membrane and the plate, (v, v) each."""
+    """Return the quadratic forms of the membrane and the plate, (v, v) each."""
     from scipy.sparse import coo_array, diags_array
 
     sphere = icosphere(level)

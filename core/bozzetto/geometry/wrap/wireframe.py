@@ -8,19 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.arrays import frozen
+from bozzetto.arrays import Array, Flags, Index, frozen
 from bozzetto.errors import UserError
-
-__all__ = ["Wireframe", "wireframe"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 SPACING: Final = 1.0 / 250.0
 """Distance of neighbouring places per diagonal of the box about all curves: a quarter of an
-edge of the finest usual skin, so that no triangle is passed over."""
+edge of the finest usual skin, so that no triangle is missed."""
 
 MOST_PLACES: Final = 20_000
 """Places along all curves; tangles of more have them farther apart."""
@@ -29,7 +24,7 @@ CORNER: Final = np.cos(np.radians(30.0))
 """Cosine of the turn from which on a vertex of a polyline is a corner that the skin keeps."""
 
 MOST_CORNERS: Final = 2000
-"""Corners that are kept; what has more is a tremor and not a shape."""
+"""Limit of corners: a line with more is noise and not a shape."""
 
 THIN: Final = 1e-3
 """Thickness per diagonal below which curves lie in a plane, so that a skin has no inside."""
@@ -69,13 +64,13 @@ class Wireframe:
 
     places: Array
     piece: Index
-    sharp: NDArray[np.bool_]
+    sharp: Flags
     symmetric: bool
     centre: Array
     size: float
 
     def every(self, step: int) -> Wireframe:
-        """A coarser row of places: every `step`-th of them, and the ends of pieces."""
+        """Return a coarser row of places: every `step`-th of them, and the ends of pieces."""
         turn = np.diff(self.piece) != 0
         ends = np.append(True, turn) | np.append(turn, True)
         kept = ends | (np.arange(len(self.places)) % step == 0)
@@ -87,7 +82,7 @@ class Wireframe:
         )
 
     def both_sides(self) -> Array:
-        """The places of the whole network, with the mirror images of a half, (m, 3)."""
+        """Return the places of the whole network, with the mirror images of a half, (m, 3)."""
         if not self.symmetric:
             return self.places
         return np.vstack((self.places, self.places[self.places[:, 1] > 0] * MIRROR))
@@ -143,7 +138,8 @@ def _checked(curve: ArrayLike) -> Array:
     line = np.asarray(curve, float).reshape(-1, 3)
     if not np.isfinite(line).all() or np.abs(line).max(initial=0.0) > FARTHEST:
         raise UserError(
-            "A curve has coordinates that are no places in space. Leave it out, or draw it again."
+            "A curve has coordinates that are not finite, or far too large. Leave it out, or "
+            "draw it again."
         )
     fresh = np.append(True, (line[1:] != line[:-1]).any(axis=1))[: len(line)]
     return np.asarray(line[fresh])
@@ -188,7 +184,7 @@ def _steps(line: Array) -> Array:
 
 
 def _pieces(lines: list[Array]) -> list[Array]:
-    """The polylines, cut at their corners."""
+    """Return the polylines, cut at their corners."""
     turns = [_corners(line) for line in lines]
     if sum(len(turn) for turn in turns) > MOST_CORNERS:
         return lines
@@ -200,14 +196,14 @@ def _pieces(lines: list[Array]) -> list[Array]:
 
 
 def _corners(line: Array) -> Index:
-    """Inner vertices in which a polyline turns sharply."""
+    """Return inner vertices in which a polyline turns sharply."""
     along = np.diff(line, axis=0)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     return 1 + np.flatnonzero(np.einsum("ij,ij->i", along[1:], along[:-1]) < CORNER)
 
 
 def _spaced(line: Array, spacing: float) -> Array:
-    """Places at equal steps of a polyline, both ends among them."""
+    """Return places at equal steps of a polyline, both ends among them."""
     if len(line) < 2:
         return line
     along = np.concatenate(([0.0], np.cumsum(_steps(line))))
@@ -219,7 +215,7 @@ def _spaced(line: Array, spacing: float) -> Array:
 
 
 def _half(line: Array) -> list[Array]:
-    """The parts of a polyline on the side y ≥ 0, cut in the plane exactly."""
+    """Return the parts of a polyline on the side y ≥ 0, cut in the plane exactly."""
     line = np.where(np.abs(line) < np.array([0.0, SAME, 0.0]), 0.0, line)
     side = line[:, 1]
     cuts = np.flatnonzero(side[1:] * side[:-1] < 0)

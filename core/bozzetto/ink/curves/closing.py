@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.intersections import self_crossings
-from bozzetto.ink.curves.resample import arc_length, distinct
-
-__all__ = ["close_stroke", "end_gap", "is_closed_gesture", "signed_area"]
-
-Array = NDArray[np.float64]
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 
 END_SHARE: Final = 0.2
 """Share of the length at each end within which the ends may overlap or be trimmed."""
@@ -33,7 +30,7 @@ SEARCH_POINTS: Final = 200
 
 
 def signed_area(points: ArrayLike) -> float:
-    """Area inside a closed polyline.
+    """Return the area inside a closed polyline.
 
     Parameters
     ----------
@@ -54,7 +51,7 @@ def signed_area(points: ArrayLike) -> float:
 
 
 def end_gap(points: ArrayLike) -> float:
-    """Distance between the ends of a stroke over the diagonal of its bounding box."""
+    """Return the distance between a stroke's ends over the diagonal of its bounding box."""
     place = np.asarray(points, float)
     diagonal = float(np.linalg.norm(np.ptp(place, axis=0)))
     return float(np.linalg.norm(place[-1] - place[0])) / diagonal if diagonal > 0 else 0.0
@@ -69,6 +66,7 @@ def is_closed_gesture(points: ArrayLike) -> bool:
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     """
     place = np.asarray(points, float)
     loop = close_stroke(place)
@@ -104,22 +102,17 @@ def close_stroke(points: ArrayLike) -> Array:
         return place
     begin, end = _best_joint(place, along, length)
     inner = (along > begin) & (along < end)
-    first, last = (
-        np.array([np.interp(at, along, place[:, axis]) for axis in (0, 1)]) for at in (begin, end)
-    )
+    first, last = (points_along(place, along, at) for at in (begin, end))
     loop = np.vstack((first, place[inner], last))
     return loop[distinct(loop, closed=True)]
 
 
 def _best_joint(place: Array, along: Array, length: float) -> tuple[float, float]:
-    """Arc lengths at which to cut the beginning and the end."""
+    """Return the arc lengths at which to cut the beginning and the end."""
     reach = END_SHARE * length
     heads = np.linspace(0.0, reach, SEARCH_POINTS)
     tails = length - heads
-    head, tail = (
-        np.column_stack([np.interp(at, along, place[:, axis]) for axis in (0, 1)])
-        for at in (heads, tails)
-    )
+    head, tail = (points_along(place, along, at) for at in (heads, tails))
     gap = np.linalg.norm(head[:, None] - tail, axis=2)
     cost = gap + TRIM_COST * (heads[:, None] + heads)
     best = np.unravel_index(int(np.argmin(cost)), cost.shape)

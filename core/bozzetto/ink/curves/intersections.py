@@ -1,4 +1,4 @@
-"""Where a curve crosses itself or another one."""
+"""Intersections of a curve with itself or with another one."""
 
 from __future__ import annotations
 
@@ -7,14 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.ink.curves.resample import arc_length, distinct
-
-__all__ = ["Crossings", "crossings", "self_crossings"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Index
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 
 TOUCH: Final = 1e-9
 """Distance that counts as touching, as a share of the diagonal of all points."""
@@ -94,7 +90,7 @@ def self_crossings(points: ArrayLike, *, closed: bool = False) -> Crossings:
     points : (n, 2) array_like
         Equal neighbours are allowed.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
     """
     segments = _Segments.of(points, closed)
     return _meetings(segments, segments, itself=True)
@@ -108,8 +104,9 @@ def crossings(
     Parameters
     ----------
     one, other : (n, 2) array_like
+        Points of the polylines, in any one unit.
     one_closed, other_closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
     """
     first = _Segments.of(one, one_closed)
     second = _Segments.of(other, other_closed)
@@ -134,7 +131,7 @@ def _meetings(a: _Segments, b: _Segments, *, itself: bool) -> Crossings:
             break
     found = _one_of_each(np.vstack(points), np.vstack(stretches), 4.0 * touch)
     first, second = found[:, 0], found[:, 1]
-    places = np.column_stack([np.interp(first, a.along, _path(a)[:, axis]) for axis in (0, 1)])
+    places = points_along(_path(a), a.along, first)
     return Crossings(places, _numbers(a, first), _numbers(b, second))
 
 
@@ -143,7 +140,7 @@ def _path(segments: _Segments) -> Array:
 
 
 def _numbers(segments: _Segments, along: Array) -> Array:
-    """Arc lengths as index plus share."""
+    """Return arc lengths as index plus share."""
     at = np.searchsorted(segments.along, along, "right") - 1
     at = np.clip(at, 0, len(segments.start) - 1)
     share = (along - segments.along[at]) / np.diff(segments.along)[at]
@@ -156,7 +153,7 @@ def _numbers(segments: _Segments, along: Array) -> Array:
 def _near_pairs(
     a: _Segments, b: _Segments, touch: float, itself: bool
 ) -> Iterator[tuple[Index, Index]]:
-    """Pairs of segments whose boxes meet, in blocks; with i < j on one curve.
+    """Yield pairs of segments whose boxes meet, in blocks; with i < j on one curve.
 
     Neighbours on a stroke lie close together, so boxes around a few consecutive segments
     are a good coarse grid without any further sorting.
@@ -203,7 +200,7 @@ def _cross(u: Array, v: Array) -> Array:
 
 
 def _hits(a: _Segments, b: _Segments, i: Index, j: Index, touch: float) -> tuple[Array, Array]:
-    """Meetings of pairs of segments, in arc lengths along the two curves.
+    """Return meetings of pairs of segments, in arc lengths along the two curves.
 
     Returns
     -------
@@ -257,7 +254,7 @@ def _wrapped(points: Array, a: _Segments, b: _Segments, slack: float, itself: bo
 
 
 def _one_of_each(points: Array, stretches: Array, slack: float) -> Array:
-    """Melt what belongs together; rows of arc lengths, sorted."""
+    """Merge intersections that belong together; rows of arc lengths, sorted."""
     points = _clustered(points, slack)
     if len(stretches):
         stretches = _joined(stretches, slack)
@@ -272,7 +269,7 @@ def _one_of_each(points: Array, stretches: Array, slack: float) -> Array:
 
 
 def _clustered(points: Array, slack: float) -> Array:
-    """Single linkage within `slack`, first along one curve and then along the other."""
+    """Cluster by single linkage within `slack`, first along one curve and then along the other."""
     if not len(points):
         return points
     points = points[np.argsort(points[:, 0], kind="stable")]

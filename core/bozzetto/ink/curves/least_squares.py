@@ -6,14 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.spline import DEGREE, Spline, derived_points, uniform_knots
-
-__all__ = ["Approximation", "approximate", "approximate_adaptively"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 STIFFNESS: Final = 1e-6
 """Weight of the bending of the control polygon against the ink. It decides only where there
@@ -23,7 +18,7 @@ ROUNDS: Final = 10
 """Most rounds of reparametrisation."""
 
 FOOT_STEPS: Final = 1
-"""Newton steps to the foot points in each round; the next round goes on from there."""
+"""Newton steps to the foot points in each round; the next round continues from there."""
 
 SLIDE: Final = 0.1
 """First weight of a deviation along the curve against one across it."""
@@ -169,7 +164,7 @@ class _System:
         self.bending = self._bending()
 
     def moved(self, spline: Spline, before: Array) -> Approximation:
-        """The points at their feet on a new curve; the ends of the ink at its ends."""
+        """Return the points at their feet on a new curve, the ends of the ink at its ends."""
         parameters = spline.foot_points(self.points, before, steps=FOOT_STEPS)
         if not self.closed:
             parameters[np.argmin(before)], parameters[np.argmax(before)] = 0.0, 1.0
@@ -178,7 +173,7 @@ class _System:
         return Approximation(spline, parameters, rms, float(distance.max()))
 
     def solved(self, parameters: Array, before: Spline | None, slide: float) -> Spline:
-        """The best curve for given parameters, and tangents of the curve before."""
+        """Fit the best curve for given parameters, and tangents of the curve before."""
         basis = self._basis(parameters)
         count, size = self.count, self.points.shape[1]
         target = self.points - self.center
@@ -207,7 +202,7 @@ class _System:
         return np.asarray(basis)
 
     def _across(self, parameters: Array, before: Spline, slide: float) -> Array:
-        """What a deviation weighs, as a matrix for each point: less along the curve."""
+        """Return the weight of a deviation, a matrix for each point: less along the curve."""
         tangent = before.derivative(parameters)
         tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
         release = np.full(len(tangent), 1.0 - slide)
@@ -217,7 +212,7 @@ class _System:
         return np.asarray(np.eye(tangent.shape[1]) - release[:, None, None] * outer)
 
     def _bending(self) -> Array:
-        """Squared second derivatives of the control polygon; nought for straight lines."""
+        """Squared second derivatives of the control polygon; 0 for straight lines."""
         identity = np.eye(self.count)
         if self.closed:
             identity = np.vstack((identity, identity[:DEGREE]))
@@ -249,7 +244,7 @@ class _System:
     def _freedom(
         self, pinned: set[int]
     ) -> tuple[bool, dict[int, tuple[Index, Index, Array]], Array, Array]:
-        """Ways in which the control points can move with the end tangents.
+        """Return the ways in which the control points can move with the end tangents.
 
         Returns
         -------

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
 from bozzetto.ink.curves.resample import resample
-
-__all__ = ["Nearest", "distances_to_polyline", "nearest_curve"]
-
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 48
 """Places of the stroke, at equal steps, whose distances are averaged: enough that the mean
@@ -41,11 +38,12 @@ class Nearest:
 
 
 def distances_to_polyline(points: ArrayLike, polyline: ArrayLike) -> Array:
-    """Distance of each point from a polyline.
+    """Return the distance of each point from a polyline.
 
     Parameters
     ----------
     points : (n, d) array_like
+        Places, in the units of the polyline.
     polyline : (m, d) array_like
         ``m >= 1``; a single point is a polyline too.
 

@@ -1,17 +1,13 @@
-"""How much the pen shakes and the device rounds, told from the ink alone."""
+"""Noise of ink, from the ink alone: how much the pen shakes and the device rounds."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.ink.curves.resample import arc_length, distinct
-
-__all__ = ["sample_noise"]
-
-Array = NDArray[np.float64]
 
 ROUNDED: Final = 0.3
 """Standard deviation, in pixels, that rounding to whole pixels leaves (1 / sqrt 12)."""
@@ -21,7 +17,7 @@ BESIDE: Final = 2
 
 
 def sample_noise(points: ArrayLike, *, pixel: float = 1.0) -> float:
-    """Standard deviation of the samples across the curve, from one sample to the next.
+    """Estimate the standard deviation of samples across the curve, from one sample to the next.
 
     Each sample is compared with the cubic through its four neighbours (parameters are
     chord lengths), and the median of the differences is taken: bends that several samples
@@ -30,6 +26,7 @@ def sample_noise(points: ArrayLike, *, pixel: float = 1.0) -> float:
     Parameters
     ----------
     points : (n, d) array_like
+        Samples in the order in which they were drawn.
     pixel : float
         Length of a pixel in the units of the points.
 

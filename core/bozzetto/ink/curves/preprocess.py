@@ -1,4 +1,4 @@
-"""Ink made ready for fitting: cleaned, smoothed and spaced whatever the sampling rate was."""
+"""Preparation of ink for fitting: cleaned, smoothed and evenly spaced."""
 
 from __future__ import annotations
 
@@ -6,16 +6,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.noise_estimate import sample_noise
-from bozzetto.ink.curves.resample import arc_length, distinct
-from bozzetto.ink.curves.smooth import convolved
-
-__all__ = ["Prepared", "checked_points", "prepare"]
-
-Array = NDArray[np.float64]
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
+from bozzetto.ink.curves.smooth import convolve
 
 FILTER: Final = 4.0
 """Widest standard deviation of the low-pass along the curve, pixels. Chord lengths of dense
@@ -39,7 +36,7 @@ MOST_POINTS: Final = 1200
 """Most prepared points of a curve: longer ink is spaced and filtered more widely."""
 
 ROUNDS: Final = 8
-"""Most rounds in which the arc length is measured anew on the smoothed curve."""
+"""Limit of rounds in which the arc length is measured again on the smoothed curve."""
 
 SETTLED: Final = 0.99
 """A round that leaves this share of the length ends the rounds."""
@@ -70,11 +67,12 @@ class Prepared:
 
 
 def checked_points(points: ArrayLike, pixel: float) -> Array:
-    """Points as an array.
+    """Return points as a checked array.
 
     Parameters
     ----------
     points : (n, 2) or (n, 3) array_like
+        Pixels; see `pixel` for other units.
     pixel : float
         Length of a pixel in the units of the points.
 
@@ -109,10 +107,11 @@ def prepare(
     points : (n, d) float
         ``n >= 1``.
     weights : (n,) float
+        Weight of each point, not negative.
     pixel : float
         Length of a pixel in the units of the points.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
     spacing : float
         Wanted distance of the prepared points, pixels.
     """
@@ -127,7 +126,7 @@ def prepare(
         width = _width(length, pixel) * min(1.0, noise / (NOISY * pixel))
         if length <= 0 or len(place) < 3 or width < NARROWEST * pixel:
             break
-        soft = convolved(place, along, along, width, closed=closed)
+        soft = convolve(place, along, along, width, closed=closed)
         again = arc_length(soft)
         ratio, along = again[-1] / length, _increasing(again)
         if ratio >= SETTLED:
@@ -138,7 +137,7 @@ def prepare(
     stations = np.linspace(0.0, length, count)[: count - 1 if closed and count > 1 else count]
     own = np.interp(arc_length(points), arc_length(place), along)
     return Prepared(
-        _columns(stations, along, soft),
+        points_along(soft, along, stations),
         np.interp(stations, along, weight),
         own / length if length > 0 else np.zeros(len(points)),
         noise,
@@ -146,15 +145,11 @@ def prepare(
 
 
 def _width(length: float, pixel: float) -> float:
-    """Standard deviation of the widest filter for a curve of this length."""
+    """Return the standard deviation of the widest filter for a curve of this length."""
     return max(min(FILTER * pixel, FILTER_SHARE * length), 2.0 * length / MOST_POINTS)
 
 
 def _increasing(along: Array) -> Array:
-    """Arc lengths without steps of no length, which would make the inverse ambiguous."""
+    """Return arc lengths without steps of no length, which would make the inverse ambiguous."""
     hair = 1e-9 * along[-1] / len(along)
     return np.asarray(along + hair * np.arange(len(along)))
-
-
-def _columns(stations: Array, along: Array, points: Array) -> Array:
-    return np.column_stack([np.interp(stations, along, column) for column in points.T])

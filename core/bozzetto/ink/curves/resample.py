@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.ink.stroke import COLUMNS, Stroke
-
-__all__ = ["arc_length", "distinct", "resample", "resample_stroke", "steps_along"]
-
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Index
 
 
 def arc_length(points: ArrayLike) -> Array:
-    """Length of the polyline up to each point.
+    """Return the length of the polyline up to each point.
 
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
 
     Returns
     -------
@@ -29,12 +26,33 @@ def arc_length(points: ArrayLike) -> Array:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def distinct(points: ArrayLike, *, closed: bool = False) -> NDArray[np.intp]:
-    """Indices of the points that differ from the one before.
+def points_along(points: Array, along: Array, at: ArrayLike) -> Array:
+    """Interpolate a polyline.
+
+    Parameters
+    ----------
+    points : (n, d) float
+        Its corners.
+    along : (n,) float
+        Their values of a parameter, increasing, such as the arc length.
+    at : (m,) or () float
+        Where the results are wanted.
+
+    Returns
+    -------
+    (m, d) or (d,) float
+    """
+    places = np.asarray(at, float)
+    return np.stack([np.interp(places, along, column) for column in points.T], axis=-1)
+
+
+def distinct(points: ArrayLike, *, closed: bool = False) -> Index:
+    """Return the indices of the points that differ from the one before.
 
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     closed : bool
         The last point is followed by the first: trailing copies of the first are left out.
 
@@ -59,7 +77,7 @@ def resample(
     count: int | None = None,
     closed: bool = False,
 ) -> Array:
-    """Points at equal arc length along a polyline.
+    """Return points at equal arc length along a polyline.
 
     Parameters
     ----------
@@ -71,7 +89,7 @@ def resample(
     count : int, optional
         Wanted number of points; exactly one of the two is given.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
 
     Returns
     -------
@@ -86,7 +104,7 @@ def resample(
         place = np.vstack((place, place[:1]))
     along = arc_length(place)
     stations = _stations(float(along[-1]), spacing, count, closed)
-    return np.column_stack([np.interp(stations, along, place[:, axis]) for axis in (0, 1)])
+    return points_along(place, along, stations)
 
 
 def _stations(length: float, spacing: float | None, count: int | None, closed: bool) -> Array:
@@ -103,60 +121,13 @@ def _stations(length: float, spacing: float | None, count: int | None, closed: b
     return np.linspace(0.0, length, count, endpoint=not closed)
 
 
-def resample_stroke(
-    stroke: Stroke, *, spacing: float | None = None, count: int | None = None
-) -> Stroke:
-    """Resample all columns of a stroke at equal steps along its path on the canvas.
-
-    Where the pen rested, the samples of the rest melt into one; its time is kept at both
-    ends of the stroke. Twist turns the short way round.
-
-    Parameters
-    ----------
-    stroke : Stroke
-    spacing, count
-        As in `resample`; pixels.
-
-    Returns
-    -------
-    Stroke
-        With the camera, tool, colour and group of the given one.
-    """
-    kept = distinct(stroke.points)
-    along = arc_length(stroke.points[kept])
-    stations = _stations(float(along[-1]), spacing, count, closed=False)
-
-    def at_stations(name: str) -> Array:
-        column = np.asarray(getattr(stroke, name), float)
-        if name == "twist":
-            column = np.unwrap(column, period=360.0)
-        values = np.interp(stations, along, column[kept])
-        if name == "t" and len(values) > 1:
-            values[-1] = column[-1]
-        return np.asarray(np.mod(values, 360.0) if name == "twist" else values)
-
-    columns = {name: at_stations(name) for name in COLUMNS}
-    return Stroke(
-        columns["x"],
-        columns["y"],
-        stroke.camera,
-        pressure=columns["pressure"] if stroke.has_pressure else None,
-        t=columns["t"] if stroke.has_time else None,
-        tilt_x=columns["tilt_x"],
-        tilt_y=columns["tilt_y"],
-        twist=columns["twist"],
-        tool=stroke.tool,
-        color=stroke.color,
-        group=stroke.group,
-    )
-
-
 def steps_along(points: ArrayLike, step: float, most: int) -> Array:
-    """Places at even steps along a polyline that grows: those of a longer one begin with them.
+    """Return places at even steps along a growing polyline: a longer one begins with the same.
 
     Parameters
     ----------
     points : (n, 2) array_like
+        Canvas pixels.
     step : float
         Length between two places.
     most : int
@@ -179,4 +150,4 @@ def steps_along(points: ArrayLike, step: float, most: int) -> Array:
         rest = [steps[~np.isin(span, leaps)]]
         rest += [np.linspace(along[k - 1], along[k], most + 1)[1:] for k in leaps.tolist()]
         steps = np.sort(np.concatenate(rest))
-    return np.column_stack([np.interp(steps, along, column) for column in line.T])
+    return points_along(line, along, steps)

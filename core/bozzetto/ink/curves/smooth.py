@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.ink.curves.resample import arc_length, distinct
-
-__all__ = ["convolved", "smooth"]
-
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 
 REACH: Final = 4.0
 """Half width of the kernel in standard deviations; what lies beyond weighs 6e-5."""
@@ -41,10 +38,11 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
     Parameters
     ----------
     points : (n, d) array_like
+        Points along a curve, at any spacing.
     sigma : float
         Standard deviation along the curve, in the units of the points; 0 changes nothing.
     closed : bool
-        The curve goes on from its last point to its first.
+        Whether the last point is joined to the first.
 
     Returns
     -------
@@ -56,10 +54,10 @@ def smooth(points: ArrayLike, sigma: float, *, closed: bool = False) -> Array:
     if sigma <= 0 or len(kept) < (3 if closed else 2):
         return place.copy()
     ring = np.vstack((place[kept], place[:1])) if closed else place[kept]
-    return convolved(ring, arc_length(ring), arc_length(place), sigma, closed=closed)
+    return convolve(ring, arc_length(ring), arc_length(place), sigma, closed=closed)
 
 
-def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: bool) -> Array:
+def convolve(points: Array, along: Array, at: Array, sigma: float, *, closed: bool) -> Array:
     """Convolve a polyline with a Gaussian in a parameter along it.
 
     Parameters
@@ -74,6 +72,7 @@ def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: b
     sigma : float
         Standard deviation in the parameter, above 0.
     closed : bool
+        Whether the curve is periodic.
 
     Returns
     -------
@@ -97,21 +96,21 @@ def convolved(points: Array, along: Array, at: Array, sigma: float, *, closed: b
     else:
         middles = np.concatenate(([0.0], middles, [length]))
         soft = np.vstack((points[:1], soft, points[-1:]))
-    return np.column_stack([np.interp(at, middles, column) for column in soft.T])
+    return points_along(soft, middles, at)
 
 
 def _integral(points: Array, along: Array, at: Array) -> Array:
-    """Integral of the polyline over its parameter up to given places, exactly."""
+    """Integrate the polyline over its parameter up to given places, exactly."""
     steps = np.diff(along)[:, None]
     pieces = np.cumsum(0.5 * steps * (points[1:] + points[:-1]), axis=0)
     sums = np.vstack((np.zeros(points.shape[1]), pieces))
     before = np.clip(np.searchsorted(along, at, "right") - 1, 0, len(along) - 2)
-    here = np.column_stack([np.interp(at, along, column) for column in points.T])
+    here = points_along(points, along, at)
     return np.asarray(sums[before] + 0.5 * (at - along[before])[:, None] * (points[before] + here))
 
 
 def _continued(means: Array, first: Array, last: Array, margin: int, closed: bool) -> Array:
-    """The cells with `margin` more at each end: round again, or reflected about the ends.
+    """Return the cells with `margin` more at each end: wrapped round, or reflected about the ends.
 
     The reflection is repeated as often as it takes.
     """

@@ -1,4 +1,4 @@
-"""Settle: several strokes, drawn over one another in any order and direction, become one curve."""
+"""Merging: several strokes, drawn over one another in any order, become one curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several ways to order the ink, and a score that needs no truth to choose by."""
+"""Choice among several orderings of the ink, by a score that needs no ground truth."""
 
 from __future__ import annotations
 
@@ -7,22 +7,26 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto.ink.curves.fit import ENOUGH, NOISE_FACTOR
 from bozzetto.ink.curves.least_squares import MORE, MOST, approximate, approximate_adaptively
-from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.merge.order_by_longest import following
-from bozzetto.ink.merge.order_by_mst import spanning
-from bozzetto.ink.merge.order_by_parameter import strip
-from bozzetto.ink.merge.order_by_pca import principal
-from bozzetto.ink.merge.resample_all import Gathered, Ordering, gather
+from bozzetto.ink.curves.resample import arc_length, points_along
+from bozzetto.ink.merge.order_by_longest import order_by_longest
+from bozzetto.ink.merge.order_by_mst import order_by_mst
+from bozzetto.ink.merge.order_by_parameter import order_by_parameter
+from bozzetto.ink.merge.order_by_pca import order_by_pca
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk, resample_all
 
-__all__ = ["Settled", "settle"]
-
-Array = NDArray[np.float64]
 Strategy = Literal["principal", "spanning", "following", "strip"]
+Way = Callable[[ResampledInk], Ordering | None]
+
+ENOUGH: Final = 1.2
+"""Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
+
+NOISE_FACTOR: Final = 1.3
+"""`ENOUGH` as a multiple of the ink's own noise: what lies within is not meant."""
 
 GOOD: Final = 3.0
 """Score (pixels) of a quick strategy that makes the strip, which is slow, superfluous."""
@@ -35,7 +39,7 @@ UNSURE: Final = 5.0
 62 % of the curves that are wrong and 6 % of those that are right."""
 
 BROAD: Final = 0.02
-"""The same as a share of the diagonal of the curve's box: a large scribble may be wider, as
+"""`UNSURE` as a share of the diagonal of the curve's box: a large scribble may be wider, as
 long as its score is no worse than its own width explains (`HONEST`)."""
 
 FINAL: Final = 2
@@ -44,7 +48,7 @@ FINAL: Final = 2
 DETAIL: Final = 3.0
 """Least distance of control points, in widths of the ink: what is finer is not meant."""
 
-PATIENCE: Final = 2
+MOST_VAIN: Final = 2
 """Times that more control points may help nothing before no more are tried."""
 
 WORTH: Final = 0.98
@@ -66,7 +70,7 @@ SAME_WAY: Final = 0.5
 """Least cosine of the turn where a curve goes on into its own start."""
 
 CLOSED_PRICE: Final = 1.1
-"""What closing may cost: the factor by which the score may grow."""
+"""Factor by which closing may make the score worse."""
 
 BIN: Final = 4.0
 """Length over which the noise of the ink is measured, in spacings."""
@@ -118,6 +122,7 @@ def settle(
     Parameters
     ----------
     strokes : sequence of (n, 2) array_like
+        Their samples, canvas pixels.
     weights : (strokes,) array_like, optional
         What each stroke counts (`fading`); not negative.
     pixel : float
@@ -126,7 +131,7 @@ def settle(
     Returns
     -------
     Settled
-        Of all strategies the one with the least score.
+        The result with the least score.
 
     Raises
     ------
@@ -138,7 +143,7 @@ def settle(
     weight = np.ones(len(strokes)) if weights is None else np.asarray(weights, float)
     if weight.shape != (len(strokes),) or not np.isfinite(weight).all() or (weight < 0).any():
         raise ValueError("every stroke needs a weight that is not negative")
-    judge = _Judge(gather(strokes, weight, pixel))
+    judge = _Judge(resample_all(strokes, weight, pixel))
     found = [made for way in QUICK if (made := judge.tried(*way))]
     good = GOOD * pixel
     for way in SLOW:
@@ -149,20 +154,20 @@ def settle(
     return min((judge.detailed(made) for made in found[:FINAL]), key=lambda made: made.score)
 
 
-QUICK: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] = (
-    ("principal", principal),
-    ("spanning", spanning),
+QUICK: Final[tuple[tuple[Strategy, Way], ...]] = (
+    ("principal", order_by_pca),
+    ("spanning", order_by_mst),
 )
 
-SLOW: Final[tuple[tuple[Strategy, Callable[[Gathered], Ordering | None]], ...]] = (
-    ("following", following),
-    ("strip", strip),
+SLOW: Final[tuple[tuple[Strategy, Way], ...]] = (
+    ("following", order_by_longest),
+    ("strip", order_by_parameter),
 )
 
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """What a strategy came to: its ordering, the scatter of the ink about it, the curve."""
+    """Result of one strategy: its ordering, the scatter of the ink about it, and the curve."""
 
     order: Ordering
     noise: float
@@ -172,7 +177,7 @@ class _Tried:
 class _Judge:
     """Fits orderings of one ink and scores them."""
 
-    def __init__(self, ink: Gathered) -> None:
+    def __init__(self, ink: ResampledInk) -> None:
         from scipy.spatial import cKDTree
 
         self.ink = ink
@@ -180,8 +185,8 @@ class _Judge:
         self.tree = cKDTree(self.dense)
         self.weights = ink.weights / ink.weights.sum()
 
-    def tried(self, name: Strategy, way: Callable[[Gathered], Ordering | None]) -> _Tried | None:
-        """The curve of one strategy, closed where its ends meet; None where it finds none."""
+    def tried(self, name: Strategy, way: Way) -> _Tried | None:
+        """Fit the curve of one strategy, closed where its ends meet; None where it finds none."""
         order = way(self.ink)
         if order is None:
             return None
@@ -204,7 +209,7 @@ class _Judge:
         return _Tried(order, noise, self._settled(name, order, noise, made.spline))
 
     def detailed(self, tried: _Tried) -> Settled:
-        """The same with more control points, where they bring the curve nearer to the ink.
+        """Refine a result with more control points, where they bring the curve nearer to the ink.
 
         The scatter of wide scribbles hides small curls from the first fit. Control points
         are never closer than the ink is wide, or the curve would run to and fro between
@@ -216,7 +221,7 @@ class _Judge:
         least = max(DETAIL * tried.noise, ink.spacing)
         most = min(MOST, len(points), DEGREE + int(arc_length(best.points)[-1] / least))
         vain = 0
-        while best.score > GOOD * ink.pixel and count + MORE <= most and vain < PATIENCE:
+        while best.score > GOOD * ink.pixel and count + MORE <= most and vain < MOST_VAIN:
             count += MORE
             made = approximate(points, weights, order.parameters, count, closed=order.closed)
             finer = self._settled(best.strategy, order, tried.noise, made.spline)
@@ -225,7 +230,7 @@ class _Judge:
         return best if best.score <= GOOD * ink.pixel else self._calmed(tried, best)
 
     def _calmed(self, tried: _Tried, best: Settled) -> Settled:
-        """The same with less say for ink far off, where that brings the curve nearer to ink.
+        """Refine a result with less weight for ink far off, where that brings the curve nearer.
 
         Reweighted least squares with Cauchy's weights: the curve runs along most strokes
         instead of between them and one that strayed.
@@ -262,7 +267,7 @@ class _Judge:
         return float(np.sqrt(self.weights @ to_curve**2) + np.percentile(to_ink, 95))
 
     def _lap(self, made: Settled) -> float:
-        """Parameter at which an open curve comes by its start again; 0 where it does not.
+        """Return the parameter at which an open curve passes its start again; 0 where it does not.
 
         Above 1 where there is a gap between the ends, below 1 where the ends overlap.
         """
@@ -282,16 +287,15 @@ class _Judge:
         return at / (len(line) - 1) * (1.0 + ahead / float(along[at]))
 
 
-def _refined(points: Array, ink: Gathered) -> Array:
-    """Points on a polyline no farther apart than a third of the spacing of the ink."""
+def _refined(points: Array, ink: ResampledInk) -> Array:
+    """Return points on a polyline no farther apart than a third of the spacing of the ink."""
     along = arc_length(points)
     count = int(np.ceil(3.0 * along[-1] / ink.spacing)) + 1
-    stations = np.linspace(0.0, along[-1], count)
-    return np.column_stack([np.interp(stations, along, column) for column in points.T])
+    return points_along(points, along, np.linspace(0.0, along[-1], count))
 
 
 def _scatter(points: Array, order: Ordering, spacing: float) -> float:
-    """Standard deviation of the ink about its running mean along the ordering."""
+    """Return the standard deviation of the ink about its running mean along the ordering."""
     squares = np.unique(np.round(points / (BIN * spacing)).astype(np.int64), axis=0)
     bins = int(np.clip(len(squares), 8, max(8, len(points) // PER_BIN)))
     home = np.minimum((order.parameters * bins).astype(np.intp), bins - 1)

@@ -6,15 +6,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-__all__ = ["following"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 STRIDE: Final = 2
 """Spacings of the ink to a step of the alignment."""
@@ -36,7 +31,7 @@ SHORTEST: Final = 3
 """Points of the shortest piece that has a direction."""
 
 FAR: Final = 8.0
-"""The same once nothing else is left: the strokes are set off widely."""
+"""`BEYOND` once nothing else is left: the strokes are set off widely."""
 
 GAP: Final = 10.0
 """Widest gap, in steps, over which ink beside no other carries the guide on."""
@@ -77,7 +72,7 @@ class _Alignment:
     backwards: bool
 
 
-def following(ink: Gathered) -> Ordering | None:
+def order_by_longest(ink: ResampledInk) -> Ordering | None:
     """Let the longest stroke guide the others.
 
     Each stroke is aligned with the guide by dynamic programming (Sakoe & Chiba 1978, with
@@ -124,8 +119,8 @@ def following(ink: Gathered) -> Ordering | None:
     return Ordering(numbers, (place - place.min()) / extent, closed=False)
 
 
-def _path(ink: Gathered, numbers: Index, along: Array) -> _Path:
-    """Every so manieth point of a piece, and its last."""
+def _path(ink: ResampledInk, numbers: Index, along: Array) -> _Path:
+    """Return every n-th point of a piece, and its last."""
     kept = np.unique(np.append(np.arange(0, len(numbers), STRIDE), len(numbers) - 1))
     return _Path(ink.points[numbers[kept]], ink.tangents[numbers[kept]], along[kept])
 
@@ -133,7 +128,7 @@ def _path(ink: Gathered, numbers: Index, along: Array) -> _Path:
 def _beside(
     guide: _Path, strokes: list[_Path], step: float, reach: float
 ) -> tuple[dict[int, Array], tuple[int, Array] | None]:
-    """Strokes that run beside the guide.
+    """Return the strokes that run beside the guide.
 
     Returns
     -------
@@ -198,7 +193,7 @@ def _aligned(guide: _Path, strokes: list[_Path], step: float, reach: float) -> l
 
 
 def _stations(guide: _Path, stroke: _Path, made: _Alignment) -> Array:
-    """Places along the guide for the points of a stroke, in the stroke's own order."""
+    """Return places along the guide for the points of a stroke, in the stroke's own order."""
     last = len(guide.points) - 1
     own = stroke.along[-1] - stroke.along[::-1] if made.backwards else stroke.along
     cells = made.cells
@@ -212,7 +207,7 @@ def _stations(guide: _Path, stroke: _Path, made: _Alignment) -> Array:
 
 
 def _joined(guide: _Path, strokes: list[_Path], gap: float) -> tuple[int, Array] | None:
-    """The stroke whose end is nearest to an end of the guide, carried on from there."""
+    """Extend the guide by the stroke whose end is nearest to one of its own ends."""
     ends = np.array([[stroke.points[0], stroke.points[-1]] for stroke in strokes])
     tips = guide.points[[0, -1]]
     distance = np.linalg.norm(ends[:, :, None] - tips, axis=3)
@@ -226,7 +221,7 @@ def _joined(guide: _Path, strokes: list[_Path], gap: float) -> tuple[int, Array]
 
 
 def _longer(guide: _Path, stroke: _Path, places: Array) -> _Path:
-    """The guide with what a stroke shows beyond its ends."""
+    """Return the guide with the parts of a stroke beyond its ends."""
     sense = 1.0 if places[-1] >= places[0] else -1.0
     outside = (places < guide.along[0]) | (places > guide.along[-1])
     along = np.concatenate((guide.along, places[outside]))

@@ -5,14 +5,10 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-__all__ = ["spanning"]
-
-Array = NDArray[np.float64]
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 THINNING: Final = 2.0
 """Side of the squares in which ink is averaged to a point of the ridge, in spacings."""
@@ -34,7 +30,7 @@ ROUND: Final = 20.0
 """Least length of a closed curve, in spacings."""
 
 
-def spanning(ink: Gathered) -> Ordering | None:
+def order_by_mst(ink: ResampledInk) -> Ordering | None:
     """Thin the ink to a ridge, walk the longest path of its spanning tree, project the ink.
 
     Right for hooks, spirals and closed curves; cuts crossings short.
@@ -53,8 +49,8 @@ def spanning(ink: Gathered) -> Ordering | None:
     return Ordering(np.arange(len(along)), (along - low) / (high - low), closed)
 
 
-def _ridge(ink: Gathered) -> Array:
-    """One point for each square with ink, drawn onto the middle of the ink around it."""
+def _ridge(ink: ResampledInk) -> Array:
+    """Return one point for each square with ink, moved to the middle of the ink around it."""
     from scipy.spatial import cKDTree
 
     square = np.round(ink.points / (THINNING * ink.spacing)).astype(np.int64)
@@ -102,7 +98,7 @@ def _farthest(distance: Array) -> int:
 
 
 def _softened(path: Array) -> Array:
-    """A three-point mean; the ends stay."""
+    """Smooth a path by a three-point mean; the ends stay."""
     inner = (path[:-2] + path[1:-1] + path[2:]) / 3.0
     return np.vstack((path[:1], inner, path[-1:]))
 
@@ -115,7 +111,7 @@ def _extended(path: Array, reach: float) -> Array:
 
 
 def _projected(points: Array, chain: Array) -> Array:
-    """Arc length of the nearest place of a polyline, on the segments beside its nearest point."""
+    """Return the arc length of the nearest place of a polyline, beside its nearest point."""
     from scipy.spatial import cKDTree
 
     nearest = cKDTree(chain).query(points)[1]

@@ -7,17 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-__all__ = ["strip"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 RADIUS: Final = 6.0
-"""How far apart neighbours across strokes can be, in spacings."""
+"""Greatest distance of neighbours across strokes, in spacings."""
 
 ALIGNED: Final = 0.6
 """Least |cosine| between the tangents of neighbours: crossing strokes are none."""
@@ -32,7 +27,7 @@ LINK: Final = 0.3
 """Weight of a link across strokes against a step along one."""
 
 ANCHOR: Final = 1e-7
-"""Weight of "the parameter is nought": makes the equations solvable, and moves nothing."""
+"""Weight of a pull of the parameter towards 0: makes the equations solvable, moves nothing."""
 
 ROUNDS: Final = 4
 """Rounds of reweighting: links that contradict the rest lose their say."""
@@ -68,11 +63,11 @@ class _Links:
     other: Index
     agree: Array
 
-    def only(self, kept: NDArray[np.bool_]) -> _Links:
+    def only(self, kept: Flags) -> _Links:
         return _Links(self.one[kept], self.other[kept], self.agree[kept])
 
 
-def strip(ink: Gathered) -> Ordering | None:
+def order_by_parameter(ink: ResampledInk) -> Ordering | None:
     """Solve for one parameter along the strip that all strokes make together.
 
     Steps along a stroke are known; neighbours on different strokes that run side by side
@@ -103,8 +98,8 @@ def strip(ink: Gathered) -> Ordering | None:
     return Ordering(numbers, np.mod(share, 1.0) if period > 0 else share, period > 0)
 
 
-def _links(ink: Gathered) -> tuple[_Links, _Links]:
-    """Neighbours side by side: the nearest on each other piece, and all on the same piece."""
+def _links(ink: ResampledInk) -> tuple[_Links, _Links]:
+    """Link neighbours side by side: the nearest on each other piece, and all on the same piece."""
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(ink.points).query_pairs(RADIUS * ink.spacing, output_type="ndarray")
@@ -126,7 +121,7 @@ def _links(ink: Gathered) -> tuple[_Links, _Links]:
 
 
 def _oriented(
-    ink: Gathered, pieces: list[Index], links: _Links, sense: Array
+    ink: ResampledInk, pieces: list[Index], links: _Links, sense: Array
 ) -> list[tuple[int, int, float]]:
     """Give all pieces a common sense (written into `sense`); bridge what is not linked.
 
@@ -165,7 +160,7 @@ def _oriented(
 
 
 def _bridges(
-    ink: Gathered, pieces: list[Index], island: Index, turn: Array, real: list[int]
+    ink: ResampledInk, pieces: list[Index], island: Index, turn: Array, real: list[int]
 ) -> list[tuple[int, int, float]]:
     """Join islands of strokes at the nearest ends, turning one where that is shorter."""
     ends = np.array([[numbers[0], numbers[-1]] for numbers in pieces])
@@ -192,7 +187,7 @@ def _bridges(
 def _unrolled(
     count: int, behind: Index, steps: Array, links: _Links, bridges: list[tuple[int, int, float]]
 ) -> Array:
-    """Parameters by walking outwards from the middle of the ink, the first way that arrives."""
+    """Return parameters by walking outwards from the middle of the ink; the first way counts."""
     ways: list[list[tuple[int, float]]] = [[] for _ in range(count)]
     for one, other, difference in [
         *zip(behind.tolist(), (behind + 1).tolist(), steps.tolist(), strict=True),
@@ -215,9 +210,9 @@ def _unrolled(
 
 
 def _period(
-    ink: Gathered, rough: Array, numbers: Index, links: _Links, own: _Links
+    ink: ResampledInk, rough: Array, numbers: Index, links: _Links, own: _Links
 ) -> tuple[float, _Links]:
-    """Length of a lap, 0 for an open curve; and the links, with those of a stroke to itself."""
+    """Return the length of a lap, 0 for an open curve, and the links, with those within strokes."""
     extent = float(np.ptp(rough[numbers]))
     least = max(2.0 * RADIUS * ink.spacing, LAP * extent)
     lap = own.only((own.agree > ALIGNED) & (np.abs(rough[own.one] - rough[own.other]) > least))
@@ -237,14 +232,14 @@ def _period(
 
 
 def _solved(
-    ink: Gathered,
+    ink: ResampledInk,
     behind: Index,
     steps: Array,
     links: _Links,
     bridges: list[tuple[int, int, float]],
     difference: Array,
 ) -> Array:
-    """Reweighted least squares of all steps, links and bridges."""
+    """Solve all steps, links and bridges by reweighted least squares."""
     from scipy.sparse import csc_array, csr_array, diags_array, eye_array
     from scipy.sparse.linalg import spsolve
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.ink.merge.resample_all import Gathered, Ordering
-
-__all__ = ["principal"]
+from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
 
 
-def principal(ink: Gathered) -> Ordering:
+def order_by_pca(ink: ResampledInk) -> Ordering:
     """Order the points along the direction of their greatest spread.
 
     Right for curves that are graphs over a straight line, wrong for hooks and loops.

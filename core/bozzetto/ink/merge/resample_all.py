@@ -7,16 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.preprocess import checked_points, prepare
-from bozzetto.ink.curves.resample import arc_length
-
-__all__ = ["Gathered", "Ordering", "gather"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto.ink.curves.resample import arc_length, points_along
 
 FINEST: Final = 1.5
 """Least distance of the points, pixels."""
@@ -35,7 +31,7 @@ PIECE: Final = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Gathered:
+class ResampledInk:
     """All ink at one spacing.
 
     Attributes
@@ -66,7 +62,7 @@ class Gathered:
 
 @dataclass(frozen=True, eq=False)
 class Ordering:
-    """Where each point of the ink belongs on the curve: what a strategy finds.
+    """Place of each ink point along the curve: the result of a strategy.
 
     Attributes
     ----------
@@ -82,15 +78,17 @@ class Ordering:
     closed: bool
 
 
-def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gathered:
+def resample_all(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> ResampledInk:
     """Smooth and space all strokes; strokes that turn back sharply are cut there.
 
     Parameters
     ----------
     strokes : sequence of (n, 2) array_like
+        Their samples, canvas pixels.
     weights : (strokes,) float
         Strokes of weight 0 are left out.
     pixel : float
+        Length of a pixel in the units of the points.
 
     Raises
     ------
@@ -119,7 +117,7 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
     for points, length, (_, weight) in zip(soft, lengths, places, strict=True):
         for part in _pieces(_spaced(points, length, spacing)):
             rows.append((part, _tangents(part), weight))
-    return Gathered(
+    return ResampledInk(
         np.vstack([part for part, _, _ in rows]),
         np.vstack([tangents for _, tangents, _ in rows]),
         np.concatenate([np.full(len(part), weight) for part, _, weight in rows]),
@@ -130,14 +128,13 @@ def gather(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> Gather
 
 
 def _one_way(points: Array) -> Array:
-    """The stroke in the sense that begins at its lesser end."""
+    """Return the stroke in the sense that begins at its lesser end."""
     return points if tuple(points[0]) <= tuple(points[-1]) else points[::-1]
 
 
 def _spaced(points: Array, length: float, spacing: float) -> Array:
     count = max(1, round(length / spacing)) + 1 if length > 0 else 1
-    stations, along = np.linspace(0.0, length, count), arc_length(points)
-    return np.column_stack([np.interp(stations, along, column) for column in points.T])
+    return points_along(points, arc_length(points), np.linspace(0.0, length, count))
 
 
 def _tangents(points: Array) -> Array:

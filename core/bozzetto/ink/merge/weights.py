@@ -1,4 +1,4 @@
-"""What a stroke counts: older ones fade, greyer ones weigh less."""
+"""Weights of strokes: older ones fade, greyer ones weigh less."""
 
 from __future__ import annotations
 
@@ -10,17 +10,15 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["fading"]
-
 FADE: Final = 0.7
-"""What is left of a stroke's weight after the next one: three strokes later a third."""
+"""Factor of a stroke's weight for each later stroke: after three of them a third is left."""
 
 LEAST_SHARE: Final = 0.5
 """Weight of the faintest stroke; the mean pressure (0 … 1) is added."""
 
 
 def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
-    """Weights of strokes in the order in which they were drawn.
+    """Return the weights of strokes in the order in which they were drawn.
 
     Stroke k of n weighs ``0.7 ** (n - k) * (0.5 + mean pressure)``. The ink can be shown
     with the same weights, so that what is drawn grey counts less indeed.
@@ -28,6 +26,7 @@ def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
     Parameters
     ----------
     strokes : sequence of Stroke
+        Strokes in the order in which they were drawn.
 
     Returns
     -------

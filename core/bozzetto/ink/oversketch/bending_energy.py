@@ -1,15 +1,12 @@
-"""What holds a displaced curve together: resistance to bending, as a band matrix."""
+"""Bending energy of a displaced curve, as a band matrix."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["SOFTNESS", "Bending", "lengths_of"]
-
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Flags, Index
 
 SOFTNESS: Final = 12.0
 """Length, px, at which bending and pull weigh the same (the fourth root of their ratio).
@@ -17,7 +14,7 @@ A pull that changes faster along the curve is smoothed away, a slower one is fol
 
 
 def lengths_of(along: Array, ring: float | None) -> Array:
-    """Length of curve that belongs to each node: half of both its spans, px.
+    """Return the length of curve that belongs to each node: half of both its spans, px.
 
     Parameters
     ----------
@@ -61,7 +58,7 @@ class Bending:
         self,
         along: Array,
         gain: Array,
-        free: NDArray[np.bool_],
+        free: Flags,
         stiffness: float,
         ring: float | None,
     ) -> None:
@@ -85,7 +82,7 @@ class Bending:
         self._factor = cholesky_banded(band, check_finite=False)
 
     def solve(self, pull: Array) -> Array:
-        """The displacement (n, 2) of the nodes that are pulled to `pull` (n, 2), px."""
+        """Return the displacement (n, 2) of nodes on which the forces `pull` (n, 2) act, px."""
         from scipy.linalg import cho_solve_banded
 
         right = np.zeros_like(pull)
@@ -93,8 +90,8 @@ class Bending:
         return np.asarray(cho_solve_banded((self._factor, False), right)[self._row], np.float64)
 
 
-def _folded(count: int) -> NDArray[np.intp]:
-    """Row of each node of a ring, so that neighbours are at most two rows apart."""
+def _folded(count: int) -> Index:
+    """Return the row of each node of a ring, so that neighbours are at most two rows apart."""
     numbers = np.arange(count)
     back = count - 1 - numbers
     return np.where(numbers <= back, 2 * numbers, 2 * back + 1)
@@ -102,8 +99,8 @@ def _folded(count: int) -> NDArray[np.intp]:
 
 def _second_differences(
     along: Array, ring: float | None
-) -> list[tuple[tuple[NDArray[np.intp], ...], tuple[Array, ...], Array]]:
-    """Nodes, coefficients and length of each second difference, on uneven spacing."""
+) -> list[tuple[tuple[Index, ...], tuple[Array, ...], Array]]:
+    """Return nodes, coefficients and length of each second difference, on uneven spacing."""
     count = len(along)
     if count < 3:
         return []

@@ -1,4 +1,4 @@
-"""Back into space with a curve that was changed on the sheet: the minimum-surprise lift."""
+"""Minimum-surprise lift: a curve that was changed on the sheet, back in space."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.view.camera import Camera
-
-__all__ = ["NEAREST", "lifted"]
 
 NEAREST: Final = 1e-4
 """Least distance from the eye of a perspective camera, as a share of the distance to its

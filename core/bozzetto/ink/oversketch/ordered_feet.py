@@ -1,15 +1,12 @@
-"""Which part of a curve a stroke speaks of: foot points that keep their order."""
+"""Closest points on a curve that keep the order of a stroke."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["LAPS", "ordered_feet"]
-
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Index
 
 LAPS: Final = 3
 """Rounds of a closed curve that are laid out: a stroke may start anywhere and go round
@@ -18,7 +15,7 @@ nearly twice."""
 
 def ordered_feet(
     stroke: Array, step: float, nodes: Array, lengths: Array, *, closed: bool = False
-) -> NDArray[np.intp]:
+) -> Index:
     """Give every sample of a stroke a node of a curve, without going back along the curve.
 
     Of all assignments that keep the order, the one is found, by dynamic programming, with
@@ -38,7 +35,7 @@ def ordered_feet(
     lengths : (n,) float
         Length of curve that belongs to each node, px.
     closed : bool
-        The curve goes on from its last node to its first.
+        Whether the last node is joined to the first.
 
     Returns
     -------
@@ -58,15 +55,15 @@ def ordered_feet(
     return along if forward <= backward else against[::-1]
 
 
-def _cheapest(cost: Array, passed: Array) -> tuple[NDArray[np.intp], float]:
-    """The best column for each row, not decreasing, and what it costs in all.
+def _cheapest(cost: Array, passed: Array) -> tuple[Index, float]:
+    """Return the best column for each row, not decreasing, and the total cost.
 
     Parameters
     ----------
     cost : (m, n) float
-        Of a row at a column.
+        Cost of a row at a column.
     passed : (m, n) float
-        Of passing all columns up to this one, in this row.
+        Cost of passing all columns up to this one, in this row.
     """
     rows, columns = cost.shape
     numbers = np.arange(columns)

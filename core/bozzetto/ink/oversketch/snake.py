@@ -1,4 +1,4 @@
-"""A curve that gives way to oversketched strokes: an active contour that converges.
+"""Active contour: a curve that gives way to the strokes drawn over it.
 
 Kara & Shimada, book chapter, section 13.2, move the nodes of a curve by a restitution force,
 a location force towards the strokes, and a force that grows with pen pressure. Taken
@@ -15,27 +15,23 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.ink.curves.resample import arc_length, distinct
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
 
-__all__ = ["LOCATION", "PRESSURE", "RESTITUTION", "Modified", "modified"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
 RESTITUTION: Final = 0.30
-"""How much the displacement resists bending, by default (Kara & Shimada)."""
+"""Default resistance of the displacement to bending (Kara & Shimada)."""
 
 LOCATION: Final = 0.40
-"""How much the nearer of several strokes pulls, by default (Kara & Shimada)."""
+"""Default preference for the nearest of several strokes (Kara & Shimada)."""
 
 PRESSURE: Final = 0.30
-"""How much the firmer of several strokes pulls, by default (Kara & Shimada)."""
+"""Default preference for the firmest of several strokes (Kara & Shimada)."""
 
 RESTITUTION_RANGE: Final = (1e-3, 1e3)
 """Least and greatest resistance as a share of the pull. Without any, nodes between the
@@ -50,7 +46,7 @@ MOST_NODES: Final = 4000
 """Most nodes that move by themselves."""
 
 NEARNESS: Final = 6.0
-"""What is added to the distances, px, by which the location force weighs the strokes.
+"""Length added to the distances, px, by which the location force weighs the strokes.
 Without it the nearest of two strokes would take all once it has been reached."""
 
 BLEND: Final = 40.0
@@ -87,7 +83,7 @@ class Modified:
     """
 
     points: Array
-    moved: NDArray[np.bool_]
+    moved: Flags
     steps: int
 
 
@@ -114,7 +110,7 @@ def modified(
         Places in px and pressure 0 … 1 of each stroke; ``m >= 1``. They may run along the
         curve or against it.
     closed : bool
-        The curve goes on from its last node to its first.
+        Whether the last node is joined to the first.
     restitution, location, pressure : float
         Weights of the three forces, not below 0; only their ratios count. Without location
         and pressure nothing moves.
@@ -153,7 +149,7 @@ def modified(
     shift = settled - start
     if ring is not None:
         along, shift = np.append(along, ring), np.vstack((shift, shift[:1]))
-    shift = np.column_stack([np.interp(arc, along, shift[:, axis]) for axis in (0, 1)])
+    shift = points_along(shift, along, arc)
     moved = np.linalg.norm(shift, axis=1) > MOVED
     return Modified(np.where(moved[:, None], nodes + shift, nodes), moved, steps)
 
@@ -166,14 +162,14 @@ def _pressures(values: ArrayLike) -> Array:
 
 
 def _ring(nodes: Array, arc: Array) -> float | None:
-    """Length of a closed curve; None if it has too few places to be one."""
+    """Return the length of a closed curve; None if it has too few places to be one."""
     if len(distinct(nodes, closed=True)) < 3:
         return None
     return float(arc[-1] + np.linalg.norm(nodes[0] - nodes[-1]))
 
 
 def _spread(arc: Array, length: float, *, closed: bool) -> Index:
-    """Nodes that are not too close to one another; both ends of an open curve are among them."""
+    """Return nodes that are not too close to one another; an open curve keeps both ends."""
     step = max(CLOSEST_NODES, length / MOST_NODES)
     kept, last = [0], len(arc) - 1
     while (node := int(np.searchsorted(arc, arc[kept[-1]] + step))) <= last:
@@ -188,16 +184,14 @@ def _spread(arc: Array, length: float, *, closed: bool) -> Index:
     return np.array(kept)
 
 
-def _within_reach(
-    nodes: Array, along: Array, traces: list[Trace], ring: float | None
-) -> NDArray[np.bool_]:
-    """Nodes beside a stroke, or on the stretch beyond where the curve leads back."""
+def _within_reach(nodes: Array, along: Array, traces: list[Trace], ring: float | None) -> Flags:
+    """Return nodes beside a stroke, or on the stretch beyond where the curve leads back."""
     free = np.zeros(len(nodes), bool)
     for trace in traces:
         reach = []
         for end in (0, -1):
             station = trace.stations[end] % ring if ring else trace.stations[end]
-            foot = [np.interp(station, along, nodes[:, axis]) for axis in (0, 1)]
+            foot = points_along(nodes, along, station)
             reach.append(max(BLEND, 2.0 * float(np.linalg.norm(trace.places[end] - foot))))
         begin, end_ = trace.stations[0] - reach[0], trace.stations[-1] + reach[1]
         beyond = along - begin if ring is None else (along - begin) % ring
@@ -209,12 +203,12 @@ def _settled(
     shape: Array,
     along: Array,
     pulls: list[Pull],
-    free: NDArray[np.bool_],
+    free: Flags,
     restitution: float,
     location: float,
     ring: float | None,
 ) -> tuple[Array, int]:
-    """Where the nodes come to rest, and after how many steps.
+    """Return the places where the nodes come to rest, and the number of steps.
 
     Every step solves for the displacement with the closest points held; weights are shares
     of the pull, ``location + pressure = 1``.
@@ -240,7 +234,7 @@ def _settled(
 
 
 def _force(places: Array, pulls: list[Pull], location: float) -> Array:
-    """From each node to where the strokes want it; zero where there is none."""
+    """Return the force from each node to where the strokes want it; zero where there is none."""
     count = len(places)
     near, near_sum = np.zeros(count), np.zeros((count, 2))
     firm, firm_sum = np.zeros(count), np.zeros((count, 2))
@@ -261,7 +255,7 @@ def _force(places: Array, pulls: list[Pull], location: float) -> Array:
 
 
 def _normal_part(force: Array, places: Array, ring: float | None) -> Array:
-    """What of a force acts across the curve; all of it where the curve has no direction."""
+    """Return the part of a force across the curve; all of it where the curve has no direction."""
     if ring is None:
         ahead, behind = np.vstack((places[1:], places[-1:])), np.vstack((places[:1], places[:-1]))
     else:

@@ -1,4 +1,4 @@
-"""How strokes pull at a curve: where along it they run, and their closest points."""
+"""Forces of strokes on a curve: the stretch along which they run, and their closest points."""
 
 from __future__ import annotations
 
@@ -7,16 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.arrays import Array, Index
+from bozzetto.ink.curves.resample import arc_length, distinct, points_along, resample
 from bozzetto.ink.oversketch.bending_energy import lengths_of
 from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
-
-__all__ = ["Pull", "Trace", "lengthened", "pulls_of", "trace_of"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 SPACING: Final = 3.0
 """Longest way between the samples of a stroke, px: others are put between its own."""
@@ -45,7 +40,7 @@ at least twice the way that the end goes."""
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A stroke and the place along the curve that each of its samples speaks of.
+    """A stroke and the place along the curve that belongs to each of its samples.
 
     Attributes
     ----------
@@ -73,8 +68,9 @@ def trace_of(
     places : (m, 2) float
         px.
     pressure : (m,) float
+        Pressure of the pen at each sample, 0 … 1.
     nodes : (n, 2) float
-        Of the curve, px.
+        Nodes of the curve, px.
     along : (n,) float
         Their arc length.
     ring : float or None
@@ -102,7 +98,7 @@ def trace_of(
 
 
 def _sampled(places: Array, pressure: Array) -> tuple[Array, Array]:
-    """A stroke's own samples with others between them; fewer, where there are too many."""
+    """Return a stroke's samples with others between them; fewer, where there are too many."""
     kept = distinct(places)
     along = arc_length(places[kept])
     spans = np.diff(along)
@@ -129,14 +125,14 @@ def _against(feet: Index, coarse: Array, nodes: Array) -> bool:
 
 
 def _at_the_end(fine: Array, stations: Array, nodes: Array, along: Array) -> Array:
-    """Stations of a stroke that are put right at the curve's last node.
+    """Return stations of a stroke that are put right at the curve's last node.
 
     A stroke that lies aside of the curve and ends beside its end, goes right to the end,
     wherever its nearest foot is. A stroke that runs on farther goes beyond.
     """
     length, end = along[-1], nodes[-1]
     station = _foot_near(fine[-1], stations[-1], nodes, along)
-    foot = np.array([np.interp(station, along, nodes[:, axis]) for axis in (0, 1)])
+    foot = points_along(nodes, along, station)
     made = np.minimum(stations, station)
     if station >= length:
         at_end = np.flatnonzero(stations >= stations[-1])
@@ -153,7 +149,7 @@ def _at_the_end(fine: Array, stations: Array, nodes: Array, along: Array) -> Arr
 
 
 def _foot_near(place: Array, station: float, nodes: Array, along: Array) -> float:
-    """Station of the nearest point on the two spans beside a node."""
+    """Return the station of the nearest point on the two spans beside a node."""
     node = int(np.searchsorted(along, station))
     best, least = station, np.inf
     for k in (node - 1, node):
@@ -167,7 +163,7 @@ def _foot_near(place: Array, station: float, nodes: Array, along: Array) -> floa
 
 
 def lengthened(nodes: Array, along: Array, traces: list[Trace]) -> tuple[Array, Array]:
-    """An open curve with its ends moved on along the strokes that run on beyond them.
+    """Return an open curve with its ends moved along the strokes that continue beyond them.
 
     Parameters
     ----------
@@ -176,6 +172,7 @@ def lengthened(nodes: Array, along: Array, traces: list[Trace]) -> tuple[Array, 
     along : (n,) float
         Their arc length.
     traces : list of Trace
+        The strokes, with the stretch of the curve along which each runs.
 
     Returns
     -------
@@ -210,7 +207,7 @@ def _lengthened_at_end(nodes: Array, along: Array, traces: list[Trace]) -> tuple
     zone = min(max(STRETCH, 2.0 * gain), 0.5 * length)
     share = np.clip((along - (length - zone)) / zone, 0.0, 1.0)
     stations = along + gain * share**2
-    return np.column_stack([np.interp(stations, way, path[:, k]) for k in (0, 1)]), stations
+    return points_along(path, way, stations), stations
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +236,7 @@ class Pull:
         Parameters
         ----------
         places : (n, 2) float
-            Of the nodes of this pull, px.
+            Nodes of this pull, px.
 
         Returns
         -------
@@ -268,13 +265,14 @@ class Pull:
 
 
 def pulls_of(trace: Trace, stations: Array, ring: float | None) -> Iterator[Pull]:
-    """How a stroke pulls at the nodes that lie at some stations of the curve.
+    """Yield the pulls of a stroke at the nodes that lie at some stations of the curve.
 
     Parameters
     ----------
     trace : Trace
+        The stroke, with the stretch of the curve along which it runs.
     stations : (n,) float
-        Of the nodes, px.
+        Stations of the nodes, px.
     ring : float or None
         Length of a closed curve; None for an open one.
     """

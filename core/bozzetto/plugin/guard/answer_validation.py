@@ -1,4 +1,4 @@
-"""What the program can show and hand over: checks on what came out of a plugin."""
+"""Validation of plugins' answers: only what can be shown and exported passes."""
 
 from __future__ import annotations
 
@@ -28,20 +28,6 @@ from bozzetto.scene.display_list import (
     Shaded,
 )
 from bozzetto.view.camera import Camera
-
-__all__ = [
-    "Unsound",
-    "sound_advice",
-    "sound_cautions",
-    "sound_commands",
-    "sound_hint",
-    "sound_parts",
-    "sound_report",
-    "sound_scene",
-    "sound_shapes",
-    "sound_tools",
-    "sound_view",
-]
 
 MOST_ITEMS: Final = 20_000
 """Items of one model's scene; beyond that a viewport crawls. Lines and points hold many."""
@@ -290,7 +276,7 @@ def _expect_tuple(value: Any, what: str) -> None:
 
 
 def _paint(paint: Any) -> None:
-    """Roles were looked at when the item was made."""
+    """Refuse what is no paint; names of roles were checked when the item was made."""
     fine = isinstance(paint, str) or all(isinstance(part, Integral) for part in paint)
     if not fine:
         raise Unsound(f"the colour {paint!r}: write three whole numbers from 0 to 255, or a role")

@@ -1,4 +1,4 @@
-"""Arguments that a plugin may not change: remembered before a call, put back after it.
+"""Snapshots of arguments that a plugin may not change: compared and restored after a call.
 
 The values handed to a plugin are frozen, but Python lets anyone write past that with
 ``object.__setattr__``, and a drawing's `extra` is a plain dict. What was written is put
@@ -17,15 +17,13 @@ import numpy as np
 
 from bozzetto.ink.stroke import Stroke
 
-__all__ = ["Remembered"]
-
 MOST_OBJECTS: Final = 4096
 """Objects looked at before one call: some milliseconds at most."""
 
 LEAVES: Final = (str, bytes, int, float, bool, complex, type(None))
 
 
-class Remembered:
+class ArgumentSnapshot:
     """The frozen objects within some arguments, with the values of their fields.
 
     Dataclasses are followed through their fields, tuples and lists through their entries,
@@ -115,7 +113,7 @@ _known: dict[type[Any], tuple[tuple[str, ...], Reader]] = {}
 
 
 def _fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
-    """Names of the fields of a dataclass or of the slots of our own, and how to read them."""
+    """Return the names of the fields of a dataclass or of slots, and how to read them."""
     if kind not in _known:
         _known[kind] = _find_fields(kind)
     return _known[kind]

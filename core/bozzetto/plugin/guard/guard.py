@@ -1,4 +1,4 @@
-"""The guard: every call into a plugin passes here, and nothing of a plugin's gets past it.
+"""The guard: every call into a plugin passes here, and no error of a plugin gets past it.
 
 Whatever goes wrong inside becomes a `PluginFault` that names the plugin and keeps the
 traceback; arguments that a plugin wrote to are put back; a plugin that failed three times
@@ -11,32 +11,20 @@ import logging
 import threading
 import traceback
 from collections import Counter
-from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
-from bozzetto.geometry.shapes import Shapes
-from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.commands import Command
-from bozzetto.plugin.guard.answer_validation import (
-    sound_advice,
-    sound_cautions,
-    sound_commands,
-    sound_hint,
-    sound_parts,
-    sound_report,
-    sound_scene,
-    sound_shapes,
-    sound_tools,
-    sound_view,
-)
-from bozzetto.plugin.guard.argument_snapshot import Remembered
-from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.view_advice import ViewAdvice
-from bozzetto.scene.display_list import Scene
-from bozzetto.view.camera import Camera
 
-__all__ = ["Guard", "Overrun", "PluginFault"]
+if TYPE_CHECKING:
+    from bozzetto.geometry.shapes import Shapes
+    from bozzetto.plugin.cautions import Caution
+    from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot
+    from bozzetto.plugin.part_tree import PartTree
+    from bozzetto.plugin.view_advice import ViewAdvice
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.view.camera import Camera
 
 log = logging.getLogger("bozzetto.plugin")
 
@@ -88,7 +76,6 @@ class Guard:
     def __init__(self, plugin_of: Callable[[str], str] = str) -> None:
         self._plugin_of = plugin_of
         self._faults: Counter[str] = Counter()
-        self._listeners: list[Callable[[PluginFault], None]] = []
         self._lock = threading.Lock()
         self._inside: dict[threading.Thread, tuple[str, str]] = {}
 
@@ -106,6 +93,7 @@ class Guard:
         what : str
             Its name, for messages.
         function : callable
+            The plugin's function.
         *arguments
             Frozen values; what the plugin changes in them is put back.
 
@@ -118,7 +106,9 @@ class Guard:
         """
         plugin = self._plugin_of(modeler_id)
         self.refuse_if_off(plugin)
-        before = Remembered(arguments)
+        from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot  # no call, no numpy
+
+        before = ArgumentSnapshot(arguments)
         here = threading.current_thread()
         around = self._inside.get(here)
         self._inside[here] = (modeler_id, what)
@@ -130,13 +120,15 @@ class Guard:
         except Overrun as overrun:
             # Not counted here: the one who waited for the answer says so (`blame`).
             before.restore()
-            raise PluginFault(plugin, f"{what} did not answer in time", _told(overrun)) from None
+            raise PluginFault(
+                plugin, f"{what} did not answer in time", _traceback_of(overrun)
+            ) from None
         except BaseException as problem:
             before.restore()
             name = type(problem).__name__
             said = message_of(problem)
             reason = f"{what} failed ({name}{': ' if said else ''}{said})"
-            raise self._fault(plugin, reason, _told(problem)) from None
+            raise self._fault(plugin, reason, _traceback_of(problem)) from None
         finally:
             if around is None:
                 del self._inside[here]
@@ -146,10 +138,10 @@ class Guard:
         return answer
 
     def caught_in(self, thread: threading.Thread) -> tuple[str, str] | None:
-        """Which modeler's function a thread is in, as given to `call`; None if in none."""
+        """Return the modeler's function that a thread is in, as given to `call`, or None."""
         return self._inside.get(thread)
 
-    def _put_back(self, plugin: str, what: str, before: Remembered) -> None:
+    def _put_back(self, plugin: str, what: str, before: ArgumentSnapshot) -> None:
         changed = before.restore()
         if changed:
             raise self._fault(
@@ -182,6 +174,8 @@ class Guard:
             If it is no `Scene`, holds other things than display items, numbers that are
             not finite, or more than can be shown.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_scene
+
         return self._check(modeler_id, "a scene", lambda: sound_scene(scene))
 
     def check_shapes(self, modeler_id: str, shapes: Any) -> Shapes:
@@ -192,6 +186,8 @@ class Guard:
         PluginFault
             If it is not `Shapes`, or holds wrong parts or numbers that are not finite.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_shapes
+
         return self._check(modeler_id, "shapes", lambda: sound_shapes(shapes))
 
     def check_tools(self, modeler_id: str, tools: Any) -> tuple[Any, ...]:
@@ -202,6 +198,8 @@ class Guard:
         PluginFault
             If one lacks something that `Tool` asks for, or two have the same id.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_tools
+
         return self._check(modeler_id, "tools", lambda: sound_tools(tools))
 
     def check_commands(self, modeler_id: str, commands: Any) -> tuple[Command, ...]:
@@ -212,6 +210,8 @@ class Guard:
         PluginFault
             If one is no `Command` or lacks something, or two have the same id.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_commands
+
         return self._check(modeler_id, "commands", lambda: sound_commands(commands))
 
     def check_advice(self, modeler_id: str, advice: Any) -> ViewAdvice:
@@ -222,6 +222,8 @@ class Guard:
         PluginFault
             If it is no `ViewAdvice`, or holds something that cannot be shown.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_advice
+
         return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
 
     def check_view(self, modeler_id: str, view: Any) -> Camera:
@@ -232,6 +234,8 @@ class Guard:
         PluginFault
             If it is no `Camera`.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_view
+
         return self._check(modeler_id, "a view", lambda: sound_view(view))
 
     def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
@@ -242,6 +246,8 @@ class Guard:
         PluginFault
             If one is no `Caution`, or has no words.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_cautions
+
         return self._check(modeler_id, "cautions", lambda: sound_cautions(cautions))
 
     def check_hint(self, modeler_id: str, hint: Any) -> str:
@@ -252,6 +258,8 @@ class Guard:
         PluginFault
             If it is not a text.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_hint
+
         return self._check(modeler_id, "a hint", lambda: sound_hint(hint))
 
     def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
@@ -262,6 +270,8 @@ class Guard:
         PluginFault
             If they cannot be listed: fields are missing, ids not unique, groups in a circle.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_parts
+
         return self._check(modeler_id, "parts", lambda: sound_parts(tree))
 
     def check_report(self, modeler_id: str, report: Any) -> dict[str, Any]:
@@ -272,17 +282,21 @@ class Guard:
         PluginFault
             If it is not a mapping.
         """
+        from bozzetto.plugin.guard.answer_validation import sound_report
+
         return self._check(modeler_id, "a report", lambda: sound_report(report))
 
     def _check(self, modeler_id: str, what: str, check: Callable[[], Answer]) -> Answer:
         try:
             return check()
         except Exception as problem:
-            # A crooked object may fail in any way when looked at; that is its maker's fault.
+            # A broken object may fail in any way when it is read; that is its maker's fault.
             plugin = self._plugin_of(modeler_id)
             said = message_of(problem)
             raise self._fault(
-                plugin, f"{modeler_id} made {what} that cannot be used ({said})", _told(problem)
+                plugin,
+                f"{modeler_id} made {what} that cannot be used ({said})",
+                _traceback_of(problem),
             ) from None
 
     # -- faults --------------------------------------------------------------------------------
@@ -301,24 +315,8 @@ class Guard:
         log.error("%s\n%s", found, found.details)
         return found
 
-    def on_fault(self, callback: Callable[[PluginFault], None]) -> Callable[[], None]:
-        """Have a function called with every fault, on the thread where it happened.
-
-        Returns
-        -------
-        callable
-            Ends that.
-        """
-        self._listeners.append(callback)
-
-        def dispose() -> None:
-            if callback in self._listeners:
-                self._listeners.remove(callback)
-
-        return dispose
-
     def faults(self, plugin_id: str) -> int:
-        """How often a plugin failed in this session."""
+        """Count the failures of a plugin in this session."""
         return self._faults[plugin_id]
 
     def is_off(self, plugin_id: str) -> bool:
@@ -337,10 +335,7 @@ class Guard:
         fault = PluginFault(plugin, what, _last(details))
         with self._lock:
             self._faults[plugin] += 1
-            listeners: Sequence[Callable[[PluginFault], None]] = tuple(self._listeners)
         log.error("%s\n%s", fault, fault.details)
-        for listener in listeners:
-            listener(fault)
         return fault
 
 
@@ -348,5 +343,5 @@ def _last(details: str) -> str:
     return details[-LONGEST_DETAILS:]
 
 
-def _told(problem: BaseException) -> str:
+def _traceback_of(problem: BaseException) -> str:
     return "".join(traceback.format_exception(problem))

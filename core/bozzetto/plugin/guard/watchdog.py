@@ -19,10 +19,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from bozzetto.plugin.guard.argument_snapshot import Remembered
+from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot
 from bozzetto.plugin.guard.guard import Guard, Overrun, PluginFault
-
-__all__ = ["Watchdog", "interrupt"]
 
 GRACE = 1.0
 """Seconds that an interrupted call has to end."""
@@ -97,7 +95,7 @@ class Watchdog:
         UserError, Unfinished, Cancelled, PluginFault
             As `Guard.call`; and `PluginFault` if there was no answer in time.
         """
-        before = Remembered(arguments)
+        before = ArgumentSnapshot(arguments)
         call = _Call(lambda: self.guard.call(modeler_id, what, function, *arguments))
         if not call.ended.wait(self.limit):
             until = time.monotonic() + GRACE

@@ -1,12 +1,10 @@
-"""What is told of plugins and modelers before any of their code runs."""
+"""Descriptions of plugins and modelers, known before any of their code runs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
-
-__all__ = ["ModelerInfo", "PluginInfo", "Standing", "Status"]
 
 Status = Literal["ready", "loaded", "disabled", "broken"]
 
@@ -50,7 +48,7 @@ class Standing:
     Attributes
     ----------
     status : {"ready", "loaded", "disabled", "broken", "absent"}
-        Of its plugin; "absent" where none has it.
+        Status of its plugin; "absent" where none has it.
     plugin : str
         Id of the plugin; "" where it is absent.
     """

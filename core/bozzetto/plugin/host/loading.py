@@ -1,4 +1,4 @@
-"""Importing one plugin and looking at what it delivers."""
+"""Loading of one plugin, and checks of what it delivers."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import dataclasses
 import importlib
 from collections.abc import Sequence
 from types import ModuleType
-from typing import Any, Final
-
-import pluggy
+from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.errors import UserError, words_of
-from bozzetto.plugin.modeler import Modeler
 
-__all__ = ["Undelivered", "ask", "import_plugin", "look_over_modelers"]
+if TYPE_CHECKING:
+    import pluggy
+
+    from bozzetto.plugin.modeler import Modeler
 
 METHODS: Final = ("create", "tools", "solve", "scene", "shapes", "upgrade")
-"""What a modeler must be able to do; see `Modeler`."""
+"""Methods that a modeler must have; see `Modeler`."""
 
 
 class Undelivered(UserError):
@@ -33,6 +33,8 @@ def import_plugin(plugins: pluggy.PluginManager, package: str, plugin_id: str) -
     BaseException
         Whatever the import raises.
     """
+    import pluggy
+
     module: ModuleType = importlib.import_module(package)
     try:
         plugins.register(module, plugin_id)
@@ -45,16 +47,16 @@ def import_plugin(plugins: pluggy.PluginManager, package: str, plugin_id: str) -
 
 
 def ask(plugins: pluggy.PluginManager, plugin_id: str, hook: str, **arguments: Any) -> list[Any]:
-    """What one plugin answers to a hook, whatever the others would do."""
+    """Call a hook of one plugin alone and return its answers."""
     others = [plugin for name, plugin in plugins.list_name_plugin() if name != plugin_id]
     answers: list[Any] = plugins.subset_hook_caller(hook, others)(**arguments)
     return answers
 
 
-def look_over_modelers(
+def check_modelers(
     answers: Sequence[Any], announced: Sequence[str]
 ) -> dict[str, Modeler[Any, Any]]:
-    """The modelers that a plugin delivers, by id.
+    """Check the modelers that a plugin delivers and return them by id.
 
     Parameters
     ----------

@@ -28,19 +28,9 @@ from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
 
 import msgspec
+from msgspec.structs import asdict
 
 from bozzetto.errors import UserError, words_of
-
-__all__ = [
-    "MANIFEST",
-    "Manifest",
-    "ManifestError",
-    "ModelerEntry",
-    "Sample",
-    "api_accepts",
-    "find_folder",
-    "read_manifest",
-]
 
 MANIFEST = "plugin.toml"
 
@@ -140,7 +130,7 @@ class ModelerEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a ``plugin.toml`` says.
+    """Content of a ``plugin.toml``.
 
     Attributes
     ----------
@@ -180,7 +170,7 @@ def find_folder(package: str) -> Path:
         )
     spec = importlib.util.find_spec(package)
     if spec is None:
-        raise ManifestError(f"There is no package {package!r}. Install it, or mend its name.")
+        raise ManifestError(f"There is no package {package!r}. Install it, or correct its name.")
     for place in spec.submodule_search_locations or ():
         if (Path(place) / MANIFEST).is_file():
             return Path(place)
@@ -217,16 +207,9 @@ def read_manifest(folder: Path) -> Manifest:
     for modeler_id in ids:
         if ids.count(modeler_id) > 1:
             raise ManifestError(f"In {MANIFEST}: two modelers have the id {modeler_id!r}.")
-    return Manifest(
-        table.id,
-        table.title,
-        table.summary,
-        table.version,
-        table.api,
-        tuple(_entry(modeler) for modeler in table.modeler),
-        tuple(_unknown_keys(said)),
-        table.checks_files,
-    )
+    plain = asdict(table)
+    modelers = tuple(map(_entry, plain.pop("modeler")))
+    return Manifest(**plain, modelers=modelers, warnings=tuple(_unknown_keys(said)))
 
 
 def _entry(table: _ModelerTable) -> ModelerEntry:
@@ -237,18 +220,7 @@ def _entry(table: _ModelerTable) -> ModelerEntry:
         _check_inside(sample.file, "sample", (".json", ".svg", ".inkml"))
         samples.append(Sample(sample.file, sample.title))
     _check_inside(table.icon, "icon", (".svg",))
-    return ModelerEntry(
-        table.id,
-        table.title,
-        table.icon,
-        table.hint,
-        tuple(samples),
-        table.panel,
-        table.listed,
-        table.order,
-        table.reads_shapes,
-        table.facts,
-    )
+    return ModelerEntry(**asdict(table) | {"samples": tuple(samples)})
 
 
 def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
@@ -263,7 +235,7 @@ def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
 
 
 def _unknown_keys(said: dict[str, Any]) -> list[str]:
-    """Warnings about keys that mean nothing to this version."""
+    """Return warnings about keys that mean nothing to this version."""
     unknown = [f"“{key}”" for key in said if key not in _PluginTable.__struct_fields__]
     for modeler in said["modeler"]:
         for key in modeler:

@@ -14,17 +14,14 @@ import traceback
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, Final
-
-import pluggy
+from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.errors import UserError, words_of
-from bozzetto.plugin import API_VERSION, hooks
+from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
-from bozzetto.plugin.host.loading import ask, import_plugin, look_over_modelers
+from bozzetto.plugin.host.loading import ask, check_modelers, import_plugin
 from bozzetto.plugin.host.manifest import (
     Manifest,
     ManifestError,
@@ -33,8 +30,12 @@ from bozzetto.plugin.host.manifest import (
     find_folder,
     read_manifest,
 )
-from bozzetto.plugin.modeler import Modeler
-from bozzetto.plugin.panel import PanelHost
+
+if TYPE_CHECKING:
+    import pluggy
+
+    from bozzetto.plugin.modeler import Modeler
+    from bozzetto.plugin.panel import PanelHost
 
 __all__ = ["GROUP", "ModelerInfo", "PluginInfo", "Registry"]
 
@@ -44,7 +45,7 @@ GROUP: Final = "bozzetto.plugins"
 
 @dataclass(eq=False)
 class _Plugin:
-    """What is known about one plugin."""
+    """One plugin, with its manifest and, once imported, its modelers."""
 
     package: str
     folder: Path = Path()
@@ -98,14 +99,25 @@ class Registry:
         self._disabled = set(disabled)
         self._plugins: dict[str, _Plugin] = {}
         self._lock = threading.RLock()
-        self._hooks = pluggy.PluginManager(hooks.PROJECT)
-        self._hooks.add_hookspecs(hooks)
+        self._manager: pluggy.PluginManager | None = None
         for package in _installed():
             info = self.add_package(package)
             if no_plugins:
                 self._disabled.add(info.id)
         for package in extra:
             self.add_package(package)
+
+    def _hooks(self) -> pluggy.PluginManager:
+        """Return the hooks of all plugins; they are made when the first one is asked for."""
+        import pluggy
+
+        from bozzetto.plugin import hooks
+
+        with self._lock:
+            if self._manager is None:
+                self._manager = pluggy.PluginManager(hooks.PROJECT)
+                self._manager.add_hookspecs(hooks)
+            return self._manager
 
     # -- the lists, from manifests alone ------------------------------------------------------
 
@@ -131,13 +143,13 @@ class Registry:
             return self._info(self._plugins[package])
 
     def plugins(self) -> tuple[PluginInfo, ...]:
-        """All plugins, by their ids, broken and disabled ones too."""
+        """Return all plugins, by their ids, broken and disabled ones too."""
         with self._lock:
             infos = [self._info(plugin) for plugin in self._plugins.values()]
         return tuple(sorted(infos, key=lambda info: (info.id, info.package)))
 
     def modelers(self) -> tuple[ModelerInfo, ...]:
-        """The modelers of all plugins that are neither broken nor disabled, in their order."""
+        """Return the modelers of all plugins neither broken nor disabled, in their order."""
         with self._lock:
             infos = [
                 _modeler_info(plugin, entry)
@@ -148,7 +160,7 @@ class Registry:
         return tuple(sorted(infos, key=lambda info: (info.order, info.title, info.id)))
 
     def info(self, modeler_id: str) -> ModelerInfo:
-        """What a manifest says about a modeler.
+        """Return what a manifest says about a modeler.
 
         Raises
         ------
@@ -159,7 +171,7 @@ class Registry:
         return _modeler_info(plugin, entry)
 
     def resolve(self, name: str) -> str:
-        """The id of the modeler that a person means: its id, or the last part of it.
+        """Return the id of the modeler that a person means: its id, or the last part of it.
 
         Raises
         ------
@@ -177,7 +189,7 @@ class Registry:
         raise self._absent(name)
 
     def told_by(self, facts: Mapping[str, object]) -> str:
-        """The modeler whose files say such things; "" where none is, or several are."""
+        """Return the modeler that reads files with such facts; "" for none, or several."""
         ids = [info.id for info in self.modelers() if info.facts and info.facts in facts]
         return ids[0] if len(ids) == 1 else ""
 
@@ -197,7 +209,7 @@ class Registry:
     # -- modelers, imported on first use ----------------------------------------------------------
 
     def modeler(self, modeler_id: str) -> Modeler[Any, Any]:
-        """A modeler, ready to work.
+        """Return a modeler, imported and ready to work.
 
         Raises
         ------
@@ -222,7 +234,7 @@ class Registry:
         return plugin.modelers[modeler_id]
 
     def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
-        """Type and version of a modeler's states; None where the modeler cannot be had."""
+        """Return type and version of a modeler's states; None where the modeler is unavailable."""
         try:
             modeler = self.modeler(modeler_id)
         except UserError:
@@ -230,7 +242,7 @@ class Registry:
         return modeler.state_type, modeler.state_version
 
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """The stored form of an older state in today's shape; as it is where nobody knows it.
+        """Return the stored form of an older state in today's shape; unchanged if nobody knows it.
 
         Raises
         ------
@@ -249,7 +261,7 @@ class Registry:
         return upgraded
 
     def panel(self, modeler_id: str, parent: object, host: PanelHost) -> object | None:
-        """The plugin's own widget for a modeler, or None.
+        """Return the plugin's own widget for a modeler, or None.
 
         Raises
         ------
@@ -266,7 +278,7 @@ class Registry:
             modeler_id,
             "bozzetto_panel",
             lambda: ask(
-                self._hooks,
+                self._hooks(),
                 plugin.id,
                 "bozzetto_panel",
                 modeler_id=modeler_id,
@@ -277,7 +289,7 @@ class Registry:
         return made[0] if made else None
 
     def faults_in(self, file: Path) -> list[str] | None:
-        """What is wrong with a file of a plugin's own kind; None if no plugin knows its kind.
+        """Return the faults of a file of a plugin's own kind; None if no plugin knows its kind.
 
         Raises
         ------
@@ -292,7 +304,7 @@ class Registry:
             told = self.guard.call(
                 modeler_id,
                 "bozzetto_faults",
-                partial(ask, self._hooks, plugin.id, "bozzetto_faults", file=file),
+                partial(ask, self._hooks(), plugin.id, "bozzetto_faults", file=file),
             )
             if told:
                 return [str(fault) for fault in told[0]]
@@ -301,7 +313,7 @@ class Registry:
     # -- inside ------------------------------------------------------------------------------------
 
     def _find(self, modeler_id: str) -> tuple[_Plugin, ModelerEntry]:
-        """The plugin that announces a modeler."""
+        """Find the plugin that announces a modeler."""
         with self._lock:
             for plugin in self._plugins.values():
                 entry = plugin.entry(modeler_id)
@@ -351,8 +363,8 @@ class Registry:
         announced = [entry.id for entry in plugin.manifest.modelers] if plugin.manifest else []
 
         def work() -> dict[str, Modeler[Any, Any]]:
-            import_plugin(self._hooks, plugin.package, plugin.id)
-            return look_over_modelers(ask(self._hooks, plugin.id, "bozzetto_modelers"), announced)
+            import_plugin(self._hooks(), plugin.package, plugin.id)
+            return check_modelers(ask(self._hooks(), plugin.id, "bozzetto_modelers"), announced)
 
         try:
             plugin.modelers = self.guard.call(announced[0], "its import", work)
@@ -387,26 +399,23 @@ class Registry:
 
 def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
     return ModelerInfo(
-        entry.id,
-        entry.title,
-        entry.hint,
-        plugin.id,
-        plugin.folder,
-        plugin.folder / entry.icon,
-        tuple(plugin.folder / sample.file for sample in entry.samples),
-        tuple(sample.title for sample in entry.samples),
-        entry.panel,
-        entry.listed,
-        entry.order,
-        entry.reads_shapes,
-        entry.facts,
+        **vars(entry)
+        | {
+            "plugin": plugin.id,
+            "folder": plugin.folder,
+            "icon": plugin.folder / entry.icon,
+            "samples": tuple(plugin.folder / sample.file for sample in entry.samples),
+            "sample_titles": tuple(sample.title for sample in entry.samples),
+        }
     )
 
 
 def _installed() -> list[str]:
-    """Packages that installed distributions announce, in an order that does not change.
+    """Return the packages that distributions announce, in an order that does not change.
 
     The bundled ones come first, so that a third party's cannot take their ids.
     """
+    from importlib.metadata import entry_points  # dear: it reads e-mail headers
+
     packages = {entry.value.partition(":")[0].strip() for entry in entry_points(group=GROUP)}
     return sorted(packages, key=lambda package: (not package.startswith("bozzetto_"), package))

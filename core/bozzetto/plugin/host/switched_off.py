@@ -1,4 +1,4 @@
-"""Which plugins a person switched off: one setting for the window and the command line."""
+"""Plugins that a person switched off: one setting for the window and the command line."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from typing import Final
 from bozzetto.atomic_files import write_bytes
 from bozzetto.errors import UserError
 
-__all__ = ["keep_switched_off", "settings_file", "switch", "switched_off"]
-
 FILE: Final = "plugins.json"
 KEY: Final = "disabled"
 
@@ -22,7 +20,7 @@ LARGEST: Final = 1_000_000
 
 
 def settings_file() -> Path:
-    """Where the setting lies: in the person's configuration folder, beside the window's."""
+    """Return the file of the setting: in the configuration folder, beside the window's."""
     if sys.platform == "win32":
         folder = Path(os.environ.get("APPDATA") or Path.home() / "AppData/Roaming")
     else:
@@ -31,7 +29,7 @@ def settings_file() -> Path:
 
 
 def switched_off() -> frozenset[str] | None:
-    """Ids of the plugins that are switched off; None where nobody ever switched one.
+    """Return ids of the plugins that are switched off; None where nobody ever switched one.
 
     A file that cannot be understood counts as none: no plugin is worth not starting for.
     """

@@ -7,24 +7,25 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Polygon", "crossed", "cut", "cut_to_window"]
-
 Polygon = NDArray[np.float64]
 
 MARGIN: Final = 2.0
-"""How far beyond a window outlines go on, px, so that its border does not become theirs."""
+"""Distance beyond a window, px, at which outlines are cut, so that the cuts are not visible."""
 
 
 def cut(outline: Polygon, normal: ArrayLike, least: float) -> Polygon:
-    """The part of a convex outline where normal · point ≥ least.
+    """Return the part of a convex outline where normal · point ≥ least.
 
     Sutherland & Hodgman 1974, "Reentrant polygon clipping", for one plane.
 
     Parameters
     ----------
     outline : (n, d) float
+        Corners in order.
     normal : (d,) array_like
+        Normal of the border, towards the part that stays.
     least : float
+        Least value of normal · point that stays.
 
     Returns
     -------
@@ -46,7 +47,7 @@ def cut(outline: Polygon, normal: ArrayLike, least: float) -> Polygon:
 
 
 def cut_to_window(outline: Polygon, width: int, height: int) -> Polygon:
-    """The part of a convex outline (n, 2) in a window and a margin round it, px."""
+    """Return the part of a convex outline (n, 2) in a window and a margin round it, px."""
     for axis, size in ((0, width), (1, height)):
         side = np.eye(2)[axis]
         outline = cut(outline, side, -MARGIN)
@@ -55,7 +56,7 @@ def cut_to_window(outline: Polygon, width: int, height: int) -> Polygon:
 
 
 def crossed(outline: Polygon) -> NDArray[np.intp]:
-    """Pixels (column, row) that the sides of an outline (n, 2) pass through, or touch nearly.
+    """Return pixels (column, row) that the sides of an outline (n, 2) pass through, or nearly so.
 
     Returns
     -------

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Sheet", "lay_over", "veil_of"]
-
-Floats = NDArray[np.float32]
+from bozzetto.arrays import Floats, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,18 +26,18 @@ class Sheet:
         0 … 1.
     """
 
-    pixel: NDArray[np.intp]
+    pixel: Index
     nearness: Floats
     color: Floats
     opacity: Floats
 
     def before(self, surface: Floats) -> Sheet:
-        """The part that no opaque surface (nearness at every pixel) hides."""
+        """Return the part that no opaque surface (nearness at every pixel) hides."""
         keep = self.nearness >= surface[self.pixel]
         return Sheet(self.pixel[keep], self.nearness[keep], self.color[keep], self.opacity[keep])
 
 
-def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
+def blend_sheets(pixels: Floats, sheets: Sequence[Sheet]) -> None:
     """Blend sheets over a picture, the farthest first: result = a·colour + (1 − a)·behind.
 
     Parameters
@@ -74,8 +72,8 @@ def lay_over(pixels: Floats, sheets: Sequence[Sheet]) -> None:
         begin = end
 
 
-def veil_of(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
-    """The nearest sheet at each pixel: its nearness (−inf for none) and its opacity."""
+def nearest_sheet(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
+    """Return nearness (−inf for none) and opacity of the nearest sheet at each pixel."""
     nearness = np.full(count, -np.inf, np.float32)
     opacity = np.zeros(count, np.float32)
     for sheet in sheets:
@@ -87,14 +85,14 @@ def veil_of(sheets: Sequence[Sheet], count: int) -> tuple[Floats, Floats]:
 
 
 def _keys(every: Sheet) -> NDArray[np.uint64]:
-    """One integer that sorts by pixel, then by nearness."""
+    """Return integers that sort by pixel, then by nearness."""
     bits = every.nearness.view(np.uint32)
     negative = bits >> np.uint32(31) == 1
     rising = np.where(negative, ~bits, bits | np.uint32(0x80000000))
     return (every.pixel.astype(np.uint64) << np.uint64(32)) | rising.astype(np.uint64)
 
 
-def _blend(pixels: Floats, sheet: Sheet, part: NDArray[np.intp] | slice) -> None:
+def _blend(pixels: Floats, sheet: Sheet, part: Index | slice) -> None:
     pixel, alpha, color = sheet.pixel[part], sheet.opacity[part], sheet.color[part]
     whole = pixels.view(np.complex128)[:, 0]  # four floats are moved as one value
     mixed = whole.take(pixel).view(np.float32).reshape(-1, 4)

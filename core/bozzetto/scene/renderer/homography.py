@@ -1,4 +1,4 @@
-"""Where a picture on a rectangle in space is on the sheet: by the homography to the picture.
+"""Homography from a rectangle in space to the picture.
 
 From a place on the sheet a picture's own coordinates follow by one 3 × 3 matrix (Hartley &
 Zisserman, "Multiple View Geometry", 2nd ed., section 2.3), whose third row is the nearness of the
@@ -11,15 +11,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.clipping import Polygon, cut, cut_to_window
-from bozzetto.scene.renderer.view_transform import Sight
-
-__all__ = ["Place", "place_of"]
-
-Array = NDArray[np.float64]
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 EDGE_ON: Final = 1e-9
 """Volume of the box of both sides and the way to the corner, per product of their lengths,
@@ -28,7 +24,7 @@ below which a picture is seen edge on."""
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where a picture is on the sheet.
+    """Place of a picture on the sheet.
 
     Attributes
     ----------
@@ -51,8 +47,8 @@ class Place:
     is_cut: bool
 
 
-def place_of(image: Image, sight: Sight) -> Place | None:
-    """Where a picture is on a window; None where nothing of it is to be seen, or its edge only."""
+def place_of(image: Image, sight: ViewTransform) -> Place | None:
+    """Return where a picture lies in a window; None where at most its edge is visible."""
     corner = sight.seen([image.corner])[0]
     across, down = (
         sight.axes @ np.asarray(side, np.float64) for side in (image.across, image.down)

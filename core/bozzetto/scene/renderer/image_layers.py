@@ -7,20 +7,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Bytes, Floats, Index
 from bozzetto.scene.display_list import Image
-from bozzetto.scene.renderer.compositing import Sheet, lay_over
+from bozzetto.scene.renderer.compositing import Sheet, blend_sheets
 from bozzetto.scene.renderer.homography import place_of
-from bozzetto.scene.renderer.image_warp import warped
-from bozzetto.scene.renderer.mipmaps import Kept
-from bozzetto.scene.renderer.view_transform import Sight
-
-__all__ = ["Hung", "apart", "hang", "lay_pictures", "sheet_at"]
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
+from bozzetto.scene.renderer.image_warp import warp
+from bozzetto.scene.renderer.mipmaps import LevelCache
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 SAME_DEPTH: Final = 1e-9
 """Difference of nearness, relative to the nearest, that is none: the later picture is on top."""
@@ -29,23 +23,23 @@ SHOWN_KEPT: Final = 64_000_000
 """Memory for pictures as they were on the sheet, bytes: with a camera that rests they are
 drawn once."""
 
-_shown = Kept(SHOWN_KEPT)
+_shown = LevelCache(SHOWN_KEPT)
 
 
 @dataclass(frozen=True, eq=False)
-class Hung:
+class PlacedPicture:
     """A picture as it is on a window of the sheet.
 
     Attributes
     ----------
     left, top : int
-        Of its part of the window, px.
+        Corner of its part of the window, px.
     colors : (h, w, 4) uint8
         Multiplied by the picture's own opacity; 0 beside it.
     plane : (3,) float
         Nearness of its plane at (x, y, 1), px of the window.
     opacity : float
-        Of the whole, 0 … 1.
+        Opacity of the whole picture, 0 … 1.
     """
 
     left: int
@@ -65,8 +59,8 @@ class Hung:
         return self.top + int(self.colors.shape[0])
 
 
-def hang(image: Image, sight: Sight) -> Hung | None:
-    """A picture on the sheet; None if nothing of it is to be seen."""
+def place_picture(image: Image, sight: ViewTransform) -> PlacedPicture | None:
+    """Place a picture on the sheet; None if nothing of it is visible."""
     height, width = image.pixels.shape[:2]
     place = place_of(image, sight) if height and width and image.opacity > 0 else None
     if place is None:
@@ -79,25 +73,26 @@ def hang(image: Image, sight: Sight) -> Hung | None:
         return None
     box = (left, top, right, bottom)
     name = (place.matrix.tobytes(), box, place.nearest)
-    colors = _shown.get(image.pixels, name, lambda: warped(image.pixels, place, box))
-    return Hung(left, top, colors, place.plane, min(float(image.opacity), 1.0))
+    colors = _shown.get(image.pixels, name, lambda: warp(image.pixels, place, box))
+    return PlacedPicture(left, top, colors, place.plane, min(float(image.opacity), 1.0))
 
 
-def lay_pictures(pixels: Floats, pictures: Sequence[Hung], sight: Sight) -> None:
+def blend_pictures(pixels: Floats, pictures: Sequence[PlacedPicture], sight: ViewTransform) -> None:
     """Blend pictures over what is there, the farthest first.
 
     Parameters
     ----------
     pixels : (h · w, 4) float32
         Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1).
-    pictures : sequence of Hung
-    sight : Sight
-        Of the window.
+    pictures : sequence of PlacedPicture
+        The pictures to blend, in any order.
+    sight : ViewTransform
+        The transform of the window.
     """
     ordered = _from_far(pictures)
     if ordered is None:
         every = np.arange(sight.width * sight.height)
-        lay_over(pixels, [sheet_at(picture, every, sight.width) for picture in pictures])
+        blend_sheets(pixels, [sheet_at(picture, every, sight.width) for picture in pictures])
         return
     for picture in ordered:
         rows = np.s_[picture.top : picture.bottom, picture.left : picture.right]
@@ -109,18 +104,21 @@ def lay_pictures(pixels: Floats, pictures: Sequence[Hung], sight: Sight) -> None
         target += own
 
 
-def apart(pictures: Sequence[Hung], corners: Array | None) -> tuple[Sequence[Hung], Sequence[Hung]]:
-    """Pictures that are to be laid before meshes are drawn, and those that may be laid after.
+def apart(
+    pictures: Sequence[PlacedPicture], corners: Array | None
+) -> tuple[Sequence[PlacedPicture], Sequence[PlacedPicture]]:
+    """Split pictures into those to paint before meshes, and those that may come after.
 
     Parameters
     ----------
-    pictures : sequence of Hung
+    pictures : sequence of PlacedPicture
+        The pictures, in any order.
     corners : (n, 3) float or None
-        Of boxes round the meshes: x, y (px), nearness. None where some are behind the eye.
+        Corners of boxes round the meshes: x, y (px), nearness. None where some are behind the eye.
 
     Returns
     -------
-    before, after : sequences of Hung
+    before, after : sequences of PlacedPicture
         What is laid after is in front of all meshes, and of all that is laid before.
     """
     ordered = _from_far(pictures)
@@ -132,24 +130,25 @@ def apart(pictures: Sequence[Hung], corners: Array | None) -> tuple[Sequence[Hun
     return ordered[:count], ordered[count:]
 
 
-def _is_before(picture: Hung, corners: Array) -> bool:
+def _is_before(picture: PlacedPicture, corners: Array) -> bool:
     """Whether a picture's plane is nearer than some boxes: then it is where their corners are."""
     nearness = corners[:, :2] @ picture.plane[:2] + picture.plane[2]
     return bool((nearness > corners[:, 2]).all())
 
 
 def sheet_at(
-    picture: Hung,
-    samples: NDArray[np.intp],
+    picture: PlacedPicture,
+    samples: Index,
     width: int,
     offset: tuple[int, int] = (0, 0),
     fineness: int = 1,
 ) -> Sheet:
-    """What a picture shows at some samples.
+    """Return the colours of a picture at some samples.
 
     Parameters
     ----------
-    picture : Hung
+    picture : PlacedPicture
+        The picture in its place.
     samples : (n,) int
         Row by row in a window of its own.
     width : int
@@ -177,10 +176,10 @@ def sheet_at(
     )
 
 
-def _from_far(pictures: Sequence[Hung]) -> list[Hung] | None:
-    """The order in which to lay pictures over each other; None if there is none for all places."""
+def _from_far(pictures: Sequence[PlacedPicture]) -> list[PlacedPicture] | None:
+    """Return the order in which to paint pictures; None if no order fits all places."""
     left = list(range(len(pictures)))
-    order: list[Hung] = []
+    order: list[PlacedPicture] = []
     while left:
         free = [i for i in left if all(i == j or _may_be_under(pictures, i, j) for j in left)]
         if not free:
@@ -190,7 +189,7 @@ def _from_far(pictures: Sequence[Hung]) -> list[Hung] | None:
     return order
 
 
-def _may_be_under(pictures: Sequence[Hung], one: int, other: int) -> bool:
+def _may_be_under(pictures: Sequence[PlacedPicture], one: int, other: int) -> bool:
     """Whether a picture may be laid before another: it is behind it wherever both are."""
     a, b = pictures[one], pictures[other]
     x = max(a.left, b.left), min(a.right, b.right)

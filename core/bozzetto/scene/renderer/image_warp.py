@@ -1,4 +1,4 @@
-"""The pixels of a picture on the sheet.
+"""Warp of a picture onto the sheet.
 
 Those within are interpolated by Pillow, from a level of detail that suits the distance; those
 on the border, few, are sampled here with their true share.
@@ -12,15 +12,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.scene.renderer.clipping import Polygon, crossed, cut
 from bozzetto.scene.renderer.homography import Place
 from bozzetto.scene.renderer.mipmaps import as_pillow, level, rung
 
-__all__ = ["warped"]
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
 Box = tuple[int, int, int, int]
 
 SHARES: Final = 4
@@ -36,14 +32,15 @@ LEAST_TURN: Final = 0.01
 """By how much a picture may be turned or slanted and count as square on, texels at the far end."""
 
 
-def warped(pixels: Bytes, place: Place, box: Box) -> Bytes:
-    """A picture as it is seen in a box of the window.
+def warp(pixels: Bytes, place: Place, box: Box) -> Bytes:
+    """Return a picture as it is seen in a box of the window.
 
     Parameters
     ----------
     pixels : (h, w, 4) uint8
         RGBA, straight alpha.
     place : Place
+        Place of the picture in the window.
     box : (left, top, right, bottom)
         Pixels of the window.
 
@@ -77,7 +74,7 @@ _Strip = tuple[Polygon, float, float, tuple[int, int]]
 
 
 def _strips(pixels: Bytes, place: Place) -> list[_Strip]:
-    """Parts of a picture that are reduced by the same numbers, the nearest first.
+    """Split a picture into strips that are reduced by the same numbers, the nearest first.
 
     Each with its outline, the greatest and the least nearness in it, and the numbers.
     """
@@ -107,7 +104,7 @@ def _strips(pixels: Bytes, place: Place) -> list[_Strip]:
 
 
 def _factors(pixels: Bytes, matrix: Array, middle: Array) -> tuple[int, int]:
-    """By how much to reduce a picture across and down where it is seen at a place."""
+    """Return by how much to reduce a picture across and down where it is seen at a place."""
     u, v, w = matrix @ (*middle, 1.0)
     height, width = pixels.shape[:2]
     slope = (matrix[:2, :2] - np.outer((u / w, v / w), matrix[2, :2])) / w
@@ -116,7 +113,7 @@ def _factors(pixels: Bytes, matrix: Array, middle: Array) -> tuple[int, int]:
 
 
 def _over(plane: Array, box: Box) -> Floats:
-    """An affine function at the middles of the pixels of a box, (h, w)."""
+    """Evaluate an affine function at the middles of the pixels of a box, (h, w)."""
     x = plane[0] * (np.arange(box[0], box[2]) + 0.5) + plane[2]
     y = plane[1] * (np.arange(box[1], box[3]) + 0.5)
     return np.asarray(x.astype(np.float32) + y.astype(np.float32)[:, None])
@@ -125,7 +122,7 @@ def _over(plane: Array, box: Box) -> Floats:
 def _interpolated(
     pixels: Bytes, factors: tuple[int, int], matrix: Array, box: Box
 ) -> NDArray[np.uint32]:
-    """A reduced picture at the middles of the pixels of a box, bilinear; 0 beside it."""
+    """Sample a reduced picture at the middles of the pixels of a box, bilinear; 0 beside it."""
     from PIL import Image
 
     left, top, right, bottom = box
@@ -160,7 +157,7 @@ def _is_square_on(matrix: Array, size: tuple[int, int], texels: tuple[int, int])
 
 
 def _scaled(texels: Bytes, matrix: Array, size: tuple[int, int]) -> NDArray[np.uint32]:
-    """Texels that are only scaled and shifted: first along rows, then along columns, faster."""
+    """Sample texels that are only scaled and shifted: rows, then columns, which is faster."""
     from PIL import Image
 
     cells, parts = [], []
@@ -222,7 +219,7 @@ def _draw_border(
 
 
 def _bilinear(texels: Bytes, x: Array, y: Array) -> Floats:
-    """Texels interpolated at places, (n, 4); beyond the border the outermost go on."""
+    """Interpolate texels at places, (n, 4); beyond the border the outermost ones are repeated."""
     height, width = texels.shape[:2]
     x, y = np.clip(x - 0.5, 0, width - 1), np.clip(y - 0.5, 0, height - 1)
     left, top = x.astype(np.intp), y.astype(np.intp)

@@ -9,10 +9,8 @@ from bozzetto.scene.display_list import Label
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.lines_and_points import Canvas
 
-__all__ = ["HALO", "OFFSET", "beginning", "draw_label"]
-
 OFFSET = (6.0, -6.0)
-"""From the point to the text's lower left corner, px right and down."""
+"""Offset from the point to the text's lower left corner, px right and down."""
 
 HALO = 2
 """Width of the rim in paper colour that keeps a text legible on anything, px."""
@@ -44,12 +42,12 @@ def draw_label(canvas: Canvas, item: Label, palette: Palette) -> None:
 
 
 def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
-    """Where a text begins: right of its point, or left of it where there is room only there.
+    """Return where a text begins: right of its point, or left of it where only there is room.
 
     Parameters
     ----------
     x : float
-        Of the point, px.
+        Place of the point, px.
     wide, sheet : float
         Width of the text, and of the sheet, px.
     offset : float
@@ -61,7 +59,7 @@ def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
 
 
 def _mask(text: str, size: float, rim: int) -> tuple[NDArray[np.float32], int, int]:
-    """Coverage of a text, and where its left and top edges lie from its anchor."""
+    """Return the coverage of a text, and its left and top edges relative to its anchor."""
     from PIL import Image, ImageDraw, ImageFont
 
     font = ImageFont.load_default(size)

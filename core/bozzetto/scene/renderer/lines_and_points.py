@@ -13,17 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.scene.display_list import Lines, Points
 from bozzetto.scene.renderer.surfaces import Veil
-from bozzetto.scene.renderer.view_transform import Sight
-
-__all__ = ["Canvas", "draw_discs", "draw_lines", "draw_points"]
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 BIAS = 2.0
-"""How far (in pixel sizes) behind a surface a line still counts as lying on it."""
+"""Depth (in pixel sizes) behind a surface at which a line still counts as lying on it."""
 
 FAINT_WIDTH, FAINT_OPACITY = 0.6, 0.32
 """Width and opacity of hidden parts, as parts of the visible ones."""
@@ -57,7 +53,7 @@ class Canvas:
     veil : Veil or None
         What translucent meshes do to the lines behind them; nearness and opacity are
         shaped (h, w).
-    sight : Sight
+    sight : ViewTransform
     scale : float
         Device pixels per pixel of width.
     """
@@ -65,13 +61,13 @@ class Canvas:
     pixels: Floats
     surface: Floats
     veil: Veil | None
-    sight: Sight
+    sight: ViewTransform
     scale: float
 
     def behind(
         self, x: NDArray[np.floating], y: NDArray[np.floating], nearness: Floats
-    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which places lie behind an opaque surface, and which behind a translucent one."""
+    ) -> tuple[Flags, Flags]:
+        """Return which places lie behind an opaque surface, and which behind a translucent one."""
         height, width = self.surface.shape
         pixel = np.clip(y, 0, height - 1).astype(np.intp) * width
         pixel += np.clip(x, 0, width - 1).astype(np.intp)
@@ -82,14 +78,14 @@ class Canvas:
 
     def cover(
         self,
-        pixel: NDArray[np.intp],
+        pixel: Index,
         share: Floats,
         color: NDArray[np.floating],
         opacity: float,
         *,
         veiled: bool = False,
     ) -> None:
-        """Lay a colour over pixels, each covered in part; where named twice, most counts.
+        """Blend a colour over pixels, each covered in part; where named twice, most counts.
 
         Behind a veil, what the colour changes in the picture without the veil is seen
         through it.
@@ -120,9 +116,11 @@ def draw_lines(canvas: Canvas, batch: list[Lines], color: NDArray[np.floating]) 
     Parameters
     ----------
     canvas : Canvas
+        Pixels to draw on, and what may hide lines.
     batch : list of Lines
-        Of equal opacity and equal way of being hidden.
+        Lines of equal opacity that surfaces hide in the same way.
     color : (3,) float
+        RGB, 0 … 255.
     """
     begin, end = _segments(batch, canvas)
     begin, end = _cut_to_window(begin, end, canvas)
@@ -152,7 +150,7 @@ X, Y, NEARNESS, WIDTH, ALONG = range(5)
 
 
 def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
-    """Both ends of all segments on the sheet, in front of the eye; (n, 5) each."""
+    """Return both ends of all segments on the sheet, in front of the eye; (n, 5) each."""
     sight = canvas.sight
     points = sight.seen(np.concatenate([item.points for item in batch]))
     widths = [np.broadcast_to(np.float64(item.width), len(item.points)) for item in batch]
@@ -176,8 +174,8 @@ def _segments(batch: list[Lines], canvas: Canvas) -> tuple[Array, Array]:
     return begin, end
 
 
-def _joined_points(batch: list[Lines]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Indices of the ends of every segment; a lone point is a segment to itself."""
+def _joined_points(batch: list[Lines]) -> tuple[Index, Index]:
+    """Return indices of the ends of every segment; a lone point is a segment to itself."""
     pairs = []
     shift = 0
     for item in batch:
@@ -196,7 +194,7 @@ def _joined_points(batch: list[Lines]) -> tuple[NDArray[np.intp], NDArray[np.int
 
 
 def _cut_to_window(begin: Array, end: Array, canvas: Canvas) -> tuple[Array, Array]:
-    """Segments cut to the window and a border as wide as the line (Liang & Barsky, 1984)."""
+    """Cut segments to the window and a border as wide as the line (Liang & Barsky, 1984)."""
     span = end - begin
     border = np.maximum(begin[:, WIDTH], end[:, WIDTH]) + 2.0
     enter, leave = np.zeros(len(begin)), np.ones(len(begin))
@@ -225,7 +223,7 @@ class _Walk:
     segment runs from (`begin_major`, `begin_minor`) by (`span_major`, `span_minor`).
     """
 
-    steep: NDArray[np.bool_]
+    steep: Flags
     major: Floats
     minor: Floats
     nearness: Floats
@@ -239,13 +237,13 @@ class _Walk:
 
 
 def _step_counts(begin: Array, end: Array) -> NDArray[np.int64]:
-    """Pixels that each segment crosses along its major axis, caps included."""
+    """Return the pixels that each segment crosses along its major axis, caps included."""
     low, high = _reach(begin, end)
     return np.asarray(np.floor(high) - np.floor(low) + 1, np.int64)
 
 
 def _reach(begin: Array, end: Array) -> tuple[Array, Array]:
-    """Where each segment begins and ends along its major axis, caps included."""
+    """Return the extent of each segment along its major axis, caps included."""
     steep = _steep(begin, end)
     a = np.where(steep, begin[:, Y], begin[:, X])
     b = np.where(steep, end[:, Y], end[:, X])
@@ -253,12 +251,12 @@ def _reach(begin: Array, end: Array) -> tuple[Array, Array]:
     return np.minimum(a, b) - cap, np.maximum(a, b) + cap
 
 
-def _steep(begin: Array, end: Array) -> NDArray[np.bool_]:
+def _steep(begin: Array, end: Array) -> Flags:
     return np.asarray(np.abs(end[:, Y] - begin[:, Y]) > np.abs(end[:, X] - begin[:, X]))
 
 
 def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
-    """Every pixel centre along the major axis of every segment, and the line's middle there."""
+    """Return pixel centres along the major axis of every segment, and the line's middle there."""
     low, _ = _reach(begin, end)
     span = end - begin
     steep = _steep(begin, end)
@@ -290,10 +288,8 @@ def _walked(begin: Array, end: Array, steps: NDArray[np.int64]) -> _Walk:
     )
 
 
-def _spread(
-    walk: _Walk, canvas: Canvas, hidden: str
-) -> tuple[NDArray[np.intp], Floats, NDArray[np.int8]]:
-    """Pixels around each step, how much its capsule covers them, `COVERED` and `VEILED`."""
+def _spread(walk: _Walk, canvas: Canvas, hidden: str) -> tuple[Index, Floats, NDArray[np.int8]]:
+    """Return pixels around each step, how much its capsule covers them, `COVERED` and `VEILED`."""
     x = np.where(walk.steep, walk.minor, walk.major)
     y = np.where(walk.steep, walk.major, walk.minor)
     covered, veiled = canvas.behind(x, y, walk.nearness)

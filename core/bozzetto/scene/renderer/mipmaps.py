@@ -15,14 +15,12 @@ from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bozzetto.arrays import Bytes
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["Kept", "as_pillow", "level", "rung"]
-
-Bytes = NDArray[np.uint8]
 
 LEVELS_KEPT: Final = 256_000_000
 """Memory for pictures made smaller, bytes: four of 4096 × 4096 pixels at most."""
@@ -32,7 +30,7 @@ QUARTER: Final = 4
 step rounds, and a mean of two is rounded up half of the time: small pictures would be pale."""
 
 
-class Kept:
+class LevelCache:
     """Arrays made of pictures, the latest used ones, for as long as the pictures live.
 
     Parameters
@@ -47,7 +45,7 @@ class Kept:
         self._lock = threading.RLock()  # frames are made beside the window's thread
 
     def get(self, pixels: Bytes, name: Hashable, make: Callable[[], Bytes]) -> Bytes:
-        """What was made of a picture under a name, or is made now."""
+        """Return what was made of a picture under a name, or make it now."""
         key = (id(pixels), name)
         with self._lock:
             found = self._known.get(key)
@@ -77,11 +75,11 @@ class Kept:
             held -= self._known.popitem(last=False)[1][1].nbytes
 
 
-_levels = Kept(LEVELS_KEPT)
+_levels = LevelCache(LEVELS_KEPT)
 
 
 def rung(footprint: float, size: int) -> int:
-    """By how much to reduce a picture along one side.
+    """Return by how much to reduce a picture along one side.
 
     Parameters
     ----------
@@ -103,7 +101,7 @@ def rung(footprint: float, size: int) -> int:
 
 
 def level(pixels: Bytes, across: int, down: int) -> Bytes:
-    """A picture made smaller, multiplied by its opacity.
+    """Return a picture made smaller, multiplied by its opacity.
 
     Parameters
     ----------
@@ -124,7 +122,7 @@ def level(pixels: Bytes, across: int, down: int) -> Bytes:
 
 
 def _reduced(pixels: Bytes, across: int, down: int) -> Bytes:
-    """From the level of a quarter of the numbers where there is one, for that is smaller."""
+    """Reduce a picture, from its quarter-size level where there is one."""
     from PIL import Image
 
     larger = _multiplied(pixels)
@@ -136,7 +134,7 @@ def _reduced(pixels: Bytes, across: int, down: int) -> Bytes:
 
 
 def _multiplied(pixels: Bytes) -> Bytes:
-    """A picture multiplied by its opacity; itself where it is opaque."""
+    """Return a picture multiplied by its opacity; itself where it is opaque."""
     clear = _levels.get(pixels, "clear", lambda: np.array([pixels[..., 3].min() < 255], np.uint8))
     if not clear[0]:
         return pixels
@@ -152,7 +150,7 @@ def _made_clear(pixels: Bytes) -> Bytes:
 
 
 def as_pillow(texels: Bytes) -> Image:
-    """Texels (h, w, 4) as an image of four equal channels, without a copy.
+    """Return texels (h, w, 4) as an image of four equal channels, without a copy.
 
     Pillow would multiply and divide by the opacity of "RGBA" at every step; of "CMYK" it
     knows no opacity.

@@ -1,4 +1,4 @@
-"""What a mesh needs for shading and no view changes: corner normals and curvature.
+"""Corner normals and curvature of a mesh, for shading; no view changes them.
 
 Both are kept as long as the mesh lives, so that turning the view costs nothing here.
 """
@@ -11,11 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Floats, Index
 from bozzetto.geometry.mesh import Mesh
-
-__all__ = ["CornerNormals", "corner_normals", "mean_curvature"]
-
-Array = NDArray[np.float64]
 
 CREASE = np.cos(np.radians(40.0))
 """Cosine of the angle above which neighbouring faces meet in an edge, not in a bend."""
@@ -36,16 +33,16 @@ class CornerNormals:
         Which of them belongs to each corner of each face.
     """
 
-    vectors: NDArray[np.float32]
+    vectors: Floats
     corners: NDArray[np.int32]
 
 
 _normals: weakref.WeakKeyDictionary[Mesh, CornerNormals] = weakref.WeakKeyDictionary()
-_curvatures: weakref.WeakKeyDictionary[Mesh, NDArray[np.float32]] = weakref.WeakKeyDictionary()
+_curvatures: weakref.WeakKeyDictionary[Mesh, Floats] = weakref.WeakKeyDictionary()
 
 
 def corner_normals(mesh: Mesh) -> CornerNormals:
-    """The mesh's own normals, or smooth ones that break at creases."""
+    """Return the mesh's own normals, or smooth ones that break at creases."""
     known = _normals.get(mesh)
     if known is None:
         known = _normals[mesh] = _corner_normals(mesh)
@@ -72,10 +69,8 @@ def _corner_normals(mesh: Mesh) -> CornerNormals:
     return CornerNormals(np.concatenate((smooth, own)), corners)
 
 
-def _grouped_normals(
-    vertex: NDArray[np.int32], face: NDArray[np.intp], flat: Array, area: Array
-) -> NDArray[np.float32]:
-    """For each (vertex, face): the mean of the faces there that bend gently into it."""
+def _grouped_normals(vertex: NDArray[np.int32], face: Index, flat: Array, area: Array) -> Floats:
+    """Return the mean of the faces that bend gently into each (vertex, face)."""
     order = np.argsort(vertex, kind="stable")
     _, first, count = np.unique(vertex[order], return_index=True, return_counts=True)
     if np.square(count).sum() > MOST_PAIRS:
@@ -94,8 +89,8 @@ def _grouped_normals(
     return np.asarray(mean, np.float32)
 
 
-def mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
-    """Mean curvature at the vertices, 1/mm, positive where the surface bulges outwards.
+def mean_curvature(mesh: Mesh) -> Floats:
+    """Return mean curvature at the vertices, 1/mm, positive where the surface bulges outwards.
 
     The mean over the edges of the normal curvature along each,
     (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²: exact on spheres.
@@ -106,7 +101,7 @@ def mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
     return known
 
 
-def _mean_curvature(mesh: Mesh) -> NDArray[np.float32]:
+def _mean_curvature(mesh: Mesh) -> Floats:
     count = len(mesh.vertices)
     normals = mesh.vertex_normals().astype(np.float64)
     points = mesh.vertices.astype(np.float64)

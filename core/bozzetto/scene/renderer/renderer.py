@@ -7,12 +7,12 @@ from dataclasses import replace
 from itertools import groupby, product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.image_layers import apart, hang, lay_pictures
+from bozzetto.scene.renderer.image_layers import apart, blend_pictures, place_picture
 from bozzetto.scene.renderer.labels import draw_label
 from bozzetto.scene.renderer.lines_and_points import (
     BIAS,
@@ -22,14 +22,10 @@ from bozzetto.scene.renderer.lines_and_points import (
     draw_points,
 )
 from bozzetto.scene.renderer.shading import Shading
-from bozzetto.scene.renderer.surfaces import Pictures, Veil, draw_surfaces, see_through
-from bozzetto.scene.renderer.view_transform import Sight, sight_of
+from bozzetto.scene.renderer.surfaces import Pictures, Style, Veil, draw_surfaces, see_through
+from bozzetto.scene.renderer.view_transform import ViewTransform, view_transform
 from bozzetto.view.camera import Camera
 
-__all__ = ["MOST_PIXELS", "render"]
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
 Window = tuple[int, int, int, int]
 
 FINENESS = 2
@@ -49,14 +45,14 @@ ALIGNMENT = 8
 """Windows begin at multiples of this (px), so that all sample depth at the same places."""
 
 SLOPE_SLACK = 2.5
-"""How many pixels' worth of its own slope a surface gives way to a line on it."""
+"""Pixels' worth of its own slope by which a surface gives way to a line on it."""
 
 HANDLE_RADIUS, HANDLE_RIM = 9.0, 2.0
 """Radius of a handle's disc and width of the dark rim around it, px."""
 
 
 def _go_on() -> None:
-    """Nobody wants to stop it."""
+    """Continue: nobody wants to stop."""
 
 
 def render(
@@ -70,27 +66,30 @@ def render(
     background: bool = True,
     antialias: bool = True,
     checkpoint: Callable[[], None] = _go_on,
-) -> NDArray[np.uint8]:
+) -> Bytes:
     """Draw a scene as a picture; the same input gives the same picture, bit for bit.
 
     Parameters
     ----------
     scene : Scene
+        What to draw.
     camera : Camera
         Its vertical field of view fills the picture's height.
     palette : Palette
+        Colours of the theme.
     size : (width, height), optional
         Canvas pixels; the camera's viewport if absent.
     scale : float
         Picture pixels per canvas pixel (the screen's device pixel ratio): a picture of
         ``size · scale``, with lines that much wider.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     background : bool
         Paper behind everything; else the picture is transparent there.
     antialias : bool
         Four samples for each pixel of a surface; lines and pictures are always smooth.
     checkpoint : callable
-        Called between stages; what it raises is let pass, so that a picture can be given up.
+        Called between stages; what it raises passes through, so that a picture can be given up.
 
     Returns
     -------
@@ -110,32 +109,22 @@ def render(
             f"A picture of {width} × {height} pixels is too large. Stay below "
             f"{MOST_PIXELS // 1_000_000} million pixels, for example 8000 × 8000."
         )
-    fineness = FINENESS if antialias else 1
+    style = Style(palette, shading, FINENESS if antialias else 1, checkpoint)
+    paper = (*palette.paper, 1.0) if background else (0.0,) * 4
     items = [item for _, item in scene.items()]
     result = np.empty((height, width, 4), np.uint8)
-    for top, bottom in _bands(width, height, fineness * fineness * _layers(items, shading)):
+    for top, bottom in _bands(width, height, style.fineness**2 * _layers(items, shading)):
         above = max(0, top - HALO)
         below = min(height, bottom + HALO)
         window = (0, above, width, below - above)
-        pixels = _drawn(
-            items,
-            camera,
-            palette,
-            (width, height),
-            window,
-            scale,
-            shading,
-            background,
-            fineness,
-            checkpoint,
-        )
+        pixels = _drawn(items, camera, (width, height), window, scale, paper, style)
         band = pixels.reshape(below - above, width, 4)[top - above : bottom - above]
         result[top:bottom] = _finished(band, opaque=background)
     return result
 
 
 def _layers(items: Sequence[Item], shading: Shading) -> int:
-    """How many values are held for each sample: the surface, and every translucent sheet."""
+    """Return how many values each sample holds: the surface, and every translucent sheet."""
     sheets = [2 if see_through(i, shading) else 0 for i in items if isinstance(i, Shaded)]
     pictures = sum(isinstance(item, Image) for item in items)
     return 1 + sum(sheets) + (pictures if any(isinstance(i, Shaded) for i in items) else 0)
@@ -147,8 +136,8 @@ def _bands(width: int, height: int, depth: int) -> Iterator[tuple[int, int]]:
         yield top, min(height, top + rows)
 
 
-def _finished(pixels: Floats, *, opaque: bool) -> NDArray[np.uint8]:
-    """Bytes of straight alpha."""
+def _finished(pixels: Floats, *, opaque: bool) -> Bytes:
+    """Return bytes of straight alpha."""
     if opaque:
         result = (pixels + np.float32(0.5)).astype(np.uint8)
         result[..., 3] = 255
@@ -162,40 +151,36 @@ def _finished(pixels: Floats, *, opaque: bool) -> NDArray[np.uint8]:
 def _drawn(
     items: Sequence[Item],
     camera: Camera,
-    palette: Palette,
     size: tuple[int, int],
     window: Window,
     scale: float,
-    shading: Shading,
-    background: bool,
-    fineness: int,
-    checkpoint: Callable[[], None],
+    background: tuple[float, ...],
+    style: Style,
 ) -> Floats:
-    """A window of the picture, shape (h · w, 4): colour times opacity, opacity."""
+    """Render a window of the picture, shape (h · w, 4): colour times opacity, opacity."""
     width, height = size
     _, _, w, h = window
-    paper = np.array((*palette.paper, 1.0) if background else (0.0,) * 4, np.float32)
+    fineness = style.fineness
+    paper = np.array(background, np.float32)
     pixels = np.empty((h * w, 4), np.float32)
     pixels[:] = paper
-    sight = sight_of(camera, height, width, window)
-    images = [hang(item, sight) for item in items if isinstance(item, Image)]
+    sight = view_transform(camera, height, width, window)
+    images = [place_picture(item, sight) for item in items if isinstance(item, Image)]
     surfaces = [item for item in items if isinstance(item, Shaded)]
     corners = _corners(surfaces, sight)
     before, after = apart([one for one in images if one is not None], corners)
-    lay_pictures(pixels, before, sight)
-    checkpoint()
+    blend_pictures(pixels, before, sight)
+    style.checkpoint()
     canvas = Canvas(pixels, np.full((h, w), -np.inf, np.float32), None, sight, scale)
     part = _occupied(corners, sight)
     if part is not None:
         x, y, part_w, part_h = part
         inner = (window[0] + x, window[1] + y, part_w, part_h)
-        fine = sight_of(camera, height, width, inner, fineness)
+        fine = view_transform(camera, height, width, inner, fineness)
         inside = np.s_[y : y + part_h, x : x + part_w]
         samples = _enlarged(pixels.reshape(h, w, 4)[inside], fineness)
         pictures = Pictures(before, paper, (x, y))
-        drawn = draw_surfaces(
-            samples, surfaces, pictures, fine, palette, shading, fineness, checkpoint
-        )
+        drawn = draw_surfaces(samples, surfaces, pictures, fine, style)
 
         def rows(values: Floats) -> Floats:
             return values.reshape(fine.height, fine.width, *values.shape[1:])
@@ -212,29 +197,29 @@ def _drawn(
             veil.nearness[inside] = limit(drawn.veil.nearness)
             veil.opacity[inside] = _reduced(rows(drawn.veil.opacity), fineness)
             veil.behind.reshape(h, w, 4)[inside] = _reduced(rows(drawn.veil.behind), fineness)
-            lay_pictures(veil.behind, after, sight)
+            blend_pictures(veil.behind, after, sight)
             canvas = replace(canvas, veil=veil)
-        checkpoint()
-    lay_pictures(pixels, after, sight)
-    _draw_marks(canvas, items, palette)
+        style.checkpoint()
+    blend_pictures(pixels, after, sight)
+    _draw_marks(canvas, items, style.palette)
     return pixels
 
 
 def _enlarged(pixels: Floats, fineness: int) -> Floats:
-    """Each pixel (h, w, 4) as so many samples along both axes, row by row, (n, 4)."""
+    """Repeat each pixel (h, w, 4) for its samples along both axes, row by row, (n, 4)."""
     return np.repeat(np.repeat(pixels, fineness, 0), fineness, 1).reshape(-1, 4)
 
 
-def _corners(items: Sequence[Shaded], sight: Sight) -> Array | None:
-    """Corners of the boxes round meshes: x, y (px), nearness; None if some are behind the eye."""
+def _corners(items: Sequence[Shaded], sight: ViewTransform) -> Array | None:
+    """Return corners of the meshes' boxes: x, y (px), nearness; None if some are behind the eye."""
     boxes = [item.mesh.bounds for item in items if np.isfinite(item.mesh.bounds).all()]
     corners = [np.array(list(product(*box.T))) for box in boxes]
     seen = sight.seen(np.concatenate([np.zeros((0, 3)), *corners]))
     return None if (seen[:, 2] < sight.near).any() else sight.placed(seen)
 
 
-def _occupied(corners: Array | None, sight: Sight) -> Window | None:
-    """The part of a window that meshes can reach; None if they reach nothing."""
+def _occupied(corners: Array | None, sight: ViewTransform) -> Window | None:
+    """Return the part of a window that meshes can reach; None if they reach nothing."""
     if corners is None:
         return (0, 0, sight.width, sight.height)
     if not len(corners):
@@ -248,7 +233,7 @@ def _occupied(corners: Array | None, sight: Sight) -> Window | None:
 
 
 def _reduced(samples: Floats, fineness: int) -> Floats:
-    """The mean of each pixel's samples."""
+    """Return the mean of each pixel's samples."""
     total = samples[::fineness, ::fineness].copy()
     for row, column in product(range(fineness), repeat=2):
         if row or column:
@@ -258,7 +243,7 @@ def _reduced(samples: Floats, fineness: int) -> Floats:
 
 
 def _threshold(nearness: Floats, fineness: int) -> Floats:
-    """Nearness above which a line at a pixel is in front of the surface there, or on it.
+    """Return the nearness above which a line is in front of the surface at a pixel, or on it.
 
     The surface's slope is allowed for, since the line crosses the pixel anywhere: on each
     axis the smaller of the steps to both neighbours, so that an edge of the surface,
@@ -299,7 +284,7 @@ def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None
 
 
 def _style(item: Lines | Points) -> tuple[str | tuple[int, int, int], float, str, bool]:
-    """Neighbours in drawing order that share this are drawn as one."""
+    """Return the style of an item: neighbours in drawing order that share it are drawn as one."""
     return item.color, item.opacity, item.hidden, isinstance(item, Lines)
 
 

@@ -1,16 +1,12 @@
-"""What the depth buffer alone tells: hollows that keep light out, and contour lines."""
+"""Effects from the depth buffer alone: dark hollows, and contour lines."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.arrays import Floats
+from bozzetto.scene.renderer.view_transform import ViewTransform
 from bozzetto.scene.renderer.zbuffer import Buffer
-
-__all__ = ["cavities", "contours"]
-
-Floats = NDArray[np.float32]
 
 STRIDE = 4
 """Pixels (at one sample each) between the places where hollows are measured."""
@@ -38,8 +34,8 @@ OUTER, INNER = 0.62, 0.26
 """Strength of contours and of inner edges."""
 
 
-def _depth(buffer: Buffer, sight: Sight) -> Floats:
-    """Depth in pixel sizes at the target; infinite where nothing is seen."""
+def _depth(buffer: Buffer, sight: ViewTransform) -> Floats:
+    """Return depth in pixel sizes at the target; infinite where nothing is seen."""
     near = buffer.nearness.reshape(buffer.height, buffer.width)
     if not sight.perspective:
         return np.float32(-sight.focal) * near
@@ -49,8 +45,8 @@ def _depth(buffer: Buffer, sight: Sight) -> Floats:
     return np.asarray(depth, np.float32)
 
 
-def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
-    """How much light hollows keep out, shape (h, w), 0 … 1.
+def cavities(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
+    """Return how much light hollows keep out, shape (h, w), 0 … 1.
 
     The depth buffer is compared with its own blurred copy: what lies deeper than its
     neighbourhood is dark (Luft, Colditz & Deussen, "Image enhancement by unsharp masking
@@ -62,7 +58,9 @@ def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     Parameters
     ----------
     buffer : Buffer
-    sight : Sight
+        Nearness and triangle of each sample.
+    sight : ViewTransform
+        The transform of the window.
     normal : (3, h, w) float32
         Right, up, towards the eye.
     fineness : int
@@ -89,14 +87,14 @@ def cavities(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
 
 
 def _spread(image: Floats) -> Floats:
-    """Sum over the 3 × 3 places around each."""
+    """Return the sum over the 3 × 3 pixels around each."""
     padded = np.pad(image, 1)
     rows = padded[:-2] + padded[1:-1] + padded[2:]
     return np.asarray(rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:], np.float32)
 
 
 def _box(images: Floats) -> Floats:
-    """Mean over (2 REACH + 1)² places of each of several images; zero beyond the border."""
+    """Return the mean over (2 REACH + 1)² pixels of several images; zero beyond the border."""
     size = 2 * REACH + 1
     result = images.astype(np.float64)
     for axis in (1, 2):
@@ -108,7 +106,7 @@ def _box(images: Floats) -> Floats:
 
 
 def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
-    """Bilinear enlargement."""
+    """Enlarge by bilinear interpolation."""
     result = image
     for axis, size in ((0, height), (1, width)):
         place = np.arange(size, dtype=np.float32) / np.float32(stride)
@@ -121,8 +119,8 @@ def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
     return result
 
 
-def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Floats:
-    """Strength of contour lines at each pixel, shape (h, w), 0 … 1.
+def contours(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
+    """Return the strength of contour lines at each pixel, shape (h, w), 0 … 1.
 
     A contour runs along the nearer side where depth jumps by more than the slope
     foretells; an inner edge where the normal jumps.
@@ -130,7 +128,9 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
     Parameters
     ----------
     buffer : Buffer
-    sight : Sight
+        Nearness and triangle of each sample.
+    sight : ViewTransform
+        The transform of the window.
     normal : (3, h, w) float32
         Normals of what is seen.
     fineness : int
@@ -161,7 +161,7 @@ def contours(buffer: Buffer, sight: Sight, normal: Floats, fineness: int) -> Flo
 
 
 def _widened(image: Floats) -> Floats:
-    """The greatest of each place and its four neighbours."""
+    """Return the greatest value of each pixel and its four neighbours."""
     result = image.copy()
     np.maximum(result[1:], image[:-1], out=result[1:])
     np.maximum(result[:-1], image[1:], out=result[:-1])

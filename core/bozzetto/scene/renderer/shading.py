@@ -1,4 +1,4 @@
-"""The matter of surfaces: from visible triangles to colours.
+"""Shading: from visible triangles to colours.
 
 Only what is seen is shaded. Normals are interpolated (Phong) by the plane through a
 triangle's corners, weighted with nearness so that they are right in perspective.
@@ -13,22 +13,20 @@ from typing import Final, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.renderer.triangle_soup import Soup
-from bozzetto.scene.renderer.view_transform import Sight
-
-__all__ = ["SHADINGS", "Fragments", "Shading", "colored", "curvature_colors", "fragments"]
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
 
-Floats = NDArray[np.float32]
 
 KEY: Final = np.array((-0.46, 0.62, 0.64), np.float32)
 """Towards the key light, in the frame of the view: from the upper left, tied to the camera."""
 
 WRAP: Final = 0.28
-"""How far the key light reaches round the terminator; matte clay scatters."""
+"""Reach of the key light round the terminator; matte clay scatters."""
 
 KEY_SHARE: Final = 0.76
 SKY_SHARE: Final = 0.38
@@ -53,7 +51,7 @@ CURVATURE_STEPS: Final = 1.6
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """What is seen, pixel by pixel.
+    """Visible surface, pixel by pixel.
 
     Attributes
     ----------
@@ -71,23 +69,27 @@ class Fragments:
         Interpolated vertex colours, 0 … 255.
     """
 
-    pixel: NDArray[np.intp]
+    pixel: Index
     triangle: NDArray[np.int32]
     normal: Floats
     facing: Floats
-    inside: NDArray[np.bool_]
+    inside: Flags
     color: Floats
 
 
-def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: bool) -> Fragments:
+def fragments(
+    triangle: NDArray[np.int32], soup: Soup, sight: ViewTransform, *, tinted: bool
+) -> Fragments:
     """Interpolate over the visible triangles.
 
     Parameters
     ----------
     triangle : (h · w,) int32
-        Of a buffer; −1 where nothing is seen.
+        Triangles of a buffer; −1 where nothing is seen.
     soup : Soup
-    sight : Sight
+        The triangles on the sheet.
+    sight : ViewTransform
+        The transform of the window.
     tinted : bool
         Whether vertex colours are wanted; else `Fragments.color` is empty.
     """
@@ -129,13 +131,13 @@ def fragments(triangle: NDArray[np.int32], soup: Soup, sight: Sight, *, tinted: 
 
 
 def _interpolated(
-    places: NDArray[np.float64],
+    places: Array,
     values: NDArray[np.floating],
     row: NDArray[np.int32],
     dx: Floats,
     dy: Floats,
 ) -> Floats:
-    """Affine interpolation of (t, 3, k) corner values at offsets from first corners; (k, n)."""
+    """Interpolate (t, 3, k) corner values affinely at offsets from first corners; (k, n)."""
     edge = places[:, 1:, :2] - places[:, :1, :2]
     area = edge[:, 0, 0] * edge[:, 1, 1] - edge[:, 0, 1] * edge[:, 1, 0]
     scale = np.divide(1.0, area, out=np.zeros_like(area), where=area != 0)[:, None]
@@ -153,18 +155,19 @@ def _interpolated(
     return np.clip(result, -limit, limit, out=result)
 
 
-def _backs(places: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _backs(places: Array) -> Flags:
     x, y = places[:, :, 0], places[:, :, 1]
     area = (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0]) - (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0])
     return np.asarray(area < 0)
 
 
-def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
-    """How much light matte clay sends to the eye: 1 shows its colour; shape (n,).
+def diffuse_light(seen: Fragments, cavity: Floats | None = None) -> Floats:
+    """Return how much light matte clay sends to the eye, (n,); 1 shows its colour.
 
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     cavity : (n,) float32, optional
         Part of the light that is kept out of hollows, 0 … 1.
     """
@@ -185,7 +188,7 @@ def lit(seen: Fragments, cavity: Floats | None = None) -> Floats:
 
 
 def ramp(color: Color) -> Floats:
-    """Colours of a matte surface from no light to `BRIGHTEST`, shape (STEPS, 3), 0 … 255.
+    """Return colours of a matte surface from no light to `BRIGHTEST`, shape (STEPS, 3), 0 … 255.
 
     Shadows keep some warmth instead of going grey; highlights tend to white without
     reaching it.
@@ -199,32 +202,37 @@ def ramp(color: Color) -> Floats:
     return np.asarray(dark + (bright - dark) * over * over, np.float32)
 
 
-def colored(
+def surface_colors(
     seen: Fragments,
     part: NDArray[np.int32],
     colors: Sequence[Color],
-    tinted: NDArray[np.bool_],
+    tinted: Flags,
     shading: Shading,
     palette: Palette,
     cavity: Floats | None = None,
 ) -> Floats:
-    """Colours of what is seen, shape (n, 3), 0 … 255.
+    """Return colours of the visible surface, shape (n, 3), 0 … 255.
 
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     part : (n,) int32
         Which of `colors` each pixel has.
     colors : sequence of (r, g, b)
+        Colours of the parts, 0 … 255.
     tinted : (parts,) bool
         Which parts show their vertex colours instead.
     shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
     palette : Palette
+        Colours of the theme.
     cavity : (n,) float32, optional
+        Part of the light that is kept out of hollows, 0 … 1.
     """
     if shading == "normals":
         return np.asarray((seen.normal.T * 0.5 + 0.5) * 255.0, np.float32)
-    light = lit(seen, cavity)
+    light = diffuse_light(seen, cavity)
     step = np.clip(light * np.float32((STEPS - 1) / BRIGHTEST), 0, STEPS - 1).astype(np.intp)
     ramps = np.concatenate([ramp(color) for color in colors])
     result = ramps.take(part.astype(np.intp) * STEPS + step, 0)
@@ -236,7 +244,7 @@ def colored(
 
 
 def curvature_colors(curvature: Floats, palette: Palette) -> Floats:
-    """RGBA per vertex: hollows in the second colour, bulges in the accent; (v, 4), 0 … 255.
+    """Return RGBA per vertex: hollows in the second colour, bulges in the accent; (v, 4), 0 … 255.
 
     Scaled by the mesh's own 90th percentile, so that detail shows at any size.
     """

@@ -1,4 +1,4 @@
-"""Shaded meshes before pictures on a window of the sheet, opaque first, then translucent."""
+"""Meshes and pictures on a window of the sheet, opaque first, then translucent."""
 
 from __future__ import annotations
 
@@ -8,28 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.display_list import Shaded
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.compositing import Sheet, lay_over, veil_of
-from bozzetto.scene.renderer.image_layers import Hung, sheet_at
+from bozzetto.scene.renderer.compositing import Sheet, blend_sheets, nearest_sheet
+from bozzetto.scene.renderer.image_layers import PlacedPicture, sheet_at
 from bozzetto.scene.renderer.normals import mean_curvature
 from bozzetto.scene.renderer.screen_space import cavities, contours
 from bozzetto.scene.renderer.shading import (
     Fragments,
     Shading,
-    colored,
     curvature_colors,
     fragments,
+    surface_colors,
 )
 from bozzetto.scene.renderer.triangle_soup import Soup, gather
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
-from bozzetto.scene.renderer.zebra import mirroring
+from bozzetto.scene.renderer.zebra import with_zebra
 
-__all__ = ["Drawn", "Veil", "draw_surfaces", "is_polished", "see_through"]
-
-Floats = NDArray[np.float32]
-Samples = NDArray[np.intp]
+Samples = Index
 
 XRAY_LEAST, XRAY_MOST = 0.10, 0.80
 """Opacity of x-rayed surfaces seen face on and edge on."""
@@ -38,14 +36,36 @@ XRAY_INK = 0.55
 """Part of ink in their colour."""
 
 
+@dataclass(frozen=True)
+class Style:
+    """How a picture is made.
+
+    Attributes
+    ----------
+    palette : Palette
+        Colours of the theme.
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+        How surfaces are shaded.
+    fineness : int
+        Samples per pixel along each axis.
+    checkpoint : callable
+        Called between stages; what it raises passes through.
+    """
+
+    palette: Palette
+    shading: Shading
+    fineness: int
+    checkpoint: Callable[[], None]
+
+
 @dataclass(frozen=True, eq=False)
 class Veil:
-    """What translucent meshes do to lines behind them.
+    """Translucent meshes before lines: nearness and opacity.
 
     Attributes
     ----------
     nearness, opacity : (h · w,) float32
-        Of the nearest of them; −inf and 0 where there is none.
+        Values of the nearest of them; −inf and 0 where there is none.
     behind : (h · w, 4) float32
         The picture without them.
     """
@@ -62,7 +82,7 @@ class Drawn:
     Attributes
     ----------
     nearness : (h · w,) float32
-        Of the opaque surfaces; −inf where there is none.
+        Nearness of the opaque surfaces; −inf where there is none.
     veil : Veil or None
         None if no mesh is translucent.
     """
@@ -77,19 +97,19 @@ class Pictures:
 
     Attributes
     ----------
-    hung : sequence of Hung
+    hung : sequence of PlacedPicture
     paper : (4,) float32
         What is behind them: colour multiplied by opacity, opacity.
     offset : (x, y)
         Where the part begins, px of the pictures' window.
     """
 
-    hung: Sequence[Hung]
+    hung: Sequence[PlacedPicture]
     paper: Floats
     offset: tuple[int, int]
 
     def in_front(self, buffer: Buffer, glass: Sequence[Sheet], fineness: int) -> Samples:
-        """Samples at which some picture is in front of some mesh."""
+        """Return the samples at which some picture is in front of some mesh."""
         if not self.hung:
             return np.zeros(0, np.intp)
         farthest = np.where(buffer.triangle >= 0, buffer.nearness, np.float32(np.inf))
@@ -105,9 +125,9 @@ class Pictures:
         return np.flatnonzero(found)
 
     def _nearness(
-        self, picture: Hung, buffer: Buffer, fineness: int
+        self, picture: PlacedPicture, buffer: Buffer, fineness: int
     ) -> tuple[tuple[slice, slice], Floats]:
-        """The samples in a picture's box, and the nearness of its plane there."""
+        """Return the samples in a picture's box, and the nearness of its plane there."""
         ends = []
         sizes = (buffer.width, buffer.height)
         boxes = ((picture.left, picture.right), (picture.top, picture.bottom))
@@ -127,11 +147,8 @@ def draw_surfaces(
     pixels: Floats,
     items: Sequence[Shaded],
     pictures: Pictures,
-    sight: Sight,
-    palette: Palette,
-    shading: Shading,
-    fineness: int,
-    checkpoint: Callable[[], None],
+    sight: ViewTransform,
+    style: Style,
 ) -> Drawn:
     """Draw meshes over pictures, and pictures over meshes where those are in front.
 
@@ -141,41 +158,42 @@ def draw_surfaces(
         Written to: colour (0 … 255) multiplied by opacity, opacity (0 … 1). The pictures are
         there already.
     items : sequence of Shaded
+        The meshes.
     pictures : Pictures
-    sight : Sight
-    palette : Palette
-    shading : {"clay", "zebra", "curvature", "normals", "xray"}
-    fineness : int
-        Samples per pixel along each axis.
-    checkpoint : callable
-        Called between stages.
+        Pictures in front of or behind some of the meshes.
+    sight : ViewTransform
+        The transform of the window.
+    style : Style
+        How the picture is made.
     """
     shaded = [i for i in items if len(i.mesh.faces) and i.opacity > 0]
-    solid = [i for i in shaded if not see_through(i, shading)]
+    solid = [i for i in shaded if not see_through(i, style.shading)]
     buffer = blank(sight.width, sight.height)
     if solid:
-        _draw_opaque(pixels, solid, buffer, sight, palette, shading, fineness)
-        checkpoint()
+        _draw_opaque(pixels, solid, buffer, sight, style)
+        style.checkpoint()
     glass: list[Sheet] = []
     for item in shaded:
-        if see_through(item, shading):
-            sheets = _mesh_sheets(item, sight, palette, shading)
+        if see_through(item, style.shading):
+            sheets = _mesh_sheets(item, sight, style)
             glass += [sheet.before(buffer.nearness) for sheet in sheets] if solid else sheets
-            checkpoint()
-    crossing = pictures.in_front(buffer, glass, fineness)
+            style.checkpoint()
+    crossing = pictures.in_front(buffer, glass, style.fineness)
     hung: list[Sheet] = []
     if len(crossing):
         pixels[crossing[buffer.triangle[crossing] < 0]] = pictures.paper
         hung = [
-            sheet_at(one, crossing, sight.width, pictures.offset, fineness).before(buffer.nearness)
+            sheet_at(one, crossing, sight.width, pictures.offset, style.fineness).before(
+                buffer.nearness
+            )
             for one in pictures.hung
         ]
     veil = None
     if glass:
         behind = pixels.copy()
-        lay_over(behind, hung)
-        veil = Veil(*veil_of(glass, len(pixels)), behind)
-    lay_over(pixels, hung + glass)
+        blend_sheets(behind, hung)
+        veil = Veil(*nearest_sheet(glass, len(pixels)), behind)
+    blend_sheets(pixels, hung + glass)
     return Drawn(buffer.nearness, veil)
 
 
@@ -194,43 +212,35 @@ def is_polished(item: Shaded, shading: Shading) -> bool:
     return shading == "zebra" or (shading == "clay" and item.finish == "zebra")
 
 
-def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
-    if shading == "curvature":
-        return curvature_colors(mean_curvature(item.mesh), palette)
-    return item.mesh.colors_over(palette.color(item.color))
+def _vertex_colors(item: Shaded, style: Style) -> NDArray[np.generic] | None:
+    if style.shading == "curvature":
+        return curvature_colors(mean_curvature(item.mesh), style.palette)
+    return item.mesh.colors_over(style.palette.color(item.color))
 
 
-def _gathered(
-    items: Sequence[Shaded], sight: Sight, palette: Palette, shading: Shading
-) -> tuple[Soup, NDArray[np.bool_]]:
-    colors = [_vertex_colors(item, palette, shading) for item in items]
+def _gathered(items: Sequence[Shaded], sight: ViewTransform, style: Style) -> tuple[Soup, Flags]:
+    colors = [_vertex_colors(item, style) for item in items]
     tinted = np.array([own is not None for own in colors])
     return gather([item.mesh for item in items], colors, sight), tinted
 
 
 def _draw_opaque(
-    pixels: Floats,
-    items: Sequence[Shaded],
-    buffer: Buffer,
-    sight: Sight,
-    palette: Palette,
-    shading: Shading,
-    fineness: int,
+    pixels: Floats, items: Sequence[Shaded], buffer: Buffer, sight: ViewTransform, style: Style
 ) -> None:
-    soup, tinted = _gathered(items, sight, palette, shading)
+    soup, tinted = _gathered(items, sight, style)
     rasterize(buffer, soup.places, soup.faces, soup.doubled_areas() > 0)
     seen = fragments(buffer.triangle, soup, sight, tinted=bool(tinted.any()))
     if not len(seen.pixel):
         return
     normal = _spread_normals(seen, buffer)
     cavity = None
-    matte = not all(is_polished(item, shading) for item in items)
-    if matte and shading in ("clay", "curvature"):
-        cavity = cavities(buffer, sight, normal, fineness).ravel()[seen.pixel]
-    rgb = _colors_of(seen, soup, items, tinted, sight, palette, shading, cavity)
-    line = contours(buffer, sight, normal, fineness).ravel()[seen.pixel]
+    matte = not all(is_polished(item, style.shading) for item in items)
+    if matte and style.shading in ("clay", "curvature"):
+        cavity = cavities(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
+    rgb = _colors_of(seen, soup, items, tinted, sight, style, cavity)
+    line = contours(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
     drawn = np.flatnonzero(line)
-    ink = np.array(palette.ink, np.float32)
+    ink = np.array(style.palette.ink, np.float32)
     rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
     pixels[seen.pixel, :3] = rgb
     pixels[seen.pixel, 3] = 1.0
@@ -240,21 +250,22 @@ def _colors_of(
     seen: Fragments,
     soup: Soup,
     items: Sequence[Shaded],
-    tinted: NDArray[np.bool_],
-    sight: Sight,
-    palette: Palette,
-    shading: Shading,
+    tinted: Flags,
+    sight: ViewTransform,
+    style: Style,
     cavity: Floats | None = None,
 ) -> Floats:
-    """Colours of what is seen of some meshes, (n, 3), 0 … 255."""
+    """Return colours of the visible parts of some meshes, (n, 3), 0 … 255."""
     part = soup.part[seen.triangle]
-    colors = [palette.color(item.color) for item in items]
-    polished = np.array([is_polished(item, shading) for item in items])
+    colors = [style.palette.color(item.color) for item in items]
+    polished = np.array([is_polished(item, style.shading) for item in items])
     if polished.any():
-        seen = mirroring(seen, part, colors, tinted, polished, sight)
+        seen = with_zebra(seen, part, colors, tinted, polished, sight)
         if cavity is not None:  # what is mirrored lies outside of the hollow
             cavity = np.where(polished[part], np.float32(0), cavity)
-    return colored(seen, part, colors, tinted | polished, shading, palette, cavity)
+    return surface_colors(
+        seen, part, colors, tinted | polished, style.shading, style.palette, cavity
+    )
 
 
 def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
@@ -263,9 +274,9 @@ def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
     return normal.reshape(3, buffer.height, buffer.width)
 
 
-def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading) -> list[Sheet]:
-    """The nearest back and the nearest front of a mesh."""
-    soup, tinted = _gathered([item], sight, palette, shading)
+def _mesh_sheets(item: Shaded, sight: ViewTransform, style: Style) -> list[Sheet]:
+    """Return the nearest back and the nearest front of a mesh."""
+    soup, tinted = _gathered([item], sight, style)
     front = soup.doubled_areas() > 0
     sheets = []
     for side in (~front, front):
@@ -273,13 +284,13 @@ def _mesh_sheets(item: Shaded, sight: Sight, palette: Palette, shading: Shading)
         buffer = blank(sight.width, sight.height)
         rasterize(buffer, half.places, half.faces)
         seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
-        rgb = _colors_of(seen, half, [item], tinted, sight, palette, shading)
+        rgb = _colors_of(seen, half, [item], tinted, sight, style)
         opacity = np.full(len(seen.pixel), item.opacity, np.float32)
         if item.mesh.colors is not None and tinted.any():
             opacity *= seen.color[:, 3] / np.float32(255)
-        if shading == "xray":
+        if style.shading == "xray":
             grazing = np.square(np.float32(1) - seen.facing)
-            rgb += np.float32(XRAY_INK) * (np.array(palette.ink, np.float32) - rgb)
+            rgb += np.float32(XRAY_INK) * (np.array(style.palette.ink, np.float32) - rgb)
             opacity *= np.float32(XRAY_LEAST) + np.float32(XRAY_MOST - XRAY_LEAST) * grazing
         sheets.append(Sheet(seen.pixel, buffer.nearness[seen.pixel], rgb, opacity))
     return sheets

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Floats
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.renderer.normals import corner_normals
-from bozzetto.scene.renderer.view_transform import Sight
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
-__all__ = ["Soup", "gather"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int32]
+Triples = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,14 +37,14 @@ class Soup:
     """
 
     places: Array
-    faces: Index
-    normals: NDArray[np.float32]
-    corners: Index
-    colors: NDArray[np.float32]
-    part: Index
+    faces: Triples
+    normals: Floats
+    corners: Triples
+    colors: Floats
+    part: Triples
 
-    def only(self, keep: NDArray[np.bool_]) -> Soup:
-        """The soup without some of its triangles."""
+    def only(self, keep: Flags) -> Soup:
+        """Return the soup without some of its triangles."""
         return Soup(
             self.places,
             self.faces[keep],
@@ -57,7 +55,7 @@ class Soup:
         )
 
     def doubled_areas(self) -> Array:
-        """Twice the signed area of each triangle, px²; positive where it shows its front."""
+        """Return twice the signed area of each triangle, px²; positive where it shows its front."""
         x, y = (self.places[:, axis][self.faces] for axis in (0, 1))
         return np.asarray(
             (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0]) - (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0])
@@ -65,16 +63,18 @@ class Soup:
 
 
 def gather(
-    meshes: Sequence[Mesh], colors: Sequence[NDArray[np.generic] | None], sight: Sight
+    meshes: Sequence[Mesh], colors: Sequence[NDArray[np.generic] | None], sight: ViewTransform
 ) -> Soup:
     """Bring meshes onto the sheet.
 
     Parameters
     ----------
     meshes : sequence of Mesh
+        The meshes, in the world.
     colors : sequence of (v, 4) array or None
         RGBA 0 … 255 of each mesh's vertices, where they have any.
-    sight : Sight
+    sight : ViewTransform
+        The transform of the window.
     """
     prepared = [corner_normals(mesh) for mesh in meshes]
     sizes = [len(mesh.vertices) for mesh in meshes]
@@ -109,7 +109,7 @@ def _joined(arrays: Sequence[NDArray[np.generic]], dtype: type, columns: int) ->
 
 
 def _clipped(soup: Soup, near: float) -> Soup:
-    """The part of the triangles that lies beyond the near plane."""
+    """Return the part of the triangles that lies beyond the near plane."""
     shown = (soup.places[:, 2] >= near)[soup.faces]
     count = shown.sum(1)
     if (count == 3).all():
@@ -129,8 +129,8 @@ def _clipped(soup: Soup, near: float) -> Soup:
     return _merged(pieces)
 
 
-def _cut(soup: Soup, faces: Index, corners: Index, near: float, *, keep_first: bool) -> Soup:
-    """One or two triangles for each whose first corner lies alone on its side."""
+def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_first: bool) -> Soup:
+    """Return one or two triangles for each whose first corner lies alone on its side."""
     a, depth = faces[:, 0], soup.places[:, 2]
     count = len(faces)
     places, normals, colors = [], [], []

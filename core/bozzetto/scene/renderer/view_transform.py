@@ -1,24 +1,21 @@
-"""From the world to a window of pixels, with a nearness that is affine on the sheet."""
+"""Transform from the world to a window of pixels, with a nearness affine on the sheet."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Floats
 from bozzetto.view.camera import Camera
-
-__all__ = ["Sight", "sight_of"]
-
-Array = NDArray[np.float64]
 
 NEAR = 1e-4
 """Nearest depth shown in perspective, as a part of the distance to the target."""
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class ViewTransform:
     """A camera bound to a window of pixels.
 
     `nearness` stands in for depth: it grows towards the eye and is affine in the pixel
@@ -57,11 +54,11 @@ class Sight:
         return NEAR * self.reference if self.perspective else -np.inf
 
     def seen(self, points: ArrayLike) -> Array:
-        """World points in the frame of the view: right, up, depth; shape (n, 3), mm."""
+        """Return world points in the frame of the view: right, up, depth; shape (n, 3), mm."""
         return (np.asarray(points, np.float64) - self.eye) @ self.axes.T
 
     def placed(self, seen: Array) -> Array:
-        """Columns x, y (px) and nearness of points not before `near`, shape (n, 3)."""
+        """Return columns x, y (px) and nearness of points not before `near`, shape (n, 3)."""
         result = np.empty_like(seen)
         if self.perspective:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -74,26 +71,27 @@ class Sight:
         result[:, 1] = self.middle[1] - seen[:, 1] * scale
         return result
 
-    def backed(self, nearness: NDArray[np.float32], pixels: float) -> NDArray[np.float32]:
-        """Nearness moved away from the eye by as much as so many pixels measure there."""
+    def backed(self, nearness: Floats, pixels: float) -> Floats:
+        """Return nearness moved away from the eye by as much as so many pixels measure there."""
         mm = np.float32(pixels / self.focal)
         if self.perspective:  # d q = −q² dz / reference, and a pixel measures z / focal
             return nearness * (np.float32(1) - mm)
         return nearness - mm
 
 
-def sight_of(
+def view_transform(
     camera: Camera,
     height: float,
     width: float,
     window: tuple[int, int, int, int],
     fineness: int = 1,
-) -> Sight:
-    """The sight of a camera through a window of the picture.
+) -> ViewTransform:
+    """Return the transform of a camera through a window of the picture.
 
     Parameters
     ----------
     camera : Camera
+        The view.
     height, width : float
         The whole picture, px; the camera's field of view fills its height.
     window : (x, y, w, h)
@@ -107,7 +105,7 @@ def sight_of(
         focal = 0.5 * height * fine / np.tan(np.radians(camera.fov_y) / 2.0)
     else:
         focal = height * fine / camera.height
-    return Sight(
+    return ViewTransform(
         np.asarray(camera.eye),
         camera.axes,
         camera.kind == "perspective",

@@ -1,4 +1,4 @@
-"""Which triangle is seen at each pixel: a scan converter that works on all rows at once.
+"""Depth buffer: a scan converter that works on all rows at once.
 
 Each triangle is cut into spans, one for each row of pixel centres it crosses. The ends of
 a span are found on the triangle's edges, always walked from the upper to the lower end:
@@ -14,16 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Buffer", "blank", "rasterize"]
-
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Flags, Floats
 
 NOTHING = np.int32(-1)
 """Stands for no triangle."""
 
 SPANS_AT_ONCE = 1_000_000
 FRAGMENTS_AT_ONCE = 2_000_000
-"""How many spans and pixels are worked on in one sweep; bounds the memory used."""
+"""Limit of spans and pixels in one sweep; bounds the memory used."""
 
 TILE = 8
 """Side (px) of the tiles that remember the farthest nearness in them."""
@@ -44,12 +42,12 @@ class Buffer:
 
     width: int
     height: int
-    nearness: NDArray[np.float32]
+    nearness: Floats
     triangle: NDArray[np.int32]
 
 
 def blank(width: int, height: int) -> Buffer:
-    """An empty buffer."""
+    """Return an empty buffer."""
     return Buffer(
         width,
         height,
@@ -59,7 +57,7 @@ def blank(width: int, height: int) -> Buffer:
 
 
 def rasterize(
-    buffer: Buffer, places: Array, faces: NDArray[np.int32], first: NDArray[np.bool_] | None = None
+    buffer: Buffer, places: Array, faces: NDArray[np.int32], first: Flags | None = None
 ) -> None:
     """Draw triangles into a buffer.
 
@@ -85,8 +83,8 @@ def rasterize(
     _draw(buffer, places, faces[others], names[others])
 
 
-def _may_be_seen(buffer: Buffer, places: Array, faces: NDArray[np.int32]) -> NDArray[np.bool_]:
-    """Which triangles are not surely behind everything drawn where they lie."""
+def _may_be_seen(buffer: Buffer, places: Array, faces: NDArray[np.int32]) -> Flags:
+    """Return which triangles are not surely behind everything drawn where they lie."""
     across, down = -(-buffer.width // TILE), -(-buffer.height // TILE)
     full = np.full((down * TILE, across * TILE), np.inf, np.float32)
     full[: buffer.height, : buffer.width] = buffer.nearness.reshape(buffer.height, buffer.width)
@@ -107,7 +105,7 @@ Columns = tuple[NDArray[np.floating], NDArray[np.floating], NDArray[np.floating]
 
 
 def _columns(values: NDArray[np.floating], faces: NDArray[np.int32]) -> Columns:
-    """A vertex value at the first, second and third corner of each face."""
+    """Return a vertex value at the first, second and third corner of each face."""
     return values.take(faces[:, 0]), values.take(faces[:, 1]), values.take(faces[:, 2])
 
 
@@ -124,7 +122,7 @@ def _cells(value: NDArray[np.floating], count: int) -> NDArray[np.int32]:
 
 
 def _centers_before(value: NDArray[np.floating], size: int) -> NDArray[np.int64]:
-    """How many pixel centres of a row or column of `size` lie before a place."""
+    """Return how many pixel centres of a row or column of `size` lie before a place."""
     return np.asarray(np.ceil(np.clip(value, 0, size) - 0.5), np.int64)
 
 
@@ -151,7 +149,7 @@ def _draw(
 def _by_height(
     places: Array, faces: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """Vertices of each triangle from the top of the sheet down."""
+    """Return vertices of each triangle from the top of the sheet down."""
     y = places[:, 1]
     a, b, c = faces.T
     for _ in range(2):  # a bubble sort of three
@@ -205,7 +203,7 @@ def _draw_spans(
 def _on_edge(
     places: Array, begin: NDArray[np.int32], end: NDArray[np.int32], y: Array
 ) -> tuple[Array, Array]:
-    """Where the edges between vertices cross rows: x and nearness."""
+    """Return x and nearness where the edges between vertices cross rows."""
     x0, y0, q0 = (places[:, axis].take(begin) for axis in range(3))
     x1, y1, q1 = (places[:, axis].take(end) for axis in range(3))
     t = (y - y0) / (y1 - y0)

@@ -18,13 +18,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.palette import Color
 from bozzetto.scene.renderer.shading import Fragments
-from bozzetto.scene.renderer.view_transform import Sight
-
-__all__ = ["mirroring", "stripes"]
-
-Floats = NDArray[np.float32]
+from bozzetto.scene.renderer.view_transform import ViewTransform
 
 TUBES: Final = 24
 """Tubes from the nadir to the zenith; the gaps between them are as wide."""
@@ -40,27 +37,29 @@ TINT: Final = 0.16
 """Share of the body's own colour in both."""
 
 
-def mirroring(
+def with_zebra(
     seen: Fragments,
     part: NDArray[np.int32],
     colors: Sequence[Color],
-    tinted: NDArray[np.bool_],
-    polished: NDArray[np.bool_],
-    sight: Sight,
+    tinted: Flags,
+    polished: Flags,
+    sight: ViewTransform,
 ) -> Fragments:
-    """What is seen, with the colours of stripes on polished parts.
+    """Return the fragments with the colours of stripes on polished parts.
 
     Parameters
     ----------
     seen : Fragments
+        The visible surface.
     part : (n,) int32
         Which part each pixel shows.
     colors : sequence of (r, g, b)
-        Of the parts, where they have none at their vertices.
+        Colours of the parts, where they have none at their vertices.
     tinted, polished : (parts,) bool
         Which parts show their vertex colours, and which mirror the tubes; these have a colour
         in every pixel then.
-    sight : Sight
+    sight : ViewTransform
+        The transform of the window.
     """
     where = np.flatnonzero(polished[part])
     own = np.array(colors, np.float32)[part[where]]
@@ -76,8 +75,8 @@ def mirroring(
     return replace(seen, color=color)
 
 
-def stripes(seen: Fragments, sight: Sight) -> Floats:
-    """How much of a tube is mirrored at each pixel, 0 … 1, (n,).
+def stripes(seen: Fragments, sight: ViewTransform) -> Floats:
+    """Return how much of a light tube is mirrored at each pixel, 0 … 1, (n,).
 
     The pattern is 1 within a quarter of each tube's height, counted in tubes, and 0 between. Its
     mean over a pixel is the difference of its integral at both ends: stripes too fine for the
@@ -86,7 +85,9 @@ def stripes(seen: Fragments, sight: Sight) -> Floats:
     Parameters
     ----------
     seen : Fragments
-    sight : Sight
+        The visible surface.
+    sight : ViewTransform
+        The transform of the window.
     """
     height = np.arcsin(_climb(seen, sight)) * np.float32(TUBES / np.pi)
     width = np.maximum(_over_pixel(height, seen.pixel, sight), np.float32(SOFTNESS))
@@ -94,8 +95,8 @@ def stripes(seen: Fragments, sight: Sight) -> Floats:
     return np.asarray((_integral(middle + half) - _integral(middle - half)) / width)
 
 
-def _climb(seen: Fragments, sight: Sight) -> Floats:
-    """Sine of the angle by which mirrored lines of sight climb, (n,).
+def _climb(seen: Fragments, sight: ViewTransform) -> Floats:
+    """Return the sine of the angle by which mirrored lines of sight climb, (n,).
 
     With the unit vectors n across the surface and s towards the eye, the line of sight goes on
     along 2 (n·s) n − s.
@@ -115,13 +116,13 @@ def _climb(seen: Fragments, sight: Sight) -> Floats:
 
 
 def _integral(height: Floats) -> Floats:
-    """Of a pattern that is 1 on the first half of each unit and 0 on the second."""
+    """Integrate a pattern that is 1 on the first half of each unit and 0 on the second."""
     whole = np.floor(height)
     return np.asarray(np.float32(0.5) * whole + np.minimum(height - whole, np.float32(0.5)))
 
 
-def _over_pixel(values: Floats, pixel: NDArray[np.intp], sight: Sight) -> Floats:
-    """By how much values change over their pixels, (n,).
+def _over_pixel(values: Floats, pixel: Index, sight: ViewTransform) -> Floats:
+    """Return by how much values change over their pixels, (n,).
 
     On each axis the smaller of the steps to both neighbours: across a crease or a contour the
     pattern jumps, and that edge shall stay sharp.

@@ -14,13 +14,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-
-__all__ = ["FEWEST", "DirectCamera", "Parts", "direct_linear_transform"]
-
-Array = NDArray[np.float64]
 
 FEWEST: Final = 6
 """Marks that eleven unknowns need, with two equations each."""
@@ -80,7 +77,7 @@ class DirectCamera:
     determined: float
 
     def project(self, points: ArrayLike) -> Array:
-        """Places (n, 2), px, of world points (n, 3), mm; NaN at or behind the eye."""
+        """Project world points (n, 3), mm, to places (n, 2), px; NaN at or behind the eye."""
         places = np.reshape(np.asarray(points, float), (-1, 3))
         seen = places @ self.matrix[:, :3].T + self.matrix[:, 3]
         out = np.full((len(places), 2), np.nan)
@@ -112,7 +109,7 @@ class DirectCamera:
 
 
 def direct_linear_transform(points: ArrayLike, marks: ArrayLike) -> DirectCamera:
-    """The camera of eleven parameters with the least algebraic error.
+    """Fit the camera of eleven parameters with the least algebraic error.
 
     Both sides are normalised first (Hartley, "In defence of the eight-point algorithm", 1997).
 
@@ -161,7 +158,7 @@ def direct_linear_transform(points: ArrayLike, marks: ArrayLike) -> DirectCamera
 
 
 def _normalising(places: Array) -> Array:
-    """The similarity, in homogeneous coordinates, after which the mean distance is √d."""
+    """Return the similarity, in homogeneous coordinates, that makes the mean distance √d."""
     size = places.shape[1]
     middle = places.mean(axis=0)
     mean = float(np.mean(np.linalg.norm(places - middle, axis=1)))

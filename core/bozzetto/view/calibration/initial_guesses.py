@@ -1,4 +1,4 @@
-"""Where the search for a camera starts: from all around, and from the direct linear transform.
+"""First guesses of a camera: views from all around, and the direct linear transform.
 
 For a direction of sight and a perspectivity the rest of the camera, that is scale, roll and
 offset, is a similarity of the picture and has a closed form. So a start needs no guess, and
@@ -11,17 +11,13 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.dlt import FEWEST, direct_linear_transform
 from bozzetto.view.calibration.pose import PERSPECTIVITIES, SCALES, Poses, rotations
 from bozzetto.view.rotations import unit
 from bozzetto.view.standard_views import CUBE_DIRECTIONS
-
-__all__ = ["resumed", "starts"]
-
-Array = NDArray[np.float64]
 
 STRENGTHS: Final = (0.3, 1.0)
 """Perspectivities to start from, in reciprocal diagonals: a long and a usual lens."""
@@ -35,27 +31,27 @@ REFINED: Final = 2
 
 
 def starts(points: Array, marks: Array) -> Poses:
-    """Poses to start from, in the units of `Framing`.
+    """Return poses to start from, in the units of `Framing`.
 
     Returns
     -------
     Poses
-        Of each direction an orthographic one and one for each of `STRENGTHS`.
+        An orthographic pose for each direction, and one for each of `STRENGTHS`.
     """
     turns = np.concatenate((AROUND, _direct(points, marks)))
     strengths = np.repeat((0.0, *STRENGTHS), len(turns))
     return _fitted(points, marks, np.tile(turns, (1 + len(STRENGTHS), 1, 1)), strengths)
 
 
-def resumed(points: Array, marks: Array, before: Poses, cropped: bool) -> Poses:
-    """A pose of the same kind as one found before, next to it, for the marks of now."""
+def resume_poses(points: Array, marks: Array, before: Poses, cropped: bool) -> Poses:
+    """Return poses like one found before, next to it, for the marks there are now."""
     principal = before.principal * cropped
     made = _fitted(points, marks - principal, before.turn, before.perspectivity)
     return replace(made, principal=principal)
 
 
 def _around() -> Array:
-    """Frames (26, 3, 3) that look from the places of the view cube."""
+    """Return frames (26, 3, 3) that look from the places of the view cube."""
     frames = []
     for direction in CUBE_DIRECTIONS:
         forward = -unit(direction)
@@ -70,7 +66,7 @@ AROUND: Final = _around()
 
 
 def _direct(points: Array, marks: Array) -> Array:
-    """The frame that the direct linear transform sees, (1, 3, 3), or none."""
+    """Return the frame that the direct linear transform finds, (1, 3, 3), or (0, 3, 3) for none."""
     if len(points) < FEWEST:
         return np.zeros((0, 3, 3))
     try:
@@ -80,7 +76,7 @@ def _direct(points: Array, marks: Array) -> Array:
 
 
 def _fitted(points: Array, marks: Array, turns: Array, strengths: Array) -> Poses:
-    """The best scale, roll and offset of each turn for a perspectivity, linear least squares.
+    """Fit scale, roll and offset of a perspectivity to each turn by linear least squares.
 
     With the depths w known, the marks times w are a similarity of the points across the
     sight: as complex numbers, mark · w = factor · point + offset.

@@ -1,4 +1,4 @@
-"""What a calibration is given, checked: in numbers it can work with, or in a sentence."""
+"""Checks of what a calibration is given: arrays it can work with, or a sentence for the person."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.normalization import Framing
-
-__all__ = ["FEWEST", "REACH", "framed", "spread_most"]
-
-Array = NDArray[np.float64]
 
 FEWEST: Final = 6
 """Marks of different points from which a camera is looked for. Four would do for seven
@@ -43,7 +40,7 @@ def framed(
     picture: tuple[float, float],
     further: Mapping[str, ArrayLike],
 ) -> tuple[Array, Array, Framing]:
-    """Points and marks as arrays, and the units to work in; arguments as of `resect`.
+    """Return points and marks as arrays, and the units to work in; arguments as of `resect`.
 
     Raises
     ------
@@ -89,7 +86,7 @@ def framed(
 
 
 def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
-    """The candidate after which the points spread most evenly in space.
+    """Return the candidate after which the points spread most evenly in space.
 
     That is the one with the largest determinant of the points' scatter: for points in a plane
     the one farthest from it, for points of a line one far off the line. It needs no camera.
@@ -99,6 +96,7 @@ def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
     points : (n, 3) array_like
         Marked points, mm; none at all is good too.
     candidates : (m, 3) array_like
+        Points to choose from, mm.
 
     Returns
     -------
@@ -126,7 +124,7 @@ def spread_most(points: ArrayLike, candidates: ArrayLike) -> int | None:
 
 
 def _for_example(points: Array, further: Mapping[str, ArrayLike]) -> str:
-    """``, for example C4``: the point that helps most, if there is any."""
+    """Return ``, for example C4``: the point that helps most, if there is any."""
     names = list(further)
     best = spread_most(points, [np.asarray(further[name], float) for name in names])
     return "" if best is None else f", for example {names[best]}"

@@ -11,24 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, PERSPECTIVITIES, Poses, Seen
-
-__all__ = [
-    "CROPPED",
-    "HAND",
-    "STRAY",
-    "Adjusted",
-    "adjusted",
-    "covariance",
-    "freedom",
-    "robust_weights",
-    "variance",
-]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 HAND: Final = 0.002
 """Standard deviation of a mark set by hand, per coordinate, in diagonals of the picture: 3 px
@@ -79,13 +64,13 @@ class Adjusted:
     costs: Array
     residuals: Array
 
-    def __getitem__(self, rows: NDArray[np.intp] | list[int] | slice) -> Adjusted:
-        """Some of the rows."""
+    def __getitem__(self, rows: Index | list[int] | slice) -> Adjusted:
+        """Return some of the rows."""
         return Adjusted(self.poses[rows], self.costs[rows], self.residuals[rows])
 
 
 def freedom(poses: Poses, cropped: bool) -> Flags:
-    """Which of the parameters of each pose are free, (b, 9).
+    """Return which parameters of each pose are free, (b, 9).
 
     An orthographic pose has neither perspectivity nor principal point.
     """
@@ -97,13 +82,13 @@ def freedom(poses: Poses, cropped: bool) -> Flags:
 
 
 def robust_weights(residuals: Array) -> Array:
-    """What each mark weighs, 0 … 1, shape of `residuals` without its last axis."""
+    """Return the weight of each mark, 0 … 1, shape of `residuals` without its last axis."""
     squares = residuals[..., 0] ** 2 + residuals[..., 1] ** 2
     return np.asarray(1.0 / np.sqrt(1.0 + squares / STRAY**2))
 
 
 def variance(cost: float, count: int, unknowns: int) -> float:
-    """Variance of a coordinate of a mark, squared diagonals, from the cost of a fit."""
+    """Return the variance of a coordinate of a mark, squared diagonals, from the cost of a fit."""
     freely = max(0, 2 * count - unknowns)
     return (OTHERWISE * HAND**2 + cost) / (OTHERWISE + freely)
 
@@ -111,17 +96,20 @@ def variance(cost: float, count: int, unknowns: int) -> float:
 def covariance(
     fit: Adjusted, points: Array, counted: Array, noise: float, *, cropped: bool
 ) -> Array:
-    """Covariance (9, 9) of the parameters of a fit of one row; nought where they are not free.
+    """Return the covariance (9, 9) of the parameters of one row; 0 where they are not free.
 
     Parameters
     ----------
     fit : Adjusted
+        A fit of one row.
     points : (n, 3) float
+        In the units of `Framing`.
     counted : (n,) float
         1 for marks that count.
     noise : float
         Variance of a coordinate of a mark, squared diagonals.
     cropped : bool
+        Whether the principal point is free.
     """
     slopes = fit.poses.slopes(fit.poses.see(points))[0].reshape(PARAMETERS, -1)
     weights = np.tile(counted * robust_weights(fit.residuals[0]), 2)
@@ -132,7 +120,7 @@ def covariance(
     return made
 
 
-def adjusted(
+def fit_poses(
     points: Array,
     marks: Array,
     starts: Poses,
@@ -153,6 +141,7 @@ def adjusted(
     points : (n, 3) float
         In the units of `Framing`.
     marks : (n, 2) float
+        Marks in the picture, in the units of `Framing`.
     starts : Poses
         Orthographic poses stay so, and so do perspective ones.
     counted : (b, n) float
@@ -213,7 +202,7 @@ def adjusted(
 def _judged(
     seen: Seen, marks: Array, poses: Poses, counted: Array, hold: Array
 ) -> tuple[Array, Array]:
-    """Residuals, and what they cost; infinite where a point that counts is not in front."""
+    """Return residuals and their cost; infinite where a point that counts is not in front."""
     residuals = marks - seen.places
     squares = residuals[:, :, 0] ** 2 + residuals[:, :, 1] ** 2
     # 2 c² (√(1 + q) − 1), written so that small residuals keep their digits
@@ -224,7 +213,7 @@ def _judged(
 
 
 def _against_bounds(poses: Poses, pull: Array) -> Flags:
-    """Parameters at a bound that they are pulled against, (b, 9)."""
+    """Return parameters at a bound that they are pulled against, (b, 9)."""
     against = np.zeros(pull.shape, bool)
     low, high = PERSPECTIVITIES
     strength, force = poses.perspectivity, pull[:, 6]

@@ -1,4 +1,4 @@
-"""Between the pixels and millimetres of a picture and the units in which its camera is solved."""
+"""Normalization between pixels and millimetres and the units in which a camera is solved."""
 
 from __future__ import annotations
 
@@ -6,15 +6,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
-
-__all__ = ["Framing"]
-
-Array = NDArray[np.float64]
 
 ASIDE: Final = 4.0
 """Distance of an orthographic camera's eye from its target, in root mean square radii of the
@@ -28,11 +24,11 @@ class Framing:
     Parameters
     ----------
     centroid : (3,) float
-        Of the points, mm.
+        Centroid of the points, mm.
     radius : float
         Their root mean square distance from it, mm.
     viewport : (width, height)
-        Of the picture, px.
+        Size of the picture, px.
     """
 
     centroid: Array
@@ -41,7 +37,7 @@ class Framing:
 
     @property
     def diagonal(self) -> float:
-        """Of the picture, px."""
+        """Diagonal of the picture, px."""
         return float(np.hypot(*self.viewport))
 
     def points(self, points: Array) -> Array:
@@ -57,7 +53,7 @@ class Framing:
         return np.asarray(marks * self.diagonal + 0.5 * np.array(self.viewport))
 
     def camera(self, pose: Poses) -> tuple[Camera, tuple[float, float]]:
-        """The camera of the first of the poses, and how far its picture is shifted, px.
+        """Return the camera of the first of the poses, and how far its picture is shifted, px.
 
         The camera has its principal point in the middle of a canvas as large as the picture;
         its pixels plus the shift are those of the picture.

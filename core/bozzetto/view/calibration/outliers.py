@@ -1,4 +1,4 @@
-"""Every mark judged by the others: its leave-one-out residual, and the marks set aside.
+"""Outliers: every mark judged by the others, by its leave-one-out residual.
 
 A residual says little about a mark, for the camera leans towards it; with few marks it leans
 all the way. What counts is where the mark would be expected by the camera of all the others.
@@ -12,20 +12,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
     Adjusted,
-    adjusted,
     covariance,
+    fit_poses,
     freedom,
     variance,
 )
-
-__all__ = ["REMAINING", "Scrutiny", "scrutinised"]
-
-Array = NDArray[np.float64]
 
 ALARM: Final = 50.0
 """Squared leave-one-out residual, in its own variances, from which a mark is set aside: seven
@@ -71,7 +67,7 @@ class Scrutiny:
     leave_one_out: Array
 
 
-def scrutinised(
+def set_outliers_aside(
     points: Array, marks: Array, fit: Adjusted, aside: tuple[int, ...] = (), *, cropped: bool
 ) -> Scrutiny:
     """Judge all marks of a fit of one row, and set aside those that disagree, one by one.
@@ -90,7 +86,7 @@ def scrutinised(
     while True:
         weights = counted * (1.0 - np.eye(count))
         starts = fit.poses[np.zeros(count, np.intp)]
-        others = adjusted(
+        others = fit_poses(
             points, marks, starts, weights, cropped=cropped, steps=STEPS, settled=CLOSE
         )
         left = others.residuals[each, each]
@@ -110,6 +106,6 @@ def scrutinised(
             return Scrutiny(fit, counted, aside, left)
         counted = weights[worst]
         aside = (*aside, worst)
-        fit = adjusted(
+        fit = fit_poses(
             points, marks, others.poses[[worst]], counted[None], cropped=cropped, steps=4 * STEPS
         )

@@ -20,12 +20,8 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["NEAREST", "PARAMETERS", "PERSPECTIVITIES", "SCALES", "Poses", "Seen", "rotations"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from bozzetto.arrays import Array, Flags, Index
 
 PARAMETERS: Final = 9
 """Steps of a pose: a small turn (3), of the logarithm of the scale, of the offset (2), of the
@@ -54,7 +50,7 @@ NEAREST: Final = 0.02
 
 
 class Seen(NamedTuple):
-    """What poses see of points.
+    """Projected points of several poses.
 
     Attributes
     ----------
@@ -94,12 +90,12 @@ class Poses:
     def __len__(self) -> int:
         return len(self.log_scale)
 
-    def __getitem__(self, rows: NDArray[np.intp] | Flags | list[int] | slice) -> Poses:
-        """Some of the poses."""
+    def __getitem__(self, rows: Index | Flags | list[int] | slice) -> Poses:
+        """Return some of the poses."""
         return Poses(*(values[rows] for values in self._columns()))
 
     def where(self, chosen: Flags, others: Poses) -> Poses:
-        """The chosen ones of these poses, and the others in the places of the rest."""
+        """Return the chosen ones of these poses, and the others in the places of the rest."""
         pairs = zip(self._columns(), others._columns(), strict=True)
         return Poses(
             *(
@@ -120,7 +116,7 @@ class Poses:
         return Seen(places, depth, scaled)
 
     def slopes(self, seen: Seen) -> Array:
-        """Derivatives of the places by the nine parameters, (b, 9, 2, n).
+        """Return derivatives of the projected points by the nine parameters, (b, 9, 2, n).
 
         Nought for points at or behind the eye.
         """
@@ -147,11 +143,11 @@ class Poses:
         return made
 
     def before_eye(self, points: Array) -> Flags:
-        """Which points (n, 3) each pose has before its eye and not too near it, (b, n)."""
+        """Return which points (n, 3) lie before the eye of each pose, not too near it, (b, n)."""
         return np.asarray(self.see(points).depth > NEAREST)
 
     def moved(self, steps: Array) -> Poses:
-        """The poses after steps (b, 9), within their bounds.
+        """Return the poses after steps (b, 9), within their bounds.
 
         A perspectivity of 0 stays 0: nothing steps from one kind of camera to the other.
         """
@@ -167,7 +163,7 @@ class Poses:
 
 
 def rotations(vectors: Array) -> Array:
-    """Rotations about vectors (b, 3) by their lengths in radians, (b, 3, 3).
+    """Return rotations about vectors (b, 3) by their lengths in radians, (b, 3, 3).
 
     Rodrigues' formula; a vector of no length gives the identity.
     """

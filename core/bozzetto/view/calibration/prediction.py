@@ -1,19 +1,16 @@
-"""Where further points will be seen, how sure that is, and which to mark next."""
+"""Predicted places of further points in the picture, their uncertainty, and the best next mark."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.input_checks import REACH
 from bozzetto.view.calibration.resection import Resection
-
-__all__ = ["Help", "Places", "most_helpful", "predicted"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,15 +22,15 @@ class Places:
     pixels : (m, 2) float
         Pixels of the picture; NaN for points behind the eye or next to it, or beyond all bounds.
     covariances : (m, 2, 2) float
-        Of the places, px², for what the camera is unsure of; a hand that marks them adds its
-        own noise. NaN likewise.
+        Covariances of the places, px², for what the camera is unsure of; a hand that marks
+        them adds its own noise. NaN likewise.
     """
 
     pixels: Array
     covariances: Array
 
     def ellipses(self, probability: float = 0.9) -> Array:
-        """Semi-axes of the ellipses in which the places lie with a probability.
+        """Return semi-axes of the ellipses in which the places lie with a probability.
 
         Returns
         -------
@@ -57,7 +54,7 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Help:
-    """How much a further mark would help.
+    """Gain in certainty by a further mark.
 
     Attributes
     ----------
@@ -76,11 +73,12 @@ class Help:
 
 
 def predicted(found: Resection, points: ArrayLike) -> Places:
-    """Where points will be seen.
+    """Predict where points will be seen.
 
     Parameters
     ----------
     found : Resection
+        The calibrated camera.
     points : (m, 3) array_like
         World points, mm.
     """
@@ -92,7 +90,7 @@ def predicted(found: Resection, points: ArrayLike) -> Places:
 
 
 def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
-    """Which further mark makes the predicted places of all candidates surest.
+    """Find the further mark that makes the predicted places of all candidates most certain.
 
     A mark adds to what is known of the camera; by how much does not depend on where it will
     be set, so that it can be said beforehand (A-optimal design).
@@ -100,6 +98,7 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
     Parameters
     ----------
     found : Resection
+        The calibrated camera.
     candidates : (m, 3) array_like
         World points that could be marked, mm.
     """
@@ -119,8 +118,8 @@ def most_helpful(found: Resection, candidates: ArrayLike) -> Help:
     return Help(int(np.argmin(after)), size * float(np.sqrt(now)), after)
 
 
-def _seen(found: Resection, points: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Derivatives (m, 2, 9) of places by the camera, the places, and which of them there are."""
+def _seen(found: Resection, points: ArrayLike) -> tuple[Array, Array, Flags]:
+    """Return derivatives (m, 2, 9) of places by the camera, the places, and which of them exist."""
     world = np.reshape(np.asarray(points, float), (-1, 3))
     sensible = np.asarray((np.abs(world) <= REACH).all(axis=1))
     world = np.where(sensible[:, None], world, found.framing.centroid)

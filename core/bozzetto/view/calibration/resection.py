@@ -13,28 +13,25 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
-from bozzetto.view.calibration.initial_guesses import resumed, starts
+from bozzetto.view.calibration.initial_guesses import resume_poses, starts
 from bozzetto.view.calibration.input_checks import framed
 from bozzetto.view.calibration.levenberg_marquardt import (
     HAND,
     STRAY,
     Adjusted,
-    adjusted,
     covariance,
+    fit_poses,
     freedom,
     variance,
 )
 from bozzetto.view.calibration.normalization import Framing
-from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, scrutinised
+from bozzetto.view.calibration.outliers import REMAINING, Scrutiny, set_outliers_aside
 from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
-
-__all__ = ["Kind", "Resection", "resect"]
-
-Array = NDArray[np.float64]
 
 Kind = Literal["perspective", "orthographic"]
 
@@ -111,7 +108,7 @@ class Resection:
     covariance: Array
 
     def project(self, points: ArrayLike) -> Array:
-        """Places (m, 2) of world points (m, 3), mm, in pixels of the picture.
+        """Project world points (m, 3), mm, to places (m, 2) in pixels of the picture.
 
         NaN for points at or behind the eye.
         """
@@ -155,9 +152,9 @@ def resect(
         Points that could be marked, by names. If the marks are too few or lie in a plane, the
         message names the one that helps most.
     before : Resection, optional
-        Of marks that have changed little since, while one of them is dragged, say: the search
-        starts there and nowhere else, unless that leads nowhere, and the kind of the camera
-        stays what it was. Ask without it once the marks have come to rest.
+        Result for marks that have changed little since, while one of them is dragged, say:
+        the search starts there and nowhere else, unless that leads nowhere, and the kind of
+        the camera stays what it was. Ask without it once the marks have come to rest.
 
     Raises
     ------
@@ -175,18 +172,18 @@ def resect(
     else:
         fits = _searched(known, seen, KINDS if kind == "auto" else (kind,), cropped)
         # The camera with more freedom is the one that can tell which marks are wrong.
-        found = scrutinised(known, seen, fits[0], cropped=cropped)
+        found = set_outliers_aside(known, seen, fits[0], cropped=cropped)
         tried = [found.fit]
         for fit in fits[1:]:
             if found.aside:
                 counted = found.counted[None]
-                fit = adjusted(known, seen, fit.poses, counted, cropped=cropped, steps=STEPS)
+                fit = fit_poses(known, seen, fit.poses, counted, cropped=cropped, steps=STEPS)
             tried.append(fit)
     count = int(found.counted.sum())
     prices = [_price(fit, count, cropped) for fit in tried]
     best = int(np.argmin(prices))
     if best:
-        found = scrutinised(known, seen, tried[best], found.aside, cropped=cropped)
+        found = set_outliers_aside(known, seen, tried[best], found.aside, cropped=cropped)
     scores = {_kind(fit): price for fit, price in zip(tried, prices, strict=True)}
     return _described(known, framing, found, cropped, scores)
 
@@ -194,22 +191,24 @@ def resect(
 def _searched(
     points: Array, marks: Array, kinds: tuple[Kind, ...], cropped: bool
 ) -> list[Adjusted]:
-    """The best pose of each kind, from starts all around."""
+    """Return the best pose of each kind, from starts all around."""
     begun = starts(points, marks)
     every = np.ones((len(begun), len(points)))
-    costs = adjusted(points, marks, begun, every, cropped=cropped, steps=0).costs
+    costs = fit_poses(points, marks, begun, every, cropped=cropped, steps=0).costs
     flat = begun.perspectivity == 0.0
     rows = [_cheapest(costs, flat == (kind == "orthographic"), CANDIDATES) for kind in kinds]
     chosen = np.concatenate(rows)
-    near = adjusted(points, marks, begun[chosen], every[chosen], cropped=cropped, steps=FIRST_STEPS)
+    near = fit_poses(
+        points, marks, begun[chosen], every[chosen], cropped=cropped, steps=FIRST_STEPS
+    )
     flat = near.poses.perspectivity == 0.0
     rows = [_cheapest(near.costs, flat == (kind == "orthographic"), FINALISTS) for kind in kinds]
     chosen = np.concatenate(rows)
-    last = adjusted(points, marks, near.poses[chosen], every[chosen], cropped=cropped, steps=STEPS)
+    last = fit_poses(points, marks, near.poses[chosen], every[chosen], cropped=cropped, steps=STEPS)
     sound = last[np.flatnonzero(np.isfinite(last.costs))]
     if not len(sound.poses):
         raise UserError(
-            "No camera has all these points before it at their marks. Check which point each "
+            "No camera sees all these points at their marks. Check which point each "
             "mark belongs to."
         )
     flat = sound.poses.perspectivity == 0.0
@@ -218,7 +217,7 @@ def _searched(
 
 
 def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> Scrutiny | None:
-    """The pose next to one found before; None if it does not fit any more.
+    """Return the pose next to one found before; None if it does not fit any more.
 
     Marks that were set aside stay so while they are still off: then nothing has to be found
     out again.
@@ -229,16 +228,16 @@ def _resumed(points: Array, marks: Array, cropped: bool, before: Resection) -> S
         counted = np.ones((1, len(points)))
         counted[0, list(aside)] = 0.0
         good = counted[0] > 0.0
-        begun = resumed(points[good], marks[good], before.pose, cropped)
-        fit = adjusted(points, marks, begun, counted, cropped=cropped, steps=STEPS)
+        begun = resume_poses(points[good], marks[good], before.pose, cropped)
+        fit = fit_poses(points, marks, begun, counted, cropped=cropped, steps=STEPS)
         off = np.linalg.norm(fit.residuals[0], axis=1)
         if np.isfinite(fit.costs[0]) and np.median(off) < LOST and (off[list(aside)] > BACK).all():
-            return scrutinised(points, marks, fit, aside, cropped=cropped)
+            return set_outliers_aside(points, marks, fit, aside, cropped=cropped)
     return None
 
 
-def _cheapest(costs: Array, allowed: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
-    """Rows with the least costs among those allowed."""
+def _cheapest(costs: Array, allowed: Flags, count: int) -> Index:
+    """Return rows with the least costs among those allowed."""
     return np.argsort(np.where(allowed, costs, np.inf), kind="stable")[: min(count, allowed.sum())]
 
 
@@ -247,7 +246,7 @@ def _kind(fit: Adjusted) -> Kind:
 
 
 def _price(fit: Adjusted, count: int, cropped: bool) -> float:
-    """Bayesian information criterion of a fit whose noise is not known."""
+    """Return the Bayesian information criterion of a fit whose noise is not known."""
     size = 2 * count
     unknowns = int(freedom(fit.poses, cropped).sum())
     noise = max(float(fit.costs[0]) / size, EXACT**2)
@@ -257,7 +256,7 @@ def _price(fit: Adjusted, count: int, cropped: bool) -> float:
 def _described(
     points: Array, framing: Framing, found: Scrutiny, cropped: bool, scores: dict[Kind, float]
 ) -> Resection:
-    """What was found, in pixels."""
+    """Return the result in pixels."""
     fit, counted = found.fit, found.counted
     pose, count = fit.poses, int(counted.sum())
     unknowns = int(freedom(pose, cropped).sum())

@@ -16,9 +16,9 @@ from bozzetto.document.recovery import file_lock as lock
 from bozzetto.document.recovery.file_lock import (
     FileLock,
     Locked,
+    abandoned_holder,
     document_lock_path,
     holder,
-    left_by,
 )
 from bozzetto.errors import UserError
 from bozzetto.file_locks import Taken
@@ -97,7 +97,7 @@ def test_a_lock_file_without_sense_is_replaced_once_it_is_old(tmp_path, content)
 
 
 def test_only_one_of_many_gets_a_stale_lock(tmp_path, monkeypatch):
-    monkeypatch.setattr(lock, "PATIENCE_SECONDS", 0.05)
+    monkeypatch.setattr(lock, "WAIT_SECONDS", 0.05)
     path = tmp_path / "lock"
     for _ in range(20):
         foreign_lock(path)
@@ -150,7 +150,7 @@ def test_another_host_name_locks_nobody_out(tmp_path, monkeypatch):
     )
     subprocess.run([sys.executable, "-c", code, str(place)], check=True)
     monkeypatch.setattr(socket, "gethostname", lambda: "renamed")
-    assert left_by(place).pid != os.getpid()
+    assert abandoned_holder(place).pid != os.getpid()
     with FileLock.acquire(place, "a"):
         assert holder(place).host == "renamed"
 
@@ -158,7 +158,7 @@ def test_another_host_name_locks_nobody_out(tmp_path, monkeypatch):
 def test_a_living_process_holds_it_under_any_host_name(tmp_path, monkeypatch):
     with FileLock.acquire(tmp_path / "lock", "a"):
         monkeypatch.setattr(socket, "gethostname", lambda: "renamed")
-        assert left_by(tmp_path / "lock") is None
+        assert abandoned_holder(tmp_path / "lock") is None
         with pytest.raises(Locked):
             FileLock.acquire(tmp_path / "lock", "a")
 
@@ -166,9 +166,9 @@ def test_a_living_process_holds_it_under_any_host_name(tmp_path, monkeypatch):
 def test_who_left_it_on_another_machine_is_named(tmp_path):
     place = tmp_path / "lock"
     foreign_lock(place, host="elsewhere", machine="0" * 32)
-    assert left_by(place).host == "elsewhere"
+    assert abandoned_holder(place).host == "elsewhere"
     place.unlink()
-    assert left_by(place).host == ""
+    assert abandoned_holder(place).host == ""
 
 
 @pytest.mark.parametrize("left", [b"", b"{", b"\0" * 9000])
@@ -176,13 +176,13 @@ def test_without_locks_of_the_system_the_process_is_looked_for(tmp_path, monkeyp
     monkeypatch.setattr(lock, "take", lambda handle: Taken.UNKNOWN)
     place = tmp_path / "lock"
     foreign_lock(place, machine=machine_id())
-    assert left_by(place) is not None
+    assert abandoned_holder(place) is not None
     with FileLock.acquire(place, "a"):
-        assert left_by(place) is None
+        assert abandoned_holder(place) is None
         with pytest.raises(Locked):
             FileLock.acquire(place, "a")
     place.write_bytes(left)
-    assert left_by(place) is None  # perhaps it is just being written
+    assert abandoned_holder(place) is None  # perhaps it is just being written
     os.utime(place, (1, 1))
     FileLock.acquire(place, "a").release()
 
@@ -234,7 +234,7 @@ def test_looking_at_locks_keeps_nobody_from_taking_one(tmp_path):
 
     def look() -> None:
         while not end.is_set():
-            left_by(place)
+            abandoned_holder(place)
 
     looking = [threading.Thread(target=look) for _ in range(3)]
     for thread in looking:

@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 from bozzetto.document import edit
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.document.recovery import recovery_session
 from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.document.recovery.journal import read_records
 from bozzetto.document.recovery.journal_records import ChangeWriter, Replay
 from bozzetto.document.recovery.recovery import RecoveryStore
 from bozzetto.document.storage.bozz_file import encode_document, open_document, parse_document
-from bozzetto.document.storage.state_codec import OpaqueState
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Strokes
 from tests.document_kit import (

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.document.storage import bozz_file as file_module
 from bozzetto.document.storage import migrations
 from bozzetto.document.storage.bozz_file import (
@@ -24,7 +24,6 @@ from bozzetto.document.storage.bozz_file import (
     read_document,
     write_document,
 )
-from bozzetto.document.storage.state_codec import OpaqueState
 from bozzetto.document.waiting_ink import WaitingStroke, marked, strokes_of
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.geometry.placement import Placement
@@ -358,6 +357,10 @@ def test_files_that_cannot_be_read_are_explained(tmp_path):
     if os.path.exists("/dev/null"):
         with pytest.raises(UserError, match="not a file"):
             read_document("/dev/null", Nobody())
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.bozz")
+        with pytest.raises(UserError, match="not a file"):
+            read_document(tmp_path / "pipe.bozz", Nobody())
     (tmp_path / "empty.bozz").write_bytes(b"")
     with pytest.raises(DocumentError, match="cut short"):
         read_document(tmp_path / "empty.bozz", Nobody())

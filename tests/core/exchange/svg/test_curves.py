@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import checked_curves
-from bozzetto.exchange.export import encoded
+from bozzetto.exchange.export import encode_shapes
 from bozzetto.exchange.svg.curves import camera_matrix, picture
 from bozzetto.exchange.svg.path_data import parse_path
 from bozzetto.exchange.svg.reader import read_drawing
@@ -29,7 +29,7 @@ SIZED = [curve for curve in CURVES if curve.name not in ("five", "polyline")]
 
 def texts(camera, *curves):
     """The path data, one for every stretch of every curve."""
-    data = encoded(Shapes(curves=curves), "a.svg", camera=camera).decode()
+    data = encode_shapes(Shapes(curves=curves), "a.svg", camera=camera).decode()
     return re.findall(r'<path d="([^"]*)"', data)
 
 
@@ -183,7 +183,7 @@ def test_curves_seen_end_on_and_far_off_do_no_harm():
     for camera in (None, SIDE, PARALLEL, Camera(eye=(0, -500, 0)), Camera(eye=(0, -500, 1e-9))):
         for curve in (end_on, far, touching, BROKEN):
             shapes = Shapes(curves=(curve, CIRCLE))
-            data = encoded(shapes, "a.svg", camera=camera)
+            data = encode_shapes(shapes, "a.svg", camera=camera)
             if camera is not None:  # what lies beyond the page is not written
                 drawn = np.vstack([along(parse_path(text)[0].cubics) for text in
                                    re.findall(r'<path d="([^"]*)"', data.decode())])  # fmt: skip

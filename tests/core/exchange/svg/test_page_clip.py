@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bozzetto.exchange.svg.page_clip import clipped
+from bozzetto.exchange.svg.page_clip import clip_path
 from bozzetto.exchange.svg.path_data import Subpath, ellipse, polyline
 
 LOW, HIGH = np.array([0.0, 0.0]), np.array([120.0, 90.0])
@@ -38,7 +38,7 @@ def away(points: np.ndarray, paths: list[Subpath]) -> float:
 
 
 def check(path: Subpath) -> list[Subpath]:
-    kept = clipped(path, LOW, HIGH)
+    kept = clip_path(path, LOW, HIGH)
     points = drawn(path)
     inside = points[((points > LOW + 1e-3) & (points < HIGH - 1e-3)).all(1)]
     for part in kept:
@@ -56,18 +56,18 @@ def check(path: Subpath) -> list[Subpath]:
 
 def test_what_lies_on_the_page_stays_bit_for_bit():
     ring = ellipse(complex(60.0, 45.0), complex(30.0, 20.0))
-    assert clipped(ring, LOW, HIGH) == [ring]
-    assert clipped(ring, LOW, HIGH)[0] is ring
+    assert clip_path(ring, LOW, HIGH) == [ring]
+    assert clip_path(ring, LOW, HIGH)[0] is ring
 
 
 def test_what_lies_beyond_it_goes():
-    assert clipped(ellipse(complex(300.0, 45.0), complex(30.0, 20.0)), LOW, HIGH) == []
+    assert clip_path(ellipse(complex(300.0, 45.0), complex(30.0, 20.0)), LOW, HIGH) == []
     around = polyline(np.array([[-9.0, -9], [200, -9], [200, 200], [-9, 200]]), closed=True)
-    assert clipped(around, LOW, HIGH) == []
+    assert clip_path(around, LOW, HIGH) == []
 
 
 def test_a_line_across_is_cut_at_the_borders():
-    (part,) = clipped(polyline(np.array([[-1e7, 45.0], [1e7, 45.0]]), closed=False), LOW, HIGH)
+    (part,) = clip_path(polyline(np.array([[-1e7, 45.0], [1e7, 45.0]]), closed=False), LOW, HIGH)
     np.testing.assert_allclose(part.cubics[0, [0, 3]], [[0, 45], [120, 45]], atol=1e-6)
 
 
@@ -97,6 +97,6 @@ def test_any_cubic_is_cut_exactly(corners):
 
 
 def test_of_a_circle_of_kilometres_its_bow_on_the_page_stays():
-    (bow,) = clipped(ellipse(complex(60.0, 1e7 + 40.0), complex(1e7, 1e7)), LOW, HIGH)
+    (bow,) = clip_path(ellipse(complex(60.0, 1e7 + 40.0), complex(1e7, 1e7)), LOW, HIGH)
     np.testing.assert_allclose(drawn(bow)[:, 1], 40.0, atol=0.01)
     assert np.ptp(drawn(bow)[:, 0]) == pytest.approx(120.0, abs=0.01)

@@ -195,6 +195,22 @@ def test_what_is_not_drawn_is_passed_over():
     assert len(read(body).strokes) == 1
 
 
+def test_what_is_shown_and_not_read_is_named():
+    body = (
+        '<path d="M0 0L5 5"/><text>one</text><g><text>two<tspan>!</tspan></text></g>'
+        '<image href="x.png"/><text visibility="hidden">three</text>'
+        '<g display="none"><text>four</text></g><defs><text id="t">five</text></defs>'
+        '<use href="#t"/>'
+    )
+    (said,) = read(body).left_out
+    assert "1 picture and 3 texts of this drawing are left out" in said
+    assert "Turn text into paths" in said
+    assert read('<path d="M0 0L5 5"/>').left_out == ()
+    assert "1 picture of this drawing is left" in read('<path d="M0 0L5 5"/><image/>').left_out[0]
+    with pytest.raises(FormatError, match=r"no lines .* Only lines are read; 1 text"):
+        read("<text>alone</text>")
+
+
 def test_nested_svg_has_its_own_units():
     body = (
         '<svg x="10" y="20" width="40" height="20" viewBox="0 0 10 10"><path d="M0 0L10 10"/></svg>'

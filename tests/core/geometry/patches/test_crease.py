@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry.patches.coons import coons_nets
-from bozzetto.geometry.patches.crease import SMOOTH, crease_angles, joints_of_chain, locked
+from bozzetto.geometry.patches.crease import SMOOTH, crease_angles, locked
 from bozzetto.geometry.patches.patch import grid
 from tests.core.geometry.body_kit import body, mirror_images, network, smooth_rows
 
@@ -186,12 +186,6 @@ def test_a_locked_network_is_locked():
     made = locked(edges, sides, joints)
     assert np.abs(made - edges).max() > 1
     np.testing.assert_allclose(locked(made, sides, joints), made, atol=1e-9)
-
-
-def test_chains_give_joints():
-    assert joints_of_chain([3, ~5, 7]) == ((~3, ~5), (5, 7))
-    assert joints_of_chain([3, 4], closed=True) == ((~3, 4), (~4, 3))
-    assert joints_of_chain([3]) == ()
 
 
 def test_tangents_of_no_length_stay_and_nothing_is_not_a_number():

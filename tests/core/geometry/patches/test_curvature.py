@@ -8,7 +8,7 @@ from numpy.polynomial.polynomial import polyder, polyval2d
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from bozzetto.geometry.patches.curvature import grid_curvatures, patch_curvatures
+from bozzetto.geometry.patches.curvature import grid_curvatures
 from bozzetto.geometry.patches.patch import Places, mirrored, normals_at, points_at, turned_over
 from tests.core.geometry.patches.test_patch import flat_corner, nets, somewhere
 
@@ -37,7 +37,9 @@ def test_a_graph_has_the_curvature_of_the_textbook():
     gaussian = (xx * yy - xy**2) / steep**2
     mean = -((1 + fx**2) * yy - 2 * fx * fy * xy + (1 + fy**2) * xx) / (2 * steep**1.5)
     found = grid_curvatures(net, AT, AT)
-    np.testing.assert_allclose(found.gaussian[0], gaussian, atol=1e-10 * np.abs(gaussian).max())
+    np.testing.assert_allclose(
+        (found.most * found.least)[0], gaussian, atol=1e-10 * np.abs(gaussian).max()
+    )
     np.testing.assert_allclose(found.mean[0], mean, atol=1e-10 * np.abs(mean).max())
 
 
@@ -82,24 +84,18 @@ def test_principal_curvatures_are_the_extremes_of_all_directions():
         moved = points_at(own, ends[0]) - points_at(own, ends[1])
         bent = normals_at(own, ends[0]) - normals_at(own, ends[1])
         found.append((moved * bent).sum(1) / (moved**2).sum(1))
-    curvatures = patch_curvatures(own, places)
-    size = np.maximum(np.abs(curvatures.most), np.abs(curvatures.least))
+    found_here = [
+        grid_curvatures(own[[patch]], [u], [v])
+        for patch, (u, v) in zip(places.patches, places.parameters, strict=True)
+    ]
+    most, least = (np.array([getattr(one, name).item() for one in found_here])
+                   for name in ("most", "least"))  # fmt: skip
+    size = np.maximum(np.abs(most), np.abs(least))
     highest, lowest = np.max(found, axis=0), np.min(found, axis=0)
-    assert (np.abs(curvatures.most - highest) <= 2e-2 * size).all()
-    assert (np.abs(curvatures.least - lowest) <= 2e-2 * size).all()
-    assert (highest <= curvatures.most + 1e-4 * size).all()
-    assert (lowest >= curvatures.least - 1e-4 * size).all()
-
-
-def test_both_samplings_agree():
-    own = nets()
-    u, v = np.meshgrid(AT, AT, indexing="ij")
-    on_grid = grid_curvatures(own, AT, AT)
-    for patch in range(5):
-        places = Places(np.full(u.size, patch), np.column_stack((u.ravel(), v.ravel())))
-        there = patch_curvatures(own, places)
-        np.testing.assert_allclose(on_grid.most[patch].ravel(), there.most, rtol=1e-9, atol=1e-12)
-        np.testing.assert_allclose(on_grid.least[patch].ravel(), there.least, rtol=1e-9, atol=1e-12)
+    assert (np.abs(most - highest) <= 2e-2 * size).all()
+    assert (np.abs(least - lowest) <= 2e-2 * size).all()
+    assert (highest <= most + 1e-4 * size).all()
+    assert (lowest >= least - 1e-4 * size).all()
 
 
 def test_motions_images_and_other_parameters_change_nothing_but_the_sign():

@@ -224,9 +224,9 @@ def test_one_side_may_be_split_otherwise_than_the_other() -> None:
         ([np.ones((1, 3))], "single point"),
         ([np.array([[0, 0, 0], [1, 2, 3.0]])], "one line"),
         (great_circles()[:1], "one plane"),
-        ([np.array([[0, 0, 0], [np.nan, 1, 1]])], "no places"),
-        ([np.array([[0, 0, 0], [np.inf, 1, 1]])], "no places"),
-        ([1e10 * line for line in box()], "no places"),
+        ([np.array([[0, 0, 0], [np.nan, 1, 1]])], "far too large"),
+        ([np.array([[0, 0, 0], [np.inf, 1, 1]])], "far too large"),
+        ([1e10 * line for line in box()], "far too large"),
         ([line + np.array([x, 0, 0]) for x in (0, 99) for line in great_circles()], "far apart"),
     ],
 )

@@ -8,9 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.resample import arc_length, distinct, resample, resample_stroke
-from bozzetto.view import Camera
+from bozzetto.ink.curves.resample import arc_length, distinct, resample
 
 polylines = arrays(
     float,
@@ -79,25 +77,3 @@ def test_a_dot_stays_a_dot():
 def test_asking_for_neither_or_both_is_a_mistake_of_the_caller(wrong):
     with pytest.raises(ValueError, match="spacing"):
         resample([[0, 0], [1, 1]], **wrong)
-
-
-def test_all_columns_of_a_stroke_go_along():
-    x = np.linspace(0, 100, 11)
-    stroke = Stroke(
-        x, 0 * x, Camera(), pressure=x / 100, t=x / 50, twist=(340 + x * 0.6) % 360,
-        tool="mouse", color=(1, 2, 3), group="roof",
-    )  # fmt: skip
-    made = resample_stroke(stroke, count=41)
-    np.testing.assert_allclose(made.x, np.linspace(0, 100, 41), rtol=1e-6)
-    np.testing.assert_allclose(made.pressure, made.x / 100, atol=1e-6)
-    np.testing.assert_allclose(made.t, made.x / 50, atol=1e-6)
-    # 340 … 400 degrees passes through north, not the long way round.
-    np.testing.assert_allclose(made.twist, (340 + 0.6 * made.x) % 360, atol=1e-3)
-    assert (made.tool, made.color, made.group) == ("mouse", (1, 2, 3), "roof")
-
-
-def test_a_rest_at_the_end_keeps_the_duration():
-    stroke = Stroke([0, 1, 2, 2, 2], [0] * 5, Camera(), t=[0, 0.1, 0.2, 0.3, 0.9])
-    made = resample_stroke(stroke, count=5)
-    assert made.t[-1] == np.float32(0.9)
-    assert not made.has_pressure

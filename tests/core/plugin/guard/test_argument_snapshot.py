@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bozzetto.ink import Strokes
-from bozzetto.plugin.guard.argument_snapshot import MOST_OBJECTS, Remembered
+from bozzetto.plugin.guard.argument_snapshot import MOST_OBJECTS, ArgumentSnapshot
 from bozzetto.testing import Pen
 
 
@@ -35,7 +35,7 @@ branches = st.builds(
 
 @given(st.lists(branches, min_size=1, max_size=3), st.data())
 def test_whatever_is_overwritten_is_put_back(arguments, data):
-    before, text = Remembered(arguments), repr(arguments)
+    before, text = ArgumentSnapshot(arguments), repr(arguments)
     assert before.restore() == []
     branch = data.draw(st.sampled_from(arguments))
     targets = [branch, *branch.leaves, *branch.extra.values()]
@@ -57,7 +57,7 @@ def test_whatever_is_overwritten_is_put_back(arguments, data):
 
 def test_arrays_that_can_be_written_to():
     array = np.arange(5.0)
-    before = Remembered([(array,)])
+    before = ArgumentSnapshot([(array,)])
     array[2] = np.nan
     assert before.restore() == ["an array"]
     assert array.tolist() == [0, 1, 2, 3, 4]
@@ -65,7 +65,7 @@ def test_arrays_that_can_be_written_to():
 
 def test_strokes_within_strokes():
     strokes = Strokes([Pen().circle(radius=r) for r in range(100, 300)])
-    before = Remembered([strokes])
+    before = ArgumentSnapshot([strokes])
     column = strokes[150].x
     object.__setattr__(strokes[150], "x", strokes[0].x)
     object.__setattr__(strokes[3], "camera", None)
@@ -76,9 +76,9 @@ def test_strokes_within_strokes():
 def test_rings_and_crowds_come_to_an_end():
     ring: list = []
     ring.append(ring)
-    assert Remembered([ring]).restore() == []
+    assert ArgumentSnapshot([ring]).restore() == []
     crowd = [Leaf(float(i)) for i in range(MOST_OBJECTS * 20)]
-    before = Remembered(crowd)
+    before = ArgumentSnapshot(crowd)
     object.__setattr__(crowd[0], "number", 7.0)
     assert before.restore() == ["Leaf.number"]
 
@@ -87,4 +87,4 @@ def test_classes_and_functions_among_the_arguments_are_left_alone():
     class Odd:
         __slots__ = ("missing",)
 
-    assert Remembered([Leaf, print, Odd(), 1j, ..., {Leaf}]).restore() == []
+    assert ArgumentSnapshot([Leaf, print, Odd(), 1j, ..., {Leaf}]).restore() == []

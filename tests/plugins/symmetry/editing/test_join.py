@@ -7,7 +7,6 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
-from bozzetto.ink.curves.fit import fit_spline
 from bozzetto_symmetry.editing.bridge import bridged, looped
 from bozzetto_symmetry.editing.join import closed_up, joined, joined_across
 from bozzetto_symmetry.editing.snap import snapped
@@ -26,6 +25,7 @@ from tests.plugins.symmetry.edited_curves import (
     kink,
     same,
 )  # fmt: skip
+from tests.spline_fits import fit_spline
 
 
 def turned(curve: SpaceCurve) -> SpaceCurve:

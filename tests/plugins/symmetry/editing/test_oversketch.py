@@ -9,7 +9,6 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.ink.curves.fit import fit_spline
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.oversketch import drawn_over
@@ -18,6 +17,7 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from tests.plugins.symmetry.edited_curves import ACROSS, ALL, FLAT, PAIR, RAIL, check
 from tests.plugins.symmetry.scenes import camera, real_curves, tremor
+from tests.spline_fits import fit_spline
 
 VIEWS = [
     (azimuth, elevation, kind)

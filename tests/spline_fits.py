@@ -1,4 +1,4 @@
-"""A cubic B-spline through the points of one curve."""
+"""Cubic B-splines through the points of one curve, with the least squares of the core."""
 
 from __future__ import annotations
 
@@ -6,22 +6,14 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink.curves.least_squares import approximate, approximate_adaptively
 from bozzetto.ink.curves.preprocess import Prepared, checked_points, prepare
-
-__all__ = ["ENOUGH", "NOISE_FACTOR", "Fit", "fit_spline"]
-
-Array = NDArray[np.float64]
-
-ENOUGH: Final = 1.2
-"""Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
-
-NOISE_FACTOR: Final = 1.3
-"""The same as a multiple of the ink's own noise: what lies within is not meant."""
+from bozzetto.ink.merge.merge import ENOUGH, NOISE_FACTOR
 
 FEWEST_CONTROLS: Final = 4
 """A cubic needs four control points."""
@@ -67,13 +59,14 @@ def fit_spline(
     Parameters
     ----------
     points : (n, 2) or (n, 3) array_like
+        Pixels; see `pixel` for other units.
     weights : (n,) array_like, optional
         What each point counts; not negative.
     controls : int or "adaptive"
         Control points. "adaptive" takes 7, then 3 more until the rms distance is below
         1.2 px or 1.3 times the noise of the ink, at most 25.
     closed : bool
-        The curve goes on from its last point to its first: the spline is periodic.
+        Whether the last point is joined to the first: the spline is periodic.
     start_tangent, end_tangent : (d,) array_like, optional
         Directions along the curve that its ends have exactly. Not for closed curves.
     pixel : float
@@ -115,7 +108,7 @@ def fit_spline(
 
 
 def _own_parameters(ready: Prepared, feet: Array, closed: bool) -> Array:
-    """Parameters of the given points, from those of the prepared ones beside them."""
+    """Return parameters of the given points, from those of the prepared ones beside them."""
     if closed:
         feet = np.unwrap(np.append(feet, feet[0]), period=1.0)
     stations = np.linspace(0.0, 1.0, len(feet))
