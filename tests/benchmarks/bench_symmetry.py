@@ -13,15 +13,16 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.editing.oversketch import drawn_over
 from bozzetto_symmetry.fitting.bundle_adjustment import Sight, bundled
 from bozzetto_symmetry.ink.sides import sides_of
+from bozzetto_symmetry.interpretation.folding import foldings
 from bozzetto_symmetry.interpretation.reader import read
-from bozzetto_symmetry.interpretation.side_pairing import foldings, pairings
+from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.solve.curve_solver import traced
 from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row, warpings
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
-from bozzetto_symmetry.view.live_preview import Growing
+from bozzetto_symmetry.view.live_preview import GrowingCurve
 from bozzetto_symmetry.view.view_advice import advice
 from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
 from tests.plugins.symmetry.scenes import ACROSS, LOOPS, PAIRS, RINGS, S, camera, drawn
@@ -123,7 +124,7 @@ def growing() -> Iterator[Row]:
         ink = resample(far, spacing=gap)
 
         def grown(ink: np.ndarray = ink) -> None:
-            side = Growing(STEREO, near)
+            side = GrowingCurve(STEREO, near)
             for count in range(1, len(ink) + 1):
                 side.points(ink[:count])
 

@@ -72,7 +72,7 @@ class Side:
         return np.vstack((self.pixels, self.pixels[:1])) if self.closed else self.pixels
 
 
-def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]:
+def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, ...]:
     """Put the strokes of one view in sides, and settle each.
 
     A side may be scribbled over with many strokes in any sense, drawn in consecutive pieces,
@@ -84,8 +84,8 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     ----------
     strokes : sequence of Stroke
         Of one camera, in the order drawn. Dots are left out.
-    asked : {"auto", "pair", "self", "plane", "half"}
-        "pair" keeps two sides apart that would surely be taken for one.
+    apart : bool
+        Two sides are kept apart that would surely be taken for one.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     numbers = list(drawn)
     lines = [drawn_line(drawn[k]) for k in numbers]
     # A closed line is compared with its gap, as the pen went.
-    groups = grouped([line.pixels for line in lines], apart=asked == "pair")
+    groups = grouped([line.pixels for line in lines], apart=apart)
     sides = []
     for group in groups:
         members = tuple(numbers[k] for k in group)

@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample
-from bozzetto.plugin import Memory
 from bozzetto_symmetry.stereo.correspondence import Pairing, paired
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
-from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
+from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
 __all__ = ["Folding", "foldings"]
@@ -78,11 +77,8 @@ class Folding:
     first: bool
 
 
-_known: Memory[tuple[Folding, ...]] = Memory(limit=64)
-
-
 def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tuple[Folding, ...]:
-    """Fold one stroke that crosses the plane; remembered.
+    """Fold one stroke that crosses the plane at every place where it may cross it.
 
     Parameters
     ----------
@@ -97,13 +93,7 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
     tuple of Folding
         The best first; none where the stroke has no place to fold.
     """
-    drawn = np.asarray(pixels, float)
-    question = (stereo, drawn.shape, drawn.tobytes(), closed)
-    return _known.recall(question, lambda: _folded(stereo, drawn, closed))
-
-
-def _folded(stereo: Stereo, pixels: Array, closed: bool) -> tuple[Folding, ...]:
-    stroke = resample(pixels, count=SAMPLES, closed=closed)
+    stroke = resample(np.asarray(pixels, float), count=SAMPLES, closed=closed)
     if not np.ptp(stroke, axis=0).any():
         return ()
     turns = _turns(stereo.angles(stroke), closed)
@@ -177,7 +167,7 @@ def _places(stroke: Array, cut: tuple[float, ...], closed: bool) -> Array:
     ring = np.vstack([stroke, stroke[:1]]) if closed else stroke
     period = float(len(stroke)) if closed else np.inf
     at = np.mod(cut, period)
-    return np.column_stack([np.interp(at, np.arange(len(ring)), c) for c in ring.T])
+    return at_stations(ring, at)
 
 
 def _halves(stroke: Array, cut: tuple[float, ...], closed: bool) -> tuple[Array, Array, bool]:
@@ -200,4 +190,4 @@ def _halves(stroke: Array, cut: tuple[float, ...], closed: bool) -> tuple[Array,
 def _at_stations(stroke: Array, stations: Array, closed: bool) -> Array:
     rows = np.vstack([stroke, stroke, stroke[:1]]) if closed else stroke
     shifted = stations % (2 * len(stroke)) if closed else stations
-    return np.column_stack([np.interp(shifted, np.arange(len(rows)), c) for c in rows.T])
+    return at_stations(rows, shifted)

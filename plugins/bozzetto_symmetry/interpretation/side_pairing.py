@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample
-from bozzetto.plugin import Memory
-from bozzetto_symmetry.interpretation.folding import Folding, foldings
 from bozzetto_symmetry.stereo.correspondence import Pairing, paired
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["Folding", "Pairing", "foldings", "pairings"]
+__all__ = ["pairings"]
 
 Array = NDArray[np.float64]
 
@@ -40,13 +38,10 @@ FLATTEST: Final = 0.05
 """Least roundness that counts, so that no loop is without end the worse."""
 
 
-_known: Memory[tuple[Pairing, ...]] = Memory(limit=64)
-
-
 def pairings(
     stereo: Stereo, near: ArrayLike, far: ArrayLike, *, closed: bool = False
 ) -> tuple[Pairing, ...]:
-    """Match the two sides of a pair; remembered.
+    """Match the two sides of a pair.
 
     Parameters
     ----------
@@ -61,15 +56,9 @@ def pairings(
     tuple of Pairing
         The best first, both senses where both are possible; none where nothing matches.
     """
-    first, second = np.asarray(near, float), np.asarray(far, float)
-    told = (first.shape, first.tobytes(), second.tobytes())
-    question = (stereo, *told, closed)
-    return _known.recall(question, lambda: _paired(stereo, first, second, closed))
-
-
-def _paired(stereo: Stereo, near: Array, far: Array, closed: bool) -> tuple[Pairing, ...]:
-    one = resample(near, count=SAMPLES, closed=closed)
-    other = resample(far, count=SAMPLES, closed=closed)
+    one, other = (
+        resample(np.asarray(side, float), count=SAMPLES, closed=closed) for side in (near, far)
+    )
     if not (np.ptp(one, axis=0).any() and np.ptp(other, axis=0).any()):
         return ()
     made = _of_loops(stereo, one, other) if closed else _of_open(stereo, one, other)

@@ -7,6 +7,7 @@ better code can solve it again.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import Annotated, Literal, TypeVar
 
@@ -267,7 +268,7 @@ class SymmetryState:
         """Of the box, mm."""
         return float(sum(side**2 for side in self.size) ** 0.5)
 
-    @property
+    @cached_property
     def plane(self) -> CentrePlane:
         """The plane of symmetry: through the middle of the box, or as it was given."""
         normals: dict[str, Point] = {
@@ -279,7 +280,7 @@ class SymmetryState:
             return self.free_plane
         return CentrePlane(self.centre, normals[self.symmetry])
 
-    @property
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """Corners (2, 3) of the box in the frame of the centre plane, mm."""
         half = 0.5 * np.asarray(self.size)

@@ -7,8 +7,9 @@ done again, in order.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -20,12 +21,13 @@ from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.editing.replay import applied
-from bozzetto_symmetry.fitting.bundle_adjustment import Bundled, Sight, bundled
+from bozzetto_symmetry.fitting.bundle_adjustment import Sight, bundled
 from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fused
+from bozzetto_symmetry.fitting.point_constraints import Controls
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
-from bozzetto_symmetry.interpretation.reader import Read, read
+from bozzetto_symmetry.interpretation.reader import Read, Reader
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -50,6 +52,8 @@ drawing of many curves that was just opened is not solved for the sake of advice
 
 WAITING: Final = "One side waits for the other. Draw its mirror image in the same view."
 
+UNSURE: Final = "It is not sure how the strokes belong together. Draw the curve again."
+
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is told; where there is no other reading it is this."""
 
@@ -61,6 +65,11 @@ class View:
     stereo: Stereo
     strokes: tuple[Stroke, ...]
     sides: tuple[Side, ...]
+
+    @cached_property
+    def reader(self) -> Reader:
+        """What the sides may mean."""
+        return Reader(self.stereo, self.sides)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +123,38 @@ runs over both halves is farther from each."""
 EVIDENCE: Final = ("pair", "self", "plane")
 """Readings, the one first that is least likely to be a mistake of a view with little ink."""
 
-Fit = tuple[Bundled, Array, Array]
-"""A spline with what was found of it, places along it, and their uncertainty."""
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A spline through the ink of all views.
+
+    Attributes
+    ----------
+    curve : SpaceCurve
+    rms : float
+        Distance of the ink from the images of the curve, px.
+    sights : tuple of Sight
+        The ink that was fitted to.
+    """
+
+    curve: SpaceCurve
+    rms: float
+    sights: tuple[Sight, ...]
+
+    @cached_property
+    def points(self) -> Array:
+        """Places along the curve, (k, 3) mm."""
+        return sampled(self.curve.spline)
+
+    @cached_property
+    def sigma(self) -> Array:
+        """How far each of these places may be off across the curve, (k,) mm for 1 px."""
+        spline, flat = self.curve.spline, self.curve.reading == "plane"
+        tangents = spline.derivative(np.linspace(*spline.range, len(self.points)))
+        near = [sight.stereo for sight in self.sights if sight.near]
+        far = [sight.stereo for sight in self.sights if sight.far]
+        return LEFT * curve_sigmas(near, far, self.points, tangents, flat=flat)
+
 
 _traces: Memory[Trace] = Memory(limit=256)
 _views: Memory[tuple[View, ...]] = Memory(limit=256)
@@ -156,15 +195,15 @@ def views_of(
     asked : str
         What the curve is said to be; a pair has two sides, and all others one.
     """
-    drawn = tuple(strokes)
+    drawn, apart = tuple(strokes), asked == "pair"
 
     def made() -> tuple[View, ...]:
         return tuple(
-            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, asked))
+            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, apart=apart))
             for seen in by_view(drawn)
         )
 
-    return _views.recall((drawn, state.plane, asked), made)
+    return _views.recall((drawn, state.plane, apart), made)
 
 
 def _traced(curve: Curve, state: SymmetryState) -> Trace:
@@ -199,20 +238,23 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         return Trace("half", cost=first.cost, views=views, warnings=told)
     alike = {main: first}
     for number, found in enumerate(readings):
+        if number == main:
+            continue
         alike_here = (r for r in found if (r.reading, r.closed) == (first.reading, first.closed))
-        same = [r for r in (_facing(r, first) for r in alike_here) if _agree(r, first)]
-        if number != main and same:
-            alike[number] = same[0]
-    fit, points, sigma = _remembered_fit(views, alike, main, curve)
+        facing = (_facing(r, first) for r in alike_here)
+        same = next((r for r in facing if _agree(r, first)), None)
+        if same is not None:
+            alike[number] = same
+    fit = _fitted(views, alike, main, curve.detail)
     rest = [r for r in readings[main] if r is not first and r.reading != "half"]
     # What is taken to be in the plane may as well wait for its other side.
     against = [r for r in readings[main] if r is not first] if first.reading == "plane" else rest
     margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
     return Trace(
-        first.reading, fit.curve, points, sigma,
+        first.reading, fit.curve, fit.points, fit.sigma,
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
-        ghost=_ghost(views[main], rest, margin, curve),
-        choices=1 + len(rest), views=views, warnings=_warnings(alike, main, fit, views),
+        ghost=_ghost(views[main], rest, margin, curve.detail),
+        choices=1 + len(rest), views=views, warnings=_warnings(first, views),
     )  # fmt: skip
 
 
@@ -220,10 +262,10 @@ def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...
     """The readings of one view; beside other views it need not be what is asked."""
     if count > 1 and asked != "half":
         try:
-            return read(view.stereo, view.sides, asked, box=box)
+            return view.reader.read(asked, box)
         except UserError:
-            return read(view.stereo, view.sides, "half", box=box)
-    return read(view.stereo, view.sides, asked, box=box)
+            return view.reader.read("half", box)
+    return view.reader.read(asked, box)
 
 
 def _main(readings: Sequence[Sequence[Read]]) -> int:
@@ -281,35 +323,29 @@ def _tree(points: Array) -> cKDTree:
     return cKDTree(points)
 
 
-def _remembered_fit(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Fit:
-    """The spline through the ink of all views, and how sure it is.
+def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls) -> Fit:
+    """Return the spline through the ink of all views; remembered.
 
-    Remembered by what the views were read as: a box of another size is asked for at every
-    tick of a slider, and seldom makes another reading of the same ink.
+    A box of another size is asked for at every tick of a slider, and seldom makes another
+    reading of the same ink.
+
+    Parameters
+    ----------
+    views : sequence of View
+        All views of the curve.
+    alike : mapping of int to Read
+        What the views that agree were read as, by their number.
+    main : int
+        The view that says best what the curve is.
+    detail : {"adaptive", "seven"}
+        Control points of a half.
     """
-
-    def made() -> Fit:
-        fit, sights = _fitted(views, alike, main, curve)
-        points = sampled(fit.curve.spline)
-        return fit, points, _uncertainty(fit.curve, points, sights)
-
-    told = tuple((number, *_content(read)) for number, read in alike.items())
-    return _fits.recall((tuple(views), main, curve.detail, told), made)
+    sources = tuple((number, read.source) for number, read in alike.items())
+    question = (tuple(views), main, detail, sources)
+    return _fits.recall(question, lambda: _fit(views, alike, main, detail))
 
 
-def _content(read: Read) -> tuple[object, ...]:
-    """All of a reading that a fit depends on, to be compared by value."""
-    arrays = (read.points, read.covariances, *read.near, *read.far)
-    return (
-        read.reading, read.closed, read.ring, len(read.near), read.crossings.tobytes(),
-        *(array.tobytes() for array in arrays),
-    )  # fmt: skip
-
-
-def _fitted(
-    views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve
-) -> tuple[Bundled, list[Sight]]:
-    """The spline through the ink of all views, and that ink."""
+def _fit(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls) -> Fit:
     first = alike[main]
     assert first.reading != "half"
     noise = [max((side.noise for side in view.sides), default=0.0) for view in views]
@@ -325,18 +361,9 @@ def _fitted(
     ]
     made = bundled(
         first.reading, whole.points, whole.covariances, sights,
-        closed=first.closed, ring=first.ring,
-        controls="adaptive" if curve.detail == "adaptive" else "seven",
+        closed=first.closed, ring=first.ring, controls=detail,
     )  # fmt: skip
-    return made, sights
-
-
-def _uncertainty(curve: SpaceCurve, points: Array, sights: Sequence[Sight]) -> Array:
-    at = np.linspace(*curve.spline.range, len(points))
-    near = [sight.stereo for sight in sights if sight.near]
-    far = [sight.stereo for sight in sights if sight.far]
-    tangents = curve.spline.derivative(at)
-    return LEFT * curve_sigmas(near, far, points, tangents, flat=curve.reading == "plane")
+    return Fit(made.curve, made.rms, tuple(sights))
 
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
@@ -355,21 +382,18 @@ def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
     return Sight(view.stereo, tuple(ink[0]), tuple(ink[1]), noise)
 
 
-def _ghost(view: View, rest: Sequence[Read], margin: float, curve: Curve) -> SpaceCurve | None:
-    """What the next best reading gives, where it is about as good."""
+def _ghost(view: View, rest: Sequence[Read], margin: float, detail: Controls) -> SpaceCurve | None:
+    """Return what the next best reading gives, where it is about as good."""
     if not rest or margin > AMBIGUOUS:
         return None
     other = min(rest, key=lambda r: r.cost)
-    return _fitted([view], {0: other}, 0, curve)[0].curve
+    return _fitted([view], {0: other}, 0, detail).curve
 
 
-def _warnings(
-    alike: dict[int, Read], main: int, fit: Bundled, views: Sequence[View]
-) -> tuple[str, ...]:
-    told = list(alike[main].warnings)
-    if any(not side.sure for view in views for side in view.sides):
-        told.append("It is not sure how the strokes belong together. Draw the curve again.")
-    return tuple(told)
+def _warnings(first: Read, views: Sequence[View]) -> tuple[str, ...]:
+    if all(side.sure for view in views for side in view.sides):
+        return first.warnings
+    return *first.warnings, UNSURE
 
 
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:

@@ -27,7 +27,7 @@ from bozzetto_symmetry.stereo.epipolar_signal import (
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["ASTRAY", "Pairing", "paired", "share_astray"]
+__all__ = ["ASTRAY", "Heights", "Pairing", "paired"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -139,7 +139,7 @@ def paired(
     )
     price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
     left = _left(first, second, places, at) + BENT * _bending(second, partners)
-    astray = share_astray(stereo.intersected(near, far)[:, 1])
+    astray = Heights().with_more(stereo.intersected(near, far)[:, 1]).share_astray
     return Pairing(
         near,
         far,
@@ -179,16 +179,39 @@ def _with_partner(partners: Array, last: float, pinned: tuple[bool, bool]) -> Fl
     return inside if inside.any() else np.ones(len(partners), bool)
 
 
-def share_astray(heights: Array) -> float:
-    """Which share of the distance from the plane is on the side with less of it, 0 … 0.5.
+@dataclass(frozen=True)
+class Heights:
+    """Heights of places above the centre plane, summed up.
 
-    Parameters
+    Attributes
     ----------
-    heights : (n,) float
-        Above the plane, mm; NaN where there is no place. If most are NaN the share is 0.5.
+    count, known : int
+        How many places there are, and how many of them have a height.
+    total, apart : float
+        Sum of the heights and of their absolute values, mm.
     """
-    seen = heights[np.isfinite(heights)]
-    total = float(np.abs(seen).sum())
-    if len(seen) < len(heights) / 2 or total == 0.0:
-        return 0.5
-    return 0.5 - 0.5 * abs(float(seen.sum())) / total
+
+    count: int = 0
+    known: int = 0
+    total: float = 0.0
+    apart: float = 0.0
+
+    def with_more(self, heights: Array) -> Heights:
+        """Return the sums with more heights (n,) mm; NaN where a place has none."""
+        seen = heights[np.isfinite(heights)]
+        return Heights(
+            self.count + len(heights),
+            self.known + len(seen),
+            self.total + float(seen.sum()),
+            self.apart + float(np.abs(seen).sum()),
+        )
+
+    @property
+    def share_astray(self) -> float:
+        """Share of the distance from the plane on the side with less of it, 0 … 0.5.
+
+        It is 0.5 if most places have no height.
+        """
+        if self.known < self.count / 2 or self.apart == 0.0:
+            return 0.5
+        return 0.5 - 0.5 * abs(self.total) / self.apart

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["CAUSES", "REMEDIES", "SOLVABLE", "Case", "reasons", "solved", "special_case"]
+__all__ = ["CAUSES", "REMEDIES", "SOLVABLE", "Case", "intersect_rays", "reasons_of", "special_case"]
 
 Array = NDArray[np.float64]
 Codes = NDArray[np.int8]
@@ -123,7 +123,7 @@ def special_case(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> Codes:
     return codes.astype(np.int8)
 
 
-def solved(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Codes]:
+def intersect_rays(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Codes]:
     """Points from pairs of places, in all cases that have one.
 
     Returns
@@ -142,7 +142,7 @@ def solved(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Code
     return points, codes
 
 
-def reasons(codes: ArrayLike) -> tuple[str, ...]:
+def reasons_of(codes: ArrayLike) -> tuple[str, ...]:
     """Why there are places without a point and what to do, the commonest case first."""
     counts = np.bincount(np.asarray(codes, np.intp), minlength=len(Case))
     found = sorted((case for case in CAUSES if counts[case]), key=lambda case: -counts[case])

@@ -51,11 +51,27 @@ class Signal:
         if stereo.parallel:
             return self
         turns = np.round((np.median(other.angles) - np.median(self.angles)) / (2.0 * np.pi))
-        return replace(self, angles=self.angles + 2.0 * np.pi * turns)
+        return self.rotated(2.0 * np.pi * float(turns))
 
     def turned(self) -> Signal:
         """From its end to its beginning."""
-        return Signal(self.pixels[::-1], self.angles[::-1], self.scales[::-1])
+        return self.part(slice(None, None, -1))
+
+    def rotated(self, angle: float) -> Signal:
+        """Return the signal with an angle added everywhere."""
+        return replace(self, angles=self.angles + angle)
+
+    def part(self, which: slice) -> Signal:
+        """Return some of the samples."""
+        return Signal(self.pixels[which], self.angles[which], self.scales[which])
+
+    def followed_by(self, other: Signal) -> Signal:
+        """Return the samples of this signal and then those of another one."""
+        return Signal(
+            np.vstack([self.pixels, other.pixels]),
+            np.concatenate([self.angles, other.angles]),
+            np.concatenate([self.scales, other.scales]),
+        )
 
     @property
     def step(self) -> float:

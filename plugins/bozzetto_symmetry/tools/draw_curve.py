@@ -20,7 +20,7 @@ from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.erase import erased
 from bozzetto_symmetry.view.box import segments
 from bozzetto_symmetry.view.hints import FIRST, next_step
-from bozzetto_symmetry.view.live_preview import Growing
+from bozzetto_symmetry.view.live_preview import GrowingCurve
 
 __all__ = ["DrawCurve", "rungs"]
 
@@ -38,7 +38,7 @@ RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
 
 Array = NDArray[np.float64]
 
-_growing: Memory[Growing] = Memory(limit=4)
+_growing: Memory[GrowingCurve] = Memory(limit=4)
 
 
 class DrawCurve:
@@ -141,5 +141,5 @@ def _grown_from(curve: Curve, state: SymmetryState, gesture: Ink) -> Array | Non
     drawn = on_canvas(gesture.strokes[-1], view.strokes[0].camera).points
     pixels = view.sides[0].pixels
     question = (view.stereo, pixels.tobytes(), drawn[:1].tobytes())
-    growing = _growing.recall(question, lambda: Growing(view.stereo, pixels))
+    growing = _growing.recall(question, lambda: GrowingCurve(view.stereo, pixels))
     return growing.points(drawn)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry.curve_flattening import FLATNESS, flattened
-from bozzetto.geometry.spline import Spline
 from bozzetto.ink.curves.resample import resample
+from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
@@ -38,6 +38,8 @@ FINER: Final = 0.2
 
 LOOSE_WIDTH: Final = 1.2
 """Of ink that found no partner: thin, it is no curve."""
+
+_lines: Memory[tuple[Lines, ...]] = Memory(limit=512)
 
 FAN: Final = 24
 """Rays that are shown of a side that waits for the other."""
@@ -105,16 +107,20 @@ def curve_lines(
         px.
     opacity : float
     """
-    made = []
-    for number, spline in enumerate(curve.curves()):
-        points = state.plane.placement.points(_flat(spline, camera))
-        paint = "second" if number else color
-        made.append(Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity))
-    return tuple(made)
+    tolerance = FINER * FLATNESS / camera.pixels_per_mm
+    question = (curve, state.plane, tolerance, color, width, opacity)
 
+    def made() -> tuple[Lines, ...]:
+        lines = []
+        for number, spline in enumerate(curve.curves()):
+            points = state.plane.placement.points(flattened(spline.beziers(), tolerance)[0])
+            paint = "second" if number else color
+            lines.append(
+                Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity)
+            )
+        return tuple(lines)
 
-def _flat(spline: Spline, camera: Camera) -> Array:
-    return flattened(spline.beziers(), FINER * FLATNESS / camera.pixels_per_mm)[0]
+    return _lines.recall(question, made)
 
 
 def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:

@@ -147,7 +147,7 @@ def test_a_side_drawn_twice_can_be_settled() -> None:
     random = np.random.default_rng(5)
     seen = camera(30, 20)
     true = drawn(PAIRS["S-wave"], seen)
-    sides = sides_of(strokes(scribbled(true, 2, random), seen), asked="pair")
+    sides = sides_of(strokes(scribbled(true, 2, random), seen), apart=True)
     assert len(sides) == 2
     one = drawn_twice(*sides)
     assert one is not None

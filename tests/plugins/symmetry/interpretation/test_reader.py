@@ -38,7 +38,7 @@ VIEWS = [(10, 15), (20, 5), (30, 20), (45, 35), (60, 30), (75, 10), (85, 10), (-
 
 def readings(inks: Sequence[Array], view: Camera, asked: str = "auto") -> tuple[Read, ...]:
     strokes = [Stroke(ink[:, 0], ink[:, 1], view) for ink in inks]
-    return read(Stereo(view), sides_of(strokes, asked), asked, box=BOX)
+    return read(Stereo(view), sides_of(strokes, apart=asked == "pair"), asked, box=BOX)
 
 
 def ring(ink: Array) -> Array:
