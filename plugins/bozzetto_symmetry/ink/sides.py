@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +14,7 @@ from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length, resample
 from bozzetto.ink.merge import fading, settle
+from bozzetto.plugin import Memory
 from bozzetto_symmetry.ink.stroke_grouping import any_over, bonds_between, grouped
 from bozzetto_symmetry.ink.stroke_line import (
     CLOSING,
@@ -39,6 +40,10 @@ MEETING: Final = 0.08
 
 UNDRAWN: Final = 3
 """Steps of a settled ring without ink that are no gap: the ink has steps of its own."""
+
+
+_lines: Memory[Line] = Memory(limit=512)
+_sides: Memory[Side] = Memory(limit=256)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,40 +102,43 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
     UserError
         If there is no stroke with a length.
     """
-    drawn = {
-        k: points
-        for k, s in enumerate(strokes)
-        if np.ptp(points := pen_down(s), axis=0).max() > DOT
-    }
-    if not drawn:
+    numbers = [k for k, s in enumerate(strokes) if np.ptp(pen_down(s), axis=0).max() > DOT]
+    if not numbers:
         raise UserError("There is only a dot. Draw the whole curve.")
-    if len(drawn) > MOST_STROKES:
+    if len(numbers) > MOST_STROKES:
         raise UserError(
-            f"{len(drawn)} strokes are too many for one curve; it can have {MOST_STROKES}. Take "
+            f"{len(numbers)} strokes are too many for one curve; it can have {MOST_STROKES}. Take "
             "some back, and press Enter after each curve."
         )
-    numbers = list(drawn)
-    lines = [drawn_line(drawn[k]) for k in numbers]
     # A closed line is compared with its gap, as the pen went.
-    groups = grouped([line.pixels for line in lines], apart=apart)
+    groups = grouped([_line(strokes[k]).pixels for k in numbers], apart=apart)
     sides = []
     for group in groups:
         members = tuple(numbers[k] for k in group)
-        if len(group) == 1:
-            line = lines[group[0]]
-            sides.append(Side(line.pixels, line.closed, line.noise, members))
-        else:
-            sides.append(_united({k: strokes[k] for k in members}, [lines[k] for k in group]))
+        sides.append(replace(_side(tuple(strokes[k] for k in members)), strokes=members))
     return tuple(sides)
 
 
-def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
-    """One side of several strokes: pieces one after the other, or all settled together."""
-    places = [pen_down(stroke) for stroke in strokes.values()]
-    if not any_over([line.pixels for line in lines]):
-        line = drawn_line(_chained(places))
-        return Side(line.pixels, line.closed, line.noise, tuple(strokes))
-    return _settled(places, fading(list(strokes.values())), tuple(strokes))
+def _line(stroke: Stroke) -> Line:
+    """Return one stroke smoothed; remembered, for the next stroke is compared with it again."""
+    return _lines.recall(stroke, lambda: drawn_line(pen_down(stroke)))
+
+
+def _side(strokes: tuple[Stroke, ...]) -> Side:
+    """Return one side of some strokes; remembered, for the next stroke may be of the other one.
+
+    It is a single stroke, pieces one after the other, or all strokes settled together.
+    """
+
+    def made() -> Side:
+        lines = [_line(stroke) for stroke in strokes]
+        places = [pen_down(stroke) for stroke in strokes]
+        if len(lines) > 1 and any_over([line.pixels for line in lines]):
+            return _settled(places, fading(list(strokes)), ())
+        line = lines[0] if len(lines) == 1 else drawn_line(_chained(places))
+        return Side(line.pixels, line.closed, line.noise, ())
+
+    return _sides.recall(strokes, made)
 
 
 def drawn_twice(one: Side, other: Side) -> Side | None:

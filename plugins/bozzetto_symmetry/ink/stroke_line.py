@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
+from bozzetto.ink.curves.closing import END_SHARE, close_stroke, end_gap, is_closed_gesture
 from bozzetto.ink.curves.preprocess import prepare
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 
@@ -181,8 +181,10 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
 
 def _loop(points: Array) -> Array | None:
     """The ring that a stroke closes, or None if it is open."""
-    if not is_closed_gesture(points):
-        return None
+    gap, size = points[-1] - points[0], np.ptp(points, axis=0)
+    within = 2.0 * END_SHARE * float(arc_length(points)[-1]) + CLOSING * float(np.hypot(*size))
+    if float(np.hypot(*gap)) > within or not is_closed_gesture(points):
+        return None  # cutting the ends back cannot bring them together, or does not
     ring = close_stroke(points)
     return ring if end_gap(ring) <= CLOSING else None
 
