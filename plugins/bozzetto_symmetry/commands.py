@@ -63,14 +63,13 @@ def all_commands() -> Sequence[Command]:
 
 
 def _has_curve(state: SymmetryState) -> bool:
-    return any(curve.id == state.selected for curve in state.curves)
+    return state.chosen is not None
 
 
 def _chosen(state: SymmetryState) -> Curve:
-    for curve in state.curves:
-        if curve.id == state.selected:
-            return curve
-    raise UserError("No curve is chosen. Choose one in the list.")
+    if state.chosen is None:
+        raise UserError("No curve is chosen. Choose one in the list.")
+    return state.chosen
 
 
 def _switched(state: SymmetryState, context: Context) -> SymmetryState:

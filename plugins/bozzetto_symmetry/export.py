@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from bozzetto.geometry import Shapes
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.solve.curve_solver import Trace
 
 __all__ = ["shapes_of"]
@@ -17,7 +16,7 @@ def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
     """All curves that are shown; the mirror image of a pair comes after it."""
     place = state.plane.placement
     handed = []
-    for curve in shown_curves(state):
+    for curve in state.shown_curves:
         trace = traces.get(curve.id)
         if trace is None or trace.curve is None:
             continue

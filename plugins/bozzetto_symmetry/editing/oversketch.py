@@ -23,6 +23,7 @@ from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.ink.oversketch.snake import LOCATION, PRESSURE, RESTITUTION, modified
 from bozzetto_symmetry.editing.displacement import displaced
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 __all__ = ["Forces", "drawn_over"]
@@ -119,7 +120,7 @@ def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, 
     dense = np.linspace(begin, end, LOOKS)
     pixels = stereo.project(spline.value(dense) * image)
     seen = np.array([is_on_sheet(place) for place in pixels])
-    first, last = _longest_run(seen)
+    first, last = max(runs(seen), key=lambda run: run[1] - run[0], default=(0, 0))
     if last - first < 2:
         raise UserError("The curve is not seen from here. Turn the view, then draw over it.")
     whole = spline.closed and last - first == LOOKS
@@ -128,15 +129,6 @@ def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, 
     stations = np.linspace(0.0, along[-1], count, endpoint=not whole)
     at = np.interp(stations, along, dense[first:last])
     return at, spline.value(at) * image, whole
-
-
-def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags, [0])).astype(int)))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
-        return 0, 0
-    first, last = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-    return int(first), int(last)
 
 
 def _in_plane(stereo: Stereo, pixels: Array, points: Array, before: Array) -> Array:

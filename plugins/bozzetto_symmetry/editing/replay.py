@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
@@ -23,7 +22,7 @@ from bozzetto_symmetry.model.state import (
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["Edited", "Solve", "applied", "edited"]
+__all__ = ["Solve", "applied", "edited"]
 
 Solve = Callable[[Curve, SymmetryState], SpaceCurve | None]
 """The curve in space of another recipe; None where it has none yet."""
@@ -31,22 +30,9 @@ Solve = Callable[[Curve, SymmetryState], SpaceCurve | None]
 _edited: Memory[SpaceCurve] = Memory(limit=512)
 
 
-@dataclass(frozen=True, eq=False)
-class Edited:
-    """A curve after its edits.
-
-    Attributes
-    ----------
-    curve : SpaceCurve
-    warnings : tuple of str
-        Why edits that no longer fit were left out.
-    """
-
-    curve: SpaceCurve
-    warnings: tuple[str, ...] = ()
-
-
-def applied(curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solve: Solve) -> Edited:
+def applied(
+    curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solve: Solve
+) -> tuple[SpaceCurve, tuple[str, ...]]:
     """Do all edits in order. One that does not fit the curve any more is left out.
 
     Parameters
@@ -58,6 +44,13 @@ def applied(curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solv
         For its plane and for what pulls in a modification.
     solve : callable
         What the recipes of joined curves give.
+
+    Returns
+    -------
+    curve : SpaceCurve
+        The curve after its edits.
+    warnings : tuple of str
+        Why edits that no longer fit were left out.
     """
     warnings: list[str] = []
     for edit in edits:
@@ -65,7 +58,7 @@ def applied(curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solv
             curve = edited(curve, edit, state, solve)
         except UserError as problem:
             warnings.append(f"A change of the curve was left out. {problem.message}")
-    return Edited(curve, tuple(dict.fromkeys(warnings)))
+    return curve, tuple(dict.fromkeys(warnings))
 
 
 def edited(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,15 +19,24 @@ from bozzetto.errors import UserError
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto_symmetry.fitting.initial_guess import approximated, half_of, stations_of
 from bozzetto_symmetry.fitting.normal_equations import Fit, Problem
-from bozzetto_symmetry.fitting.point_constraints import FEWEST, MORE, MOST, Controls, through
 from bozzetto_symmetry.fitting.reprojection import Ink, inked
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = ["Bundled", "Sight", "bundled", "through"]
+__all__ = ["Bundled", "Controls", "Sight", "bundled"]
 
 Array = NDArray[np.float64]
+Controls = Literal["adaptive", "seven"]
+
+FEWEST: Final = 7
+"""Control points of a half to begin with (Bae, Kijima & Kim 2004 always take seven)."""
+
+MORE: Final = 3
+"""Control points added until the curve is good."""
+
+MOST: Final = 25
+"""Control points of a half at which adding ends."""
 
 ENOUGH: Final = 0.1
 """Distance of the ink from the image of the curve (rms, px) at which more control points are

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
+from bozzetto_symmetry.ink.polyline import interpolate
 
 __all__ = [
     "ROUGHNESS",
     "approximated",
+    "chord_length",
     "half_of",
-    "length_of",
     "polygon_of",
     "stations_of",
     "trusted_steps",
@@ -48,8 +49,8 @@ STATIONS: Final = 10
 """Control points of the curve by which places are given their stations."""
 
 
-def length_of(points: Array) -> float:
-    """Of the chain through points, mm."""
+def chord_length(points: Array) -> float:
+    """Return the length of the chain through points (n, 3), mm."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
@@ -122,7 +123,7 @@ def trusted_steps(points: Array, covariances: Array, *, closed: bool) -> Array:
     """
     steps = np.diff(points, axis=0, append=points[:1] if closed else points[:0])
     spread = 0.5 * (covariances + np.roll(covariances, -1, axis=0))[: len(steps)]
-    doubt = (DOUBTFUL * length_of(points)) ** 2
+    doubt = (DOUBTFUL * chord_length(points)) ** 2
     trusted = np.linalg.solve(np.eye(3) + spread / doubt, steps[:, :, None])[:, :, 0]
     return np.asarray(np.sqrt(np.maximum((steps * trusted).sum(axis=1), 0.0)))
 
@@ -152,7 +153,7 @@ def approximated(
     -------
     (count, 3) float
     """
-    length = length_of(points)
+    length = chord_length(points)
     floor = (KNOWN * length) ** 2 * np.eye(3)
     least = np.eye(3) / (GUESSED * length) ** 2
     weight = np.asarray(np.linalg.cholesky(np.linalg.inv(covariances + floor) + least))
@@ -175,7 +176,7 @@ def polygon_of(basis: SymmetricBasis, points: Array, stations: Array) -> Array:
     The ends are the first and the last point exactly; what is not free to move is nought.
     """
     even = np.linspace(0.0, 1.0, basis.count, endpoint=not basis.closed)
-    made = np.column_stack([np.interp(even, stations, points[:, axis]) for axis in range(3)])
+    made = interpolate(even, stations, points)
     if not basis.closed:
         made[[0, -1]] = points[[0, -1]]
     return np.where(basis.free.reshape(-1, 3), made, 0.0)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
 from bozzetto_symmetry.fitting.initial_guess import trusted_steps
+from bozzetto_symmetry.ink.polyline import interpolate
 
 __all__ = ["Estimate", "fused"]
 
@@ -147,7 +148,7 @@ def _finite(estimate: Estimate) -> Estimate:
     if 1 < blind.sum() + 1 < len(blind):
         at = np.arange(len(points))
         seen = at[~blind]
-        chain = np.column_stack([np.interp(at, seen, points[seen, axis]) for axis in range(3)])
+        chain = interpolate(at, seen, points[seen])
         points = np.where(blind[:, None], chain, points)
         covariances = covariances + blind[:, None, None] * (BLIND * size) ** 2 * np.eye(3)
     return Estimate(points, covariances)
@@ -173,7 +174,7 @@ def _resampled(estimate: Estimate, count: int, closed: bool) -> Estimate:
     at = np.linspace(0.0, along[-1], count, endpoint=not closed)
     columns = np.hstack((points, covariances.reshape(-1, 9)))
     columns = np.vstack((columns, columns[:1])) if closed else columns
-    made = np.column_stack([np.interp(at, along, column) for column in columns.T])
+    made = interpolate(at, along, columns)
     return Estimate(made[:, :3], made[:, 3:].reshape(-1, 3, 3))
 
 

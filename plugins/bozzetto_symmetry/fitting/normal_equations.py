@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximated, length_of
+from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximated, chord_length
 from bozzetto_symmetry.fitting.reprojection import END_NOISE, Ink
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
@@ -74,7 +74,7 @@ class Problem:
         low, high = basis.half
         at = np.linspace(low, high, HELD, endpoint=not basis.periodic)
         values = basis.values(at)
-        length = length_of(basis.at(values, start))
+        length = chord_length(basis.at(values, start))
         leash = [
             basis.rows(values, np.tile(axis, (len(at), 1))) / (LEASH * length) for axis in np.eye(3)
         ]

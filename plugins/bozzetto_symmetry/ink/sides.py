@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length, resample
+from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.merge import fading, settle
 from bozzetto.plugin import Memory
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.stroke_grouping import any_over, bonds_between, grouped
 from bozzetto_symmetry.ink.stroke_line import (
     CLOSING,
@@ -153,7 +154,7 @@ def joined(one: Side, other: Side) -> Side | None:
     if one.closed or other.closed:
         return None
     gap = gap_between(one.pixels, other.pixels)[0]
-    if gap > MEETING * min(_length(one.pixels), _length(other.pixels)):
+    if gap > MEETING * min(length_of(one.pixels), length_of(other.pixels)):
         return None
     line = evenly_spaced(_chained([one.pixels, other.pixels]))
     noise = max(one.noise, other.noise)
@@ -182,7 +183,7 @@ def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) 
     pixels = evenly_spaced(_in_sense_of(places[0], line, closed), closed=closed)
     ring = np.vstack((pixels, pixels[:1])) if closed else pixels
     ink = np.vstack([evenly_spaced(place) for place in places])
-    times = max(1.0, SPACING * len(ink) / max(_length(ring), SPACING))
+    times = max(1.0, SPACING * len(ink) / max(length_of(ring), SPACING))
     scatter = float(1.4826 * np.median(distances_to_polyline(ink, ring)))
     return Side(pixels, closed, scatter / times**0.5, members, found.sure)
 
@@ -190,7 +191,7 @@ def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) 
 def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
     """A ring without the part that nobody drew, if that is too wide for a mere gap."""
     ink = np.vstack([evenly_spaced(place) for place in places])
-    step = _length(np.vstack((ring, ring[:1]))) / len(ring)
+    step = length_of(np.vstack((ring, ring[:1]))) / len(ring)
     apart = np.linalg.norm(ring[:, None] - ink, axis=2)
     met = np.unique(apart.argmin(axis=0))
     behind = np.diff(np.append(met, met[0] + len(ring)))
@@ -200,10 +201,6 @@ def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
         return ring, True
     begin = met[(widest + 1) % len(met)]
     return np.roll(ring, -begin, axis=0)[: len(ring) - behind[widest] + 1], False
-
-
-def _length(points: Array) -> float:
-    return float(arc_length(points)[-1])
 
 
 def _chained(places: Sequence[Array]) -> Array:

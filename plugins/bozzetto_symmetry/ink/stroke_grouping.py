@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length, resample
+from bozzetto.ink.curves.resample import resample
+from bozzetto_symmetry.ink.polyline import length_of
 
 __all__ = ["Bond", "any_over", "bonds_between", "grouped"]
 
@@ -91,7 +92,7 @@ class _Trail:
 
     @classmethod
     def of(cls, pixels: Array) -> _Trail:
-        length = float(arc_length(pixels)[-1])
+        length = length_of(pixels)
         places = resample(pixels, count=int(np.clip(length / STEP, 8, MOST_PLACES)))
         tangents = np.gradient(places, axis=0)
         tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-300)
@@ -130,7 +131,7 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     bonds = bonds_between(lines)
     groups = {k: {k} for k in range(count)}
     least = 1 if not apart else 2
-    sizes = [float(arc_length(line)[-1]) for line in lines]
+    sizes = [length_of(line) for line in lines]
     links = _Links(bonds, sizes)
     while len(groups) > least:
         first, second, bond = links.nearest()

@@ -13,6 +13,7 @@ from bozzetto.ink import Stroke
 from bozzetto.ink.curves.closing import END_SHARE, close_stroke, end_gap, is_closed_gesture
 from bozzetto.ink.curves.preprocess import prepare
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto_symmetry.ink.polyline import interpolate, length_of
 
 __all__ = ["Line", "drawn_line", "evenly_spaced", "hand_noise", "pen_down"]
 
@@ -154,7 +155,7 @@ def drawn_line(points: Array) -> Line:
 def evenly_spaced(points: Array, *, closed: bool = False) -> Array:
     """Points about `SPACING` apart along a polyline, neither too few nor too many, (n, 2) px."""
     ring = np.vstack((points, points[:1])) if closed else points
-    length = float(arc_length(ring)[-1])
+    length = length_of(ring)
     count = int(np.clip(round(length / SPACING), FEWEST - 1, MOST - 1))
     return resample(points, count=count if closed else count + 1, closed=closed)
 
@@ -172,7 +173,7 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
         Equally spaced.
     """
     ring = np.vstack((points, points[:1])) if closed else points
-    length = float(arc_length(ring)[-1])
+    length = length_of(ring)
     step = length / max(1, len(ring) - 1)
     half = float(np.clip(HAND_SHARE * length, *HAND_WIDTH))
     window = min(round(half / step), (len(points) - 1) // 2)
@@ -182,7 +183,7 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
 def _loop(points: Array) -> Array | None:
     """The ring that a stroke closes, or None if it is open."""
     gap, size = points[-1] - points[0], np.ptp(points, axis=0)
-    within = 2.0 * END_SHARE * float(arc_length(points)[-1]) + CLOSING * float(np.hypot(*size))
+    within = 2.0 * END_SHARE * length_of(points) + CLOSING * float(np.hypot(*size))
     if float(np.hypot(*gap)) > within or not is_closed_gesture(points):
         return None  # cutting the ends back cannot bring them together, or does not
     ring = close_stroke(points)
@@ -211,7 +212,7 @@ def _on_grid(points: Array, along: Array, closed: bool, step: float) -> Array:
     knots, values = _averaged(along, ring, length / count)
     stations = np.linspace(0.0, length, count + 1)
     if len(knots) < 3:
-        fine = np.column_stack([np.interp(stations, knots, column) for column in values.T])
+        fine = interpolate(stations, knots, values)
     else:
         if closed:  # a few samples beyond either end, so that it goes on smoothly
             reach = min(3, len(knots) - 1)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
 from bozzetto_symmetry.stereo.correspondence import Pairing
 
@@ -140,5 +141,5 @@ def matched_part(pixels: Array, stations: Array) -> Array:
     along = arc_length(pixels)
     share = along / max(float(along[-1]), 1e-300)
     inner = (share > begin) & (share < end)
-    ends = np.column_stack([np.interp((begin, end), share, column) for column in pixels.T])
+    ends = interpolate((begin, end), share, pixels)
     return np.vstack((ends[:1], pixels[inner], ends[1:]))

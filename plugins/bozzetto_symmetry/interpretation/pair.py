@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
 from bozzetto_symmetry.ink.stroke_grouping import bonds_between
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
@@ -106,7 +107,7 @@ def overdrawn(one: Side, other: Side) -> float:
 def _continued(stereo: Stereo, one: Array, other: Array, half: HalfInSpace) -> float:
     """Return the price of taking two lines for a pair that meet on the plane, square to it."""
     gap, place, at_end = gap_between(one, other)
-    if gap > MEETING * min(float(arc_length(line)[-1]) for line in (one, other)):
+    if gap > MEETING * min(map(length_of, (one, other))):
         return 0.0
     foot = stereo.on_plane(place)[0]
     line = np.vstack((foot, half.points[::-1] if at_end else half.points))

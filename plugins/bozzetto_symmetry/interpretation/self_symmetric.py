@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
 from bozzetto_symmetry.interpretation.folding import Folding, foldings
@@ -87,7 +87,7 @@ def _halves(pixels: Array, folding: Folding) -> tuple[Array, Array, float]:
     if not folding.first:
         stations.reverse()
         coverage.reverse()
-    lengths = [float(arc_length(half)[-1]) for half in halves]
+    lengths = [length_of(half) for half in halves]
     covered = float(np.dot(lengths, coverage)) / max(sum(lengths), 1e-300)
     before, behind = (
         matched_part(half, np.append(share, 0.0))

@@ -14,7 +14,7 @@ from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 
-__all__ = ["box_around", "box_facts", "facts_of", "readings_of"]
+__all__ = ["box_around", "box_facts", "readings_of"]
 
 Array = NDArray[np.float64]
 
@@ -95,15 +95,6 @@ def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
             known = ", ".join(f"“{r}”" for r in get_args(AskedReading))
             raise UserError(f"“readings” of “{str(name)[:40]}”: there are {known}.")
     return dict(told)
-
-
-def facts_of(state: SymmetryState) -> dict[str, Any]:
-    """The facts that make `box_facts` give back the box and the plane of a state."""
-    plane: Any = next((a for a, name in SYMMETRIES.items() if name == state.symmetry), None)
-    if plane is None:
-        free = state.free_plane
-        plane = {"point": list(free.point), "normal": list(free.normal)}
-    return {"box": {"center": list(state.centre), "size": list(state.size)}, "plane": plane}
 
 
 def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:

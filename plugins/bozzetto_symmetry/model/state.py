@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto.plugin import Parameter, switched_on, unused_id, unused_name, with_part
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 
 __all__ = [
@@ -292,6 +292,21 @@ class SymmetryState:
     def curves(self) -> tuple[Curve, ...]:
         """The nodes that are curves."""
         return tuple(node for node in self.nodes if isinstance(node, Curve))
+
+    @property
+    def shown_curves(self) -> tuple[Curve, ...]:
+        """The curves that are switched on, and all groups of theirs with them."""
+        return tuple(node for node in switched_on(self.nodes) if isinstance(node, Curve))
+
+    @property
+    def shown_lines(self) -> tuple[Line, ...]:
+        """The construction lines that are switched on, and all groups of theirs with them."""
+        return tuple(node for node in switched_on(self.nodes) if isinstance(node, Line))
+
+    @property
+    def chosen(self) -> Curve | None:
+        """The curve that is chosen, if one is."""
+        return next((curve for curve in self.curves if curve.id == self.selected), None)
 
     def node(self, node_id: str) -> Curve | Line | Group:
         """A node by its id; raises `KeyError`."""

@@ -18,9 +18,9 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.solve.curve_solver import Trace, traced
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
@@ -111,7 +111,7 @@ def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
     Only the chosen curve can be gone over again; beside others it is a new curve that is
     meant.
     """
-    known = [(curve, trace) for curve in shown_curves(state) if (trace := _trace(curve, state))]
+    known = [(curve, trace) for curve in state.shown_curves if (trace := _trace(curve, state))]
     for curve, trace in known:
         if curve.id == state.selected and _runs_along(strokes, trace, state):
             return curve
@@ -134,11 +134,10 @@ def waits(curve: Curve, trace: Trace) -> bool:
 
 def waiting_view(state: SymmetryState) -> Camera | None:
     """The camera, in the frame of the model, in whose view the chosen curve waits; else None."""
-    for curve in state.curves:
-        if curve.id == state.selected:
-            trace = _trace(curve, state)
-            return curve.strokes[-1].camera if trace and trace.reading == "half" else None
-    return None
+    trace = None if state.chosen is None else _trace(state.chosen, state)
+    if state.chosen is None or trace is None or trace.reading != "half":
+        return None
+    return state.chosen.strokes[-1].camera
 
 
 def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
@@ -184,5 +183,4 @@ def _is_along(ink: Array, line: Array) -> bool:
         return False
     places = resample(ink, count=LOOKS)
     near = distances_to_polyline(places, line) < ALONG
-    lengths = [float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum()) for p in (places, line)]
-    return bool(near.mean() >= MOSTLY and lengths[0] >= WORTH * lengths[1])
+    return bool(near.mean() >= MOSTLY and length_of(places) >= WORTH * length_of(line))

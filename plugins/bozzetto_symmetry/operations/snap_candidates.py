@@ -119,7 +119,7 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
     UserError
         If no curve is chosen, it has no free end, or nothing is near its ends.
     """
-    node = next((curve for curve in state.curves if curve.id == state.selected), None)
+    node = state.chosen
     trace = None if node is None else traced(node, state)
     if node is None or trace is None or trace.curve is None or trace.curve.closed:
         raise UserError("Choose a curve with free ends. They snap to what is near them.")

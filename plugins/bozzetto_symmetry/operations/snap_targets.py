@@ -16,7 +16,6 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
-from bozzetto_symmetry.model.visibility import shown_lines
 
 __all__ = ["Kind", "Place", "Targets", "nearest_target", "targets"]
 
@@ -93,7 +92,7 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
     paths: list[tuple[Array, Kind]] = [(edge, "edge") for edge in box_edges(state)]
     if len(section):
         paths.append((np.vstack((section, section[:1])), "edge"))
-    for line in shown_lines(state):
+    for line in state.shown_lines:
         paths.append((np.array([line.begin, line.end], float), "line"))
     to_model = state.plane.placement
     for curve in curves:

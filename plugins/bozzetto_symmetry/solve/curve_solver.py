@@ -21,15 +21,13 @@ from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.editing.replay import applied
-from bozzetto_symmetry.fitting.bundle_adjustment import Sight, bundled
+from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, bundled
 from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fused
-from bozzetto_symmetry.fitting.point_constraints import Controls
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
 from bozzetto_symmetry.interpretation.reader import Read, Reader
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
 
@@ -214,12 +212,11 @@ def _traced(curve: Curve, state: SymmetryState) -> Trace:
     base = traced(replace(curve, edits=()), state)
     if base.curve is None:
         return base
-    changed = applied(base.curve, curve.edits, state, solved)
-    points, sigma = _carried(base, changed.curve)
+    changed, warnings = applied(base.curve, curve.edits, state, solved)
+    points, sigma = _carried(base, changed)
     return replace(
-        base, curve=changed.curve, points=points, sigma=sigma,
-        warnings=(*base.warnings, *changed.warnings),
-    )  # fmt: skip
+        base, curve=changed, points=points, sigma=sigma, warnings=(*base.warnings, *warnings)
+    )
 
 
 def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
@@ -411,7 +408,7 @@ def sampled(spline: Spline) -> Array:
 def directions(state: SymmetryState) -> Array | None:
     """Tangents of the newest curves shown, (n, 3) in the frame of the model; None of none."""
     found = []
-    for curve in shown_curves(state)[-NEWEST:]:
+    for curve in state.shown_curves[-NEWEST:]:
         try:
             made = traced(curve, state).curve
         except UserError:

@@ -18,7 +18,6 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.solve.curve_solver import solved
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
@@ -114,7 +113,7 @@ class Seen:
 def solved_curves(state: SymmetryState) -> list[tuple[Curve, SpaceCurve]]:
     """Those of the curves shown that are in space already, in the order of the list."""
     found = []
-    for node in shown_curves(state):
+    for node in state.shown_curves:
         try:
             curve = solved(node, state)
         except UserError:

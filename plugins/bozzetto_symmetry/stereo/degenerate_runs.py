@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.stereo.epipolar_signal import Signal
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
@@ -53,9 +54,8 @@ def _shallow(signal: Signal, places: NDArray[np.intp]) -> Flags:
 
 
 def _long_runs(flags: Flags, shortest: float) -> Flags:
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
     kept = np.zeros(len(flags), bool)
-    for begin, end in edges.reshape(-1, 2):
+    for begin, end in runs(flags):
         kept[begin:end] = end - begin >= shortest
     return kept
 

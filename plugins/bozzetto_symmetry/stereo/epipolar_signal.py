@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
 __all__ = ["Signal", "at_stations", "differences", "spread", "squared_scales"]
@@ -101,5 +102,4 @@ def squared_scales(one: Array, other: Array) -> Array:
 
 def at_stations(values: Array, stations: Array) -> Array:
     """Rows of an array at fractions of its indices."""
-    index = np.arange(len(values))
-    return np.column_stack([np.interp(stations, index, column) for column in values.T])
+    return interpolate(stations, np.arange(len(values)), values)

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.ink.curves.resample import arc_length
 from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.operations.assign_stroke import landed, waits
 from bozzetto_symmetry.solve.curve_solver import traced
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
@@ -93,8 +93,9 @@ class DrawCurve:
             return erased(state, gesture.strokes[-1])
         drawn = landed(state, gesture.strokes)
         # Solved here, the curve is remembered when several ask for it at once.
-        with suppress(UserError):
-            traced(next(curve for curve in drawn.curves if curve.id == drawn.selected), drawn)
+        if drawn.chosen is not None:
+            with suppress(UserError):
+                traced(drawn.chosen, drawn)
         return drawn
 
 
@@ -112,7 +113,7 @@ def rungs(points: Array, step: float) -> Array:
     -------
     (k, 2, 3) float
     """
-    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    along = arc_length(points)
     marks = np.linspace(0.0, along[-1], max(2, int(min(along[-1] / step, MOST_RUNGS)) + 1))
     ends = points[np.unique(np.searchsorted(along, marks).clip(max=len(points) - 1))]
     return np.stack((ends, ends * MIRROR), axis=1)
@@ -120,7 +121,7 @@ def rungs(points: Array, step: float) -> Array:
 
 def _grown(state: SymmetryState, gesture: Ink) -> Array | None:
     """What has grown from the side that waits in this view; the chosen or the newest one."""
-    curves = sorted(reversed(shown_curves(state)), key=lambda c: c.id != state.selected)
+    curves = sorted(reversed(state.shown_curves), key=lambda c: c.id != state.selected)
     for curve in curves:
         points = _grown_from(curve, state, gesture)
         if points is not None:

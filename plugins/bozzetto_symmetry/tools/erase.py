@@ -15,7 +15,6 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves, shown_lines
 from bozzetto_symmetry.operations.split import Stretch, parted, without_stretch
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
 
@@ -53,10 +52,10 @@ def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
     for side in _meant(solved, eraser):
         state = _without_part(state, side, _rubbed(side, eraser))
     known = {side.node.id for side in solved}
-    for node in shown_curves(before):
+    for node in before.shown_curves:
         if node.id not in known:
             state = _without_strokes(state, node, eraser)
-    for line in shown_lines(before):
+    for line in before.shown_lines:
         if _is_over(line, eraser):
             state = state.without(line.id)
     if state == before:

@@ -52,8 +52,7 @@ class JoinCurves:
         stroke = gesture.strokes[-1]
         try:
             made = _joined(state, stroke)
-            (node,) = (curve for curve in made.curves if curve.id == made.selected)
-            curve = solved(node, made)
+            curve = solved(made.chosen, made) if made.chosen is not None else None
         except UserError:
             return Scene()
         if curve is None:

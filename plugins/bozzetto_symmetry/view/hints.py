@@ -7,7 +7,6 @@ from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.operations.assign_stroke import waits
 from bozzetto_symmetry.solve.curve_solver import Trace, traced
 
@@ -37,7 +36,7 @@ def next_step(state: SymmetryState) -> str:
     ----------
     state : SymmetryState
     """
-    chosen = next((c for c in shown_curves(state) if c.id == state.selected), None)
+    chosen = next((c for c in state.shown_curves if c.id == state.selected), None)
     if chosen is None:
         return FIRST
     try:

@@ -15,7 +15,6 @@ from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves, shown_lines
 from bozzetto_symmetry.operations.construction_lines import line_layer
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -48,9 +47,9 @@ FAN: Final = 24
 def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
     """Box, curves, the chosen one's uncertainty and loose ends, and rays of sides that wait."""
     layers = [*box_layers(state)]
-    shown = [(curve, traces[curve.id]) for curve in shown_curves(state) if curve.id in traces]
+    shown = [(curve, traces[curve.id]) for curve in state.shown_curves if curve.id in traces]
     layers.append(Layer("curves", tuple(_items(state, shown))))
-    layers.append(line_layer(state, shown_lines(state)))
+    layers.append(line_layer(state, state.shown_lines))
     for curve, trace in shown:
         if curve.id == state.selected and trace.curve is not None:
             layers.append(Layer("heat", tuple(_heat(state, trace))))

@@ -9,7 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.ink.curves.resample import arc_length
 from bozzetto.scene import Lines, Paint
+from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.uncertainty import heat
 
 __all__ = ["COLORS", "heat_bands"]
@@ -79,12 +81,12 @@ def _runs(points: Array, level: NDArray[np.int8]) -> Iterator[tuple[int, Array]]
 
 def _dashes(run: Array, dash: float) -> list[Array]:
     """A polyline in dashes about so long, mm, one at either end."""
-    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(run, axis=0), axis=1))))
+    along = arc_length(run)
     if along[-1] <= 0.0:
         return [run]
     count = max(1, round(0.5 * (along[-1] / dash + 1.0)))
     cuts = np.linspace(0.0, along[-1], 2 * count)
-    corners = np.column_stack([np.interp(cuts, along, axis) for axis in run.T])
+    corners = interpolate(cuts, along, run)
     return [
         np.vstack((corners[k], run[(along > cuts[k]) & (along < cuts[k + 1])], corners[k + 1]))
         for k in range(0, 2 * count, 2)

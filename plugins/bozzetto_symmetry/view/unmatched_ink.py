@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
@@ -52,7 +53,7 @@ def _in_view(view: View, points: Array) -> Iterator[Array]:
         away = np.min([distances_to_polyline(side.pixels, line) for line in seen], axis=0)
         for run in _runs(away > LOOSE):
             ink = side.pixels[run]
-            if np.linalg.norm(np.diff(ink, axis=0), axis=1).sum() < SHORTEST:
+            if length_of(ink) < SHORTEST:
                 continue
             gaps = np.vstack([np.linalg.norm(line - ink[0], axis=1) for line in seen])
             image, place = np.unravel_index(int(gaps.argmin()), gaps.shape)
@@ -62,6 +63,5 @@ def _in_view(view: View, points: Array) -> Iterator[Array]:
 
 def _runs(loose: NDArray[np.bool_]) -> Iterator[slice]:
     """Stretches of places that are loose, a place longer at either side."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], loose.astype(np.int8), [0]))))
-    for begin, end in edges.reshape(-1, 2):
+    for begin, end in runs(loose):
         yield slice(max(0, begin - 1), end + 1)

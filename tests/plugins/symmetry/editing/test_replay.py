@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from hypothesis import strategies as st
 
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke, Strokes
-from bozzetto_symmetry.editing.replay import applied, edited
+from bozzetto_symmetry.editing import replay
+from bozzetto_symmetry.editing.replay import edited
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Joint, Modification, Snap, SymmetryState, Trim
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
@@ -23,6 +25,15 @@ STATE = SymmetryState()
 VIEW = camera(35, 20, pixels=700.0)
 DOT = Strokes((Stroke([0.0], [0.0], VIEW),))
 OTHER = Curve(id="other", strokes=DOT)
+
+
+class Made(NamedTuple):
+    curve: SpaceCurve
+    warnings: tuple[str, ...]
+
+
+def applied(*arguments) -> Made:
+    return Made(*replay.applied(*arguments))
 
 
 def nobody(curve: Curve, state: SymmetryState) -> SpaceCurve | None:

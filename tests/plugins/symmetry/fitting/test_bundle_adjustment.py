@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.fitting.bundle_adjustment import Bundled, Sight, bundled, through
+from bozzetto_symmetry.fitting.bundle_adjustment import Bundled, Sight, bundled
 from bozzetto_symmetry.fitting.space_curve import Reading
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import (
@@ -279,38 +279,3 @@ def test_recorded_hands_lifted_to_space() -> None:
     ]
     assert np.median(errors) < 0.5
     assert np.percentile(errors, 90) < 1.2
-
-
-# -- through places in space -------------------------------------------------------------------
-
-PIXEL = DIAGONAL / 400.0
-
-
-@pytest.mark.parametrize(
-    ("name", "curve", "reading", "closed", "ring"),
-    [(n, c, "pair", False, False) for n, c in PAIRS.items()]
-    + [(n, c, "pair", True, False) for n, c in LOOPS.items()]
-    + [(n, c, "plane", False, False) for n, c in FLAT.items()]
-    + [(n, c, "self", False, False) for n, c in HALVES.items()]
-    + [(n, c, "self", False, True) for n, c in RINGS.items()],
-)
-def test_through_known_places(
-    name: str, curve: Array, reading: Reading, closed: bool, ring: bool
-) -> None:
-    made = through(curve, reading, closed=closed, ring=ring, pixel=PIXEL)
-    apart = cKDTree(made.spline.sampled(5000)).query(curve)[0] / PIXEL
-    assert np.sqrt((apart**2).mean()) < 0.1
-    assert apart.max() < 0.5
-    if not closed and not ring:
-        begin, end = made.spline.control_points[[0, -1]]
-        assert (end == curve[-1]).all()
-        assert (begin == (curve[-1] * MIRROR if reading == "self" else curve[0])).all()
-
-
-def test_through_two_and_three_places() -> None:
-    line = through([[0, 1, 0], [10, 1, 0]], "pair", pixel=0.5).spline.sampled(9)
-    assert np.abs(line[:, 1:] - (1, 0)).max() < 1e-6
-    bow = through([[0, 1, 0], [10, 1, 5], [20, 1, 0]], "pair", pixel=0.5).spline
-    assert np.linalg.norm(bow.sampled(2001) - (10, 1, 5), axis=1).min() < 0.05
-    with pytest.raises(UserError, match="dot"):
-        through([[1, 2, 3], [1, 2, 3]], "pair", pixel=0.5)
