@@ -14,8 +14,6 @@ from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
 from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
 from bozzetto_symmetry.solve.curve_solver import traced
 
-__all__ = ["all_commands"]
-
 READINGS: Final[tuple[AskedReading, ...]] = ("pair", "self", "plane", "half")
 """In the order in which the key goes through them."""
 

@@ -9,8 +9,6 @@ from bozzetto.geometry import Shapes
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace
 
-__all__ = ["shapes_of"]
-
 
 def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
     """All curves that are shown; the mirror image of a pair comes after it."""

@@ -27,8 +27,6 @@ from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
 from bozzetto_symmetry.view.view_advice import advice
 
-__all__ = ["Symmetry", "SymmetryResult"]
-
 FIRST_NEEDED: Final = (
     "scipy.interpolate", "scipy.linalg", "scipy.ndimage", "scipy.sparse.linalg", "scipy.spatial",
 )  # fmt: skip

@@ -9,8 +9,6 @@ from bozzetto.plugin import Caution
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace
 
-__all__ = ["cautions_of", "report_of"]
-
 
 def report_of(
     state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]

@@ -16,8 +16,6 @@ from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto_symmetry.editing.trim import piece
 
-__all__ = ["bridged", "chained", "closed", "looped"]
-
 Array = NDArray[np.float64]
 
 CUT_BACK: Final = (0.0, *(float(share) for share in np.geomspace(0.002, 0.25, 15)))

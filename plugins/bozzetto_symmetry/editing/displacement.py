@@ -16,8 +16,6 @@ from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, made_symmetric
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["displaced"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

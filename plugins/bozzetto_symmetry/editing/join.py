@@ -9,8 +9,6 @@ from bozzetto_symmetry.editing.trim import piece
 from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 
-__all__ = ["closed_up", "joined", "joined_across"]
-
 _CLOSED = "A closed curve has no end to join. Split it first."
 
 

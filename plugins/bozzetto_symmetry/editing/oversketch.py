@@ -24,9 +24,8 @@ from bozzetto.ink.oversketch.snake import LOCATION, PRESSURE, RESTITUTION, modif
 from bozzetto_symmetry.editing.displacement import displaced
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.polyline import runs
+from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-__all__ = ["Forces", "drawn_over"]
 
 Array = NDArray[np.float64]
 
@@ -106,7 +105,7 @@ def drawn_over(
     else:
         goal = lifted(points, stereo.camera, bent.points)
     shifts = np.where(bent.moved[:, None], (goal - points) * image, 0.0)
-    unit = _pixel(stereo, points)
+    unit = pixel_size(stereo.camera, points)
     spline = displaced(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")
     return curve if spline is curve.spline else SpaceCurve(curve.reading, spline)
 
@@ -134,19 +133,10 @@ def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, 
 def _in_plane(stereo: Stereo, pixels: Array, points: Array, before: Array) -> Array:
     """Where the new places are seen in the centre plane."""
     goal = stereo.on_plane(pixels)
-    way = np.linalg.norm(goal - points, axis=1) / _pixel(stereo, points)
+    way = np.linalg.norm(goal - points, axis=1) / pixel_size(stereo.camera, points)
     if not (way <= STEEPEST * np.linalg.norm(pixels - before, axis=1) + 1.0).all():
         raise UserError(
             "Where the stroke leads, the centre plane is seen edge-on or not at all. Turn the "
             "view, then draw over the curve."
         )
     return goal
-
-
-def _pixel(stereo: Stereo, points: Array) -> Array:
-    """Length of a pixel at points in front of the eye, mm."""
-    camera = stereo.camera
-    if stereo.parallel:
-        return np.full(len(points), 1.0 / camera.pixels_per_mm)
-    depth = camera.view_space(points)[:, 2]
-    return np.asarray(depth / (camera.distance * camera.pixels_per_mm))

@@ -22,8 +22,6 @@ from bozzetto_symmetry.model.state import (
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["Solve", "applied", "edited"]
-
 Solve = Callable[[Curve, SymmetryState], SpaceCurve | None]
 """The curve in space of another recipe; None where it has none yet."""
 

@@ -15,8 +15,6 @@ from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["snapped"]
-
 Array = NDArray[np.float64]
 
 FADE: Final = 8.0

@@ -11,8 +11,6 @@ from bozzetto.geometry.spline import Spline
 from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 
-__all__ = ["SHORTEST", "piece", "share_of", "trimmed"]
-
 SHORTEST: Final = 1e-3
 """Least share of a curve that is kept: less is a dot."""
 

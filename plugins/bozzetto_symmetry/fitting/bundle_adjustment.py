@@ -24,8 +24,6 @@ from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = ["Bundled", "Controls", "Sight", "bundled"]
-
 Array = NDArray[np.float64]
 Controls = Literal["adaptive", "seven"]
 

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["Halves", "halves_of", "made_symmetric"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

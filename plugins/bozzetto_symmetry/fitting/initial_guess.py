@@ -11,16 +11,6 @@ from bozzetto.errors import UserError
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.ink.polyline import interpolate
 
-__all__ = [
-    "ROUGHNESS",
-    "approximated",
-    "chord_length",
-    "half_of",
-    "polygon_of",
-    "stations_of",
-    "trusted_steps",
-]
-
 Array = NDArray[np.float64]
 
 ROUGHNESS: Final = 50.0

@@ -19,8 +19,6 @@ from bozzetto.ink.oversketch.ordered_feet import ordered_feet
 from bozzetto_symmetry.fitting.initial_guess import trusted_steps
 from bozzetto_symmetry.ink.polyline import interpolate
 
-__all__ = ["Estimate", "fused"]
-
 Array = NDArray[np.float64]
 
 PLACES: Final = 100

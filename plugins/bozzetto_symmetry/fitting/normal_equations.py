@@ -14,8 +14,6 @@ from bozzetto_symmetry.fitting.reprojection import END_NOISE, Ink
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
 
-__all__ = ["Fit", "Problem"]
-
 Array = NDArray[np.float64]
 
 ROUNDS: Final = 10

@@ -15,8 +15,6 @@ from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
 
-__all__ = ["LEAST_NOISE", "TREMOR", "Deviation", "Ink", "inked"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 

@@ -13,8 +13,6 @@ from bozzetto.geometry.shapes import Color
 from bozzetto.geometry.spline import DEGREE, Spline, uniform_knots
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["Reading", "SpaceCurve", "across"]
-
 Array = NDArray[np.float64]
 
 Reading = Literal["pair", "self", "plane"]

@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.spline import DEGREE, Spline, derived_points
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve, across
 
-__all__ = ["SymmetricBasis"]
-
 Array = NDArray[np.float64]
 
 

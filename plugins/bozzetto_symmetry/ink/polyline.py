@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import arc_length
 
-__all__ = ["interpolate", "length_of", "runs"]
-
 Array = NDArray[np.float64]
 
 

@@ -10,9 +10,6 @@ import numpy as np
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 
-__all__ = ["by_view", "is_one_view", "on_canvas"]
-
-
 SAME: Final = 1e-9
 """Difference between two cameras that carrying them into another frame can make."""
 

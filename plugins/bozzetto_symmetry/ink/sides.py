@@ -26,8 +26,6 @@ from bozzetto_symmetry.ink.stroke_line import (
     pen_down,
 )
 
-__all__ = ["Side", "drawn_twice", "gap_between", "joined", "sides_of"]
-
 Array = NDArray[np.float64]
 
 DOT: Final = 1e-3

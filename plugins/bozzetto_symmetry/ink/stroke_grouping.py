@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from bozzetto.ink.curves.resample import resample
 from bozzetto_symmetry.ink.polyline import length_of
 
-__all__ = ["Bond", "any_over", "bonds_between", "grouped"]
-
 Array = NDArray[np.float64]
 
 STEP: Final = 4.0

@@ -15,8 +15,6 @@ from bozzetto.ink.curves.preprocess import prepare
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto_symmetry.ink.polyline import interpolate, length_of
 
-__all__ = ["Line", "drawn_line", "evenly_spaced", "hand_noise", "pen_down"]
-
 Array = NDArray[np.float64]
 
 DECIMALS: Final = 6

@@ -15,8 +15,6 @@ from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
 from bozzetto_symmetry.stereo.correspondence import Pairing
 
-__all__ = ["TELL", "Candidate", "Read", "matched_part", "price"]
-
 Array = NDArray[np.float64]
 Kind = Literal["pair", "self", "plane", "half"]
 

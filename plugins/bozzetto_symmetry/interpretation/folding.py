@@ -20,8 +20,6 @@ from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["Folding", "foldings"]
-
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 320

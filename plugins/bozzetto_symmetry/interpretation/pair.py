@@ -19,8 +19,6 @@ from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangul
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["as_pair", "overdrawn"]
-
 Array = NDArray[np.float64]
 
 SENSE: Final = 2.0

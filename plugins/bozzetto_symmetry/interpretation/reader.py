@@ -30,8 +30,6 @@ from bozzetto_symmetry.stereo.degeneracies import Case, reasons_of, special_case
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
 
-__all__ = ["Read", "Reader", "read"]
-
 Array = NDArray[np.float64]
 
 HALF: Final = 3.5

@@ -17,8 +17,6 @@ from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangul
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
 
-__all__ = ["as_crossing"]
-
 Array = NDArray[np.float64]
 
 SAME: Final = 1e-6

@@ -14,8 +14,6 @@ from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["pairings"]
-
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 160

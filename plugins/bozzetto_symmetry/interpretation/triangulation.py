@@ -13,8 +13,6 @@ from bozzetto_symmetry.stereo.degeneracies import intersect_rays, reasons_of
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
 
-__all__ = ["HalfInSpace", "strays", "triangulate"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

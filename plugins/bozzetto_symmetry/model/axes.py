@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.scene import Paint
 from bozzetto.view import Camera
-
-__all__ = ["AXES", "AXIS_PAINTS", "along", "receding"]
+from bozzetto_symmetry.model.perspective import toward_vanishing
 
 Array = NDArray[np.float64]
 
@@ -55,13 +54,7 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
     if np.linalg.norm(np.cross(camera.rays(seen).directions[0], way)) < END_ON:
         return None
     # The image of a line is straight: two of its places say where it runs.
-    right, up, forward = camera.axes @ way
-    depth = float(camera.axes[2] @ (base - camera.eye))
-    across = np.array([right, -up])
-    if camera.kind == "perspective":
-        middle = 0.5 * np.asarray(camera.viewport)
-        focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-        across = across * focal - forward * (seen[0] - middle)
+    across = toward_vanishing(camera, way, seen[0])
     across /= np.linalg.norm(across)
     foot = seen[0] + across * float((np.asarray(pixel, float) - seen[0]) @ across)
     origins, directions = camera.rays(foot)
@@ -72,9 +65,8 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
     if sine_squared < END_ON**4:
         return None
     distance = float((between @ sight) * cosine - between @ way) / sine_squared
-    if camera.kind == "perspective" and depth + distance * forward <= 0.0:
-        return None
-    return distance
+    depth = float(camera.axes[2] @ (base + distance * way - camera.eye))
+    return None if camera.kind == "perspective" and depth <= 0.0 else distance
 
 
 def receding(camera: Camera, direction: ArrayLike) -> Array | None:

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import SymmetryState
 
-__all__ = ["box_corners", "box_edges", "plane_foot", "plane_outline", "plane_section"]
-
 Array = NDArray[np.float64]
 
 FLUSH: Final = 1e-9

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-__all__ = ["box_around", "box_facts", "readings_of"]
 
 Array = NDArray[np.float64]
 
@@ -175,7 +174,7 @@ def _plane(told: object, state: SymmetryState) -> dict[str, Any]:
     if isinstance(told, str) and told in SYMMETRIES:
         return {"symmetry": SYMMETRIES[told]}
     point, normal = _point_and_normal(told)
-    plane = CentrePlane(_triple(point), _triple(normal))
+    plane = CentrePlane(triple(point), triple(normal))
     aside = abs(float((np.asarray(state.centre) - plane.point) @ plane.normal))
     for axis, symmetry in zip(AXES, SYMMETRIES.values(), strict=True):
         turned = float(np.abs(np.abs(plane.normal) - axis).max())
@@ -258,8 +257,3 @@ def _is_number(value: object) -> bool:
         return bool(np.isfinite(float(value)))
     except OverflowError:
         return False
-
-
-def _triple(values: Array) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in values)
-    return x, y, z

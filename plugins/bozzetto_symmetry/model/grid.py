@@ -8,8 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["HEAVY_EVERY", "Grid", "clipped", "grid_in_box", "grid_step"]
-
 Array = NDArray[np.float64]
 
 MOST_CELLS: Final = 25

@@ -18,21 +18,6 @@ from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, switched_on, unused_id, unused_name, with_part
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 
-__all__ = [
-    "AskedReading",
-    "Color",
-    "Curve",
-    "Edit",
-    "Group",
-    "Joint",
-    "Line",
-    "Modification",
-    "Node",
-    "Snap",
-    "SymmetryState",
-    "Trim",
-]
-
 Color = tuple[int, int, int]
 AskedReading = Literal["auto", "pair", "self", "plane", "half"]
 

@@ -10,8 +10,6 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 
-__all__ = ["CentrePlane", "Point"]
-
 Point = tuple[float, float, float]
 
 Y_AXIS = np.array([0.0, 1.0, 0.0])

@@ -24,8 +24,6 @@ from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace, traced
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = ["drawn_curves", "landed", "waiting_view", "waits"]
-
 Array = NDArray[np.float64]
 
 ALONG: Final = 14.0

@@ -20,13 +20,13 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context
 from bozzetto.scene import Layer, Lines
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.model.axes import AXES, along
 from bozzetto_symmetry.model.grid import clipped
+from bozzetto_symmetry.model.perspective import focal_length, pixel_size, toward_vanishing
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
 from bozzetto_symmetry.operations.snap_targets import Targets, nearest_target
-
-__all__ = ["CHOSEN_WIDTH", "Straight", "axis_of", "line_layer", "line_of"]
 
 Array = NDArray[np.float64]
 
@@ -139,12 +139,7 @@ def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
     chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
     least, found = float(np.sin(TOWARDS)), None
     for axis, way in enumerate(AXES):
-        right, up, forward = camera.axes @ way
-        toward = np.array([right, -up])
-        if camera.kind == "perspective":
-            focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-            toward = focal * toward - forward * (middle - 0.5 * np.asarray(camera.viewport))
-            toward /= focal
+        toward = toward_vanishing(camera, way, middle) / focal_length(camera)
         length = float(np.linalg.norm(toward))
         if length < GRAZING:
             continue  # it is seen as a point here
@@ -209,19 +204,11 @@ def _along_axis(
     if aim is not None:
         offset = aim.point - point
         aside = float(np.linalg.norm(np.delete(offset, axis)))
-        if aside <= REACH * context.pen.tolerance * _pixel_at(aim.point, camera):
+        if aside <= REACH * context.pen.tolerance * float(pixel_size(camera, aim.point)[0]):
             way = float(offset[axis])
     other = point.copy()
     other[axis] += way
     return _checked(other, point) if held else _checked(point, other)
-
-
-def _pixel_at(point: Array, camera: Camera) -> float:
-    """Size of a pixel at the depth of a place in front of the eye, mm."""
-    if camera.kind == "orthographic":
-        return 1.0 / camera.pixels_per_mm
-    depth = float(camera.axes[2] @ (point - camera.eye))
-    return depth / camera.distance / camera.pixels_per_mm
 
 
 def _on_wall(
@@ -272,9 +259,4 @@ def _checked(begin: Array, end: Array) -> Straight:
     if not len(runs):
         raise UserError("The line begins and ends in one place. Draw it longer.")
     axis = int(runs[0]) if len(runs) == 1 else None
-    return Straight(_triple(begin), _triple(end), axis)
-
-
-def _triple(point: Array) -> Point:
-    x, y, z = (float(v) for v in point)
-    return x, y, z
+    return Straight(triple(begin), triple(end), axis)

@@ -17,8 +17,6 @@ from bozzetto_symmetry.solve.curve_solver import solved
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["End", "ends_of", "nearest_end", "with_edit", "with_joint", "with_nearest_joined"]
-
 Array = NDArray[np.float64]
 
 

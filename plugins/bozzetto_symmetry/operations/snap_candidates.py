@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.curve_solver import traced
 from bozzetto_symmetry.solve.picking import solved_curves
-
-__all__ = ["snap_of", "snaps_of", "with_ends_caught"]
 
 Array = NDArray[np.float64]
 
@@ -63,14 +63,11 @@ def snap_of(
     Snap or None
     """
     place = np.asarray(point, float)
-    pixels, depth = camera.project(place)
+    pixels, _ = camera.project(place)
     if not np.isfinite(pixels).all():
         return None
     way = camera.rays(pixels).directions[0]
-    pixel = 1.0 / camera.pixels_per_mm
-    if camera.kind == "perspective":
-        pixel *= float(depth[0]) / camera.distance
-    across = TOLERANCE * pixel
+    across = TOLERANCE * float(pixel_size(camera, place)[0])
     along = across + DEPTH_SIGMAS * sigma
     # In these axes everything within reach is in the unit ball about the end.
     shrink = np.eye(3) / across + (1.0 / along - 1.0 / across) * np.outer(way, way)
@@ -82,8 +79,7 @@ def snap_of(
         _among_planes(place, grow, _faces(state)),
     ):
         if found is not None:
-            x, y, z = (float(v) for v in found)
-            return Snap(end, (x, y, z))
+            return Snap(end, triple(found))
     return None
 
 

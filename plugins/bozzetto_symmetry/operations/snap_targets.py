@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
-
-__all__ = ["Kind", "Place", "Targets", "nearest_target", "targets"]
 
 Array = NDArray[np.float64]
 
@@ -203,5 +202,4 @@ def _chosen(gaps: Array, depth: Array, tolerance: float) -> int | None:
 
 
 def _place(point: Array, kind: Kind, pixels: float) -> Place:
-    x, y, z = (float(v) for v in point)
-    return Place((x, y, z), kind, float(pixels))
+    return Place(triple(point), kind, float(pixels))

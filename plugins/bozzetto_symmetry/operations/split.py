@@ -11,8 +11,6 @@ from typing import Final
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState, Trim
 
-__all__ = ["Stretch", "cut_at", "parted", "without_stretch"]
-
 Stretch = tuple[float, float]
 """Begin and end of a piece, in the shares of `Trim`."""
 

@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.plugin import Context
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.editing.snap import FADE, LEAST_FADE
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Snap, SymmetryState, Trim
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_edit
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["NEARLY", "met", "with_ends_met"]
 
 Array = NDArray[np.float64]
 
@@ -191,5 +190,5 @@ def _led(state: SymmetryState, end: End, at: float, goal: Array, *, trim: bool) 
         edit = Trim(share, 1.0) if end.number == 0 else Trim(0.0, share)
         state = with_edit(state, end.node, end.curve, edit)
     end = _now(state, end)
-    x, y, z = (float(v) for v in state.plane.placement.points(goal)[0])
-    return with_edit(state, end.node, end.curve, Snap(end.number, (x, y, z)))
+    place = triple(state.plane.placement.points(goal)[0])
+    return with_edit(state, end.node, end.curve, Snap(end.number, place))

@@ -26,15 +26,14 @@ from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fused
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
-from bozzetto_symmetry.interpretation.reader import Read, Reader
+from bozzetto_symmetry.interpretation.candidate import Read
+from bozzetto_symmetry.interpretation.reader import Reader
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
-
-__all__ = ["MOST_MARGIN", "Trace", "View", "solved", "traced", "views_of"]
 
 Array = NDArray[np.float64]
 

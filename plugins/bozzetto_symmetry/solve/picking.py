@@ -21,8 +21,6 @@ from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import solved
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = ["Seen", "seen_curves", "solved_curves", "target_of"]
-
 Array = NDArray[np.float64]
 
 PIECES: Final = 24

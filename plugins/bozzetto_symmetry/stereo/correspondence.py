@@ -27,8 +27,6 @@ from bozzetto_symmetry.stereo.epipolar_signal import (
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["ASTRAY", "Heights", "Pairing", "paired"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, squared_scales
 
-__all__ = ["map_of_stations"]
-
 Array = NDArray[np.float64]
 
 STIFFNESS: Final = 3.0

@@ -31,8 +31,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["CAUSES", "REMEDIES", "SOLVABLE", "Case", "intersect_rays", "reasons_of", "special_case"]
-
 Array = NDArray[np.float64]
 Codes = NDArray[np.int8]
 

@@ -12,8 +12,6 @@ from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.stereo.epipolar_signal import Signal
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["bridged", "weak_runs"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Warping", "first_row", "next_row", "warpings"]
-
 Array = NDArray[np.float64]
 
 

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["Signal", "at_stations", "differences", "spread", "squared_scales"]
-
 Array = NDArray[np.float64]
 
 FLAT: Final = 150.0

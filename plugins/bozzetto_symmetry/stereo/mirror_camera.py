@@ -15,14 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.view import Camera, Rays
+from bozzetto_symmetry.model.perspective import focal_length, vanishing_point
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-__all__ = ["MIRROR", "Stereo"]
 
 Array = NDArray[np.float64]
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in y = 0, as factors of the coordinates."""
+
+NORMAL: Final = (0.0, 1.0, 0.0)
+"""The normal of the centre plane in its own frame."""
 
 ALONG: Final = 1e-12
 """Length of a ray's part along the plane, per unit, below which it is parallel to the normal."""
@@ -62,7 +64,7 @@ class Stereo:
 
     def on_plane(self, pixels: ArrayLike) -> Array:
         """Where rays meet the centre plane, (n, 3) mm, y exactly 0; NaN where they do not."""
-        points = self.camera.on_plane(pixels, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+        points = self.camera.on_plane(pixels, (0.0, 0.0, 0.0), NORMAL)
         points[:, 1] *= 0.0
         return points
 
@@ -75,14 +77,7 @@ class Stereo:
         The epipole. It is finite or at infinity (w = 0); never all nought unless the view is
         orthographic and looks along the normal.
         """
-        right, up, forward = self.camera.axes[:, 1]
-        width, height = self.camera.viewport
-        if self.parallel:
-            return np.array([right, -up, 0.0])
-        focal = 0.5 * height / np.tan(np.radians(self.camera.fov_y) / 2.0)
-        return np.array(
-            [focal * right + 0.5 * width * forward, 0.5 * height * forward - focal * up, forward]
-        )
+        return vanishing_point(self.camera, NORMAL)
 
     def toward_vanishing(self, pixels: ArrayLike) -> Array:
         """Unit directions (n, 2) along the epipolar lines; nought at the vanishing point."""
@@ -115,7 +110,7 @@ class Stereo:
         # The gradient of the angle on the sheet, through the ray that is not yet normalised.
         right, up, forward = self.camera.axes
         width, height = self.camera.viewport
-        focal = 0.5 * height / np.tan(np.radians(self.camera.fov_y) / 2.0)
+        focal = focal_length(self.camera)
         ray = (
             (place[:, :1] - 0.5 * width) * right
             + (0.5 * height - place[:, 1:]) * up

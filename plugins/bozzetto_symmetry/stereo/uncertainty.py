@@ -15,18 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = [
-    "HAND",
-    "LEFT",
-    "curve_sigmas",
-    "heat",
-    "image_slopes",
-    "pair_covariances",
-    "plane_covariances",
-    "point_covariances",
-    "sigmas",
-]
-
 Array = NDArray[np.float64]
 
 HAND: Final = 1.5

@@ -12,8 +12,6 @@ from bozzetto_symmetry.tools.modify import Modify
 from bozzetto_symmetry.tools.resize_box import ResizeBox
 from bozzetto_symmetry.tools.split import Split
 
-__all__ = ["DrawCurve", "all_tools"]
-
 
 def all_tools() -> tuple[Tool[Any], ...]:
     """The tools in the order of the rail, most used first."""

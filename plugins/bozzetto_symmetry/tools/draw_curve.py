@@ -22,8 +22,6 @@ from bozzetto_symmetry.view.box import segments
 from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.live_preview import GrowingCurve
 
-__all__ = ["DrawCurve", "rungs"]
-
 LIVE_WIDTH: Final = 2.5
 """Of a curve that grows, px."""
 

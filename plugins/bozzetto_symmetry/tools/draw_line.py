@@ -16,8 +16,6 @@ from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.tools.erase import erased
 
-__all__ = ["DrawLine"]
-
 
 class DrawLine:
     """Every stroke is a straight line in space."""

@@ -18,8 +18,6 @@ from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.split import Stretch, parted, without_stretch
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
 
-__all__ = ["erased"]
-
 Array = NDArray[np.float64]
 
 REACH: Final = 9.0

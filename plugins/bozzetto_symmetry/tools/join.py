@@ -19,8 +19,6 @@ from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.tools.erase import erased
 from bozzetto_symmetry.view.scene import curve_lines
 
-__all__ = ["JoinCurves"]
-
 Array = NDArray[np.float64]
 
 REACH: Final = 28.0

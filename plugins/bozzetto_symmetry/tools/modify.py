@@ -22,8 +22,6 @@ from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.tools.erase import erased
 from bozzetto_symmetry.view.scene import curve_lines
 
-__all__ = ["Modify"]
-
 WIDTH: Final = 2.5
 """Of the curve that would come, px."""
 

@@ -19,8 +19,6 @@ from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.view.box import BOX_TOOL, CENTRE, FACES, box_layers
 from bozzetto_symmetry.view.vanishing_lines import hanging_on_view
 
-__all__ = ["ResizeBox"]
-
 Array = NDArray[np.float64]
 
 FLAT: Final = float(np.sin(np.radians(8.0)))

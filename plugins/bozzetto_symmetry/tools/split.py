@@ -18,8 +18,6 @@ from bozzetto_symmetry.operations.split import cut_at, parted
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
 from bozzetto_symmetry.tools.erase import erased
 
-__all__ = ["Split"]
-
 Array = NDArray[np.float64]
 
 TOUCH: Final = 12.0

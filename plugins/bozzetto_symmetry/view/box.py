@@ -15,8 +15,6 @@ from bozzetto_symmetry.model.box_geometry import box_edges, plane_foot, plane_ou
 from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.model.state import SymmetryState
 
-__all__ = ["BOX_TOOL", "CENTRE", "FACES", "box_layers", "grid_lines", "segments"]
-
 Array = NDArray[np.float64]
 
 BOX_TOOL: Final = "box"

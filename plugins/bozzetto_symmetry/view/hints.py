@@ -10,8 +10,6 @@ from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import waits
 from bozzetto_symmetry.solve.curve_solver import Trace, traced
 
-__all__ = ["FIRST", "next_step"]
-
 FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
 """What is said of an empty box, and where no curve is chosen."""
 

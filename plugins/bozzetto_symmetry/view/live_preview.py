@@ -13,8 +13,6 @@ from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["GrowingCurve"]
-
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 160

@@ -22,8 +22,6 @@ from bozzetto_symmetry.view.box import box_layers
 from bozzetto_symmetry.view.uncertainty_bands import heat_bands
 from bozzetto_symmetry.view.unmatched_ink import loose_ends
 
-__all__ = ["curve_lines", "joined", "scene_of"]
-
 Array = NDArray[np.float64]
 
 WIDTH: Final = 2.0

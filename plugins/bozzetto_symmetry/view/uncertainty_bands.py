@@ -14,8 +14,6 @@ from bozzetto.scene import Lines, Paint
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.uncertainty import heat
 
-__all__ = ["COLORS", "heat_bands"]
-
 Array = NDArray[np.float64]
 
 COLORS: Final[tuple[Paint, Paint, Paint]] = ((0, 140, 130), "warning", (200, 52, 60))

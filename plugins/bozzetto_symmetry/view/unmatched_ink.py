@@ -13,8 +13,6 @@ from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["loose_ends"]
-
 Array = NDArray[np.float64]
 
 LOOSE: Final = 8.0

@@ -13,6 +13,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS, receding
 from bozzetto_symmetry.model.box_geometry import box_edges
 from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
+from bozzetto_symmetry.model.perspective import vanishing_point
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.view.box import (
     EDGE_WIDTH,
@@ -22,8 +23,6 @@ from bozzetto_symmetry.view.box import (
     grid_lines,
     segments,
 )
-
-__all__ = ["back_faces", "hanging_on_view", "seen_from", "vanishing_marks", "vanishing_point"]
 
 Array = NDArray[np.float64]
 
@@ -135,19 +134,17 @@ FLOOR: Final = (2, -1)
 # -- where edges vanish ------------------------------------------------------------------------
 
 
-def vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
+def seen_vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
     """Where lines of a direction meet on the sheet, (2,) px; None where they do not.
 
     A point further away than `NEAR_CANVAS` counts as none.
     """
-    way = receding(camera, direction)
-    if way is None:
+    if receding(camera, direction) is None:
         return None
-    focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-    right, up, forward = camera.axes @ way
-    offset = focal / forward * np.array([right, -up])
-    near = float(np.linalg.norm(offset)) <= NEAR_CANVAS * camera.viewport[0]
-    return np.asarray(0.5 * np.asarray(camera.viewport) + offset) if near else None
+    x, y, w = vanishing_point(camera, direction)
+    place = np.array([x, y]) / w
+    away = float(np.linalg.norm(place - 0.5 * np.asarray(camera.viewport)))
+    return place if away <= NEAR_CANVAS * camera.viewport[0] else None
 
 
 def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
@@ -168,7 +165,7 @@ def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
         marked.append((np.asarray(state.plane.normal), "ink", "left and right"))
     items: list[Item] = []
     for way, paint, text in marked:
-        place = vanishing_point(camera, way)
+        place = seen_vanishing_point(camera, way)
         if place is not None:
             items += _cross(camera, place, paint, text)
     return Scene((Layer("vanishing points", tuple(items)),)) if items else Scene()

@@ -17,8 +17,6 @@ from bozzetto_symmetry.stereo.degeneracies import CAUSES, REMEDIES, Case, specia
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes, point_covariances, sigmas
 
-__all__ = ["Advice", "Level", "advice"]
-
 Array = NDArray[np.float64]
 Level = Literal["good", "warn", "refuse"]
 
