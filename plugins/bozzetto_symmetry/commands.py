@@ -1,4 +1,4 @@
-"""What can be done to the chosen curve at one word: above all, to read it in another way."""
+"""Commands on the chosen curve: above all, to read it in another way."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ READINGS: Final[tuple[AskedReading, ...]] = ("pair", "self", "plane", "half")
 
 
 def all_commands() -> Sequence[Command]:
-    """The commands, in the order of the menu."""
+    """Return the commands in the order of the menu."""
     return (
         Command(
             id="switch-reading",
@@ -71,7 +71,7 @@ def _chosen(state: SymmetryState) -> Curve:
 
 
 def _switched(state: SymmetryState, context: Context) -> SymmetryState:
-    """The next reading that the ink allows."""
+    """Return the state with the next reading that the ink of the chosen curve allows."""
     curve = _chosen(state)
     now = READINGS.index(traced(curve, state).reading)
     for step in range(1, len(READINGS)):
@@ -85,7 +85,7 @@ def _switched(state: SymmetryState, context: Context) -> SymmetryState:
 
 
 def _matched_otherwise(state: SymmetryState, context: Context) -> SymmetryState:
-    """The second-best matching, or the best one again."""
+    """Return the state with the second-best matching of the chosen curve, or the best one again."""
     curve = _chosen(state)
     turned = replace(curve, other=not curve.other)
     if traced(curve, state).choices < 2:

@@ -1,4 +1,4 @@
-"""The curves for other programs: exact splines in the frame of the model."""
+"""Curves for other programs: exact splines in the frame of the model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bozzetto_symmetry.solve.curve_solver import Trace
 
 
 def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
-    """All curves that are shown; the mirror image of a pair comes after it."""
+    """Return all curves that are shown; the mirror image of a pair comes after it."""
     place = state.plane.placement
     handed = []
     for curve in state.shown_curves:

@@ -1,4 +1,4 @@
-"""The symmetry modeler's place in the program: ink in; symmetric curves in space out."""
+"""The symmetry modeler: ink in; symmetric curves in space out."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ WAITS_ELSEWHERE: Final = "A side waits in the view in which it was drawn."
 
 @dataclass(frozen=True, eq=False)
 class SymmetryResult:
-    """What the recipes gave.
+    """The curves that the recipes gave.
 
     Attributes
     ----------
@@ -65,16 +65,19 @@ class Symmetry:
     part_types = (Curve, Line, Group)
 
     def create(self, context: Context) -> SymmetryState:
-        """An empty box: the one that a file asks for, or 200 × 100 × 100 mm on the ground."""
+        """Return an empty box: the one that a file gives, or 200 × 100 × 100 mm on the ground."""
         told = box_facts(context.facts)
         return replace(SymmetryState(), **({} if told else ON_GROUND), **told)
 
     def tools(self) -> Sequence[Tool[SymmetryState]]:
-        """What the pen can do, most used first."""
+        """Return the tools of the pen, most used first."""
         return all_tools()
 
     def read_drawing(self, drawing: Drawing, context: Context) -> SymmetryState:
-        """The curves of a drawing: strokes of one name are one curve, others find their own.
+        """Return the curves of a drawing.
+
+        Strokes of one name are one curve; others go where they belong. Where the file gives no box,
+        it is one with room for all the ink.
 
         Where the file tells no box, it is one with room for all the ink.
 
@@ -91,7 +94,7 @@ class Symmetry:
         return drawn_curves(state, strokes, readings_of(context.facts))
 
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
-        """Every curve by itself; what did not change is remembered."""
+        """Solve every curve by itself; what did not change is remembered."""
         traces: dict[str, Trace] = {}
         problems: dict[str, str] = {}
         for number, curve in enumerate(state.curves):
@@ -103,31 +106,31 @@ class Symmetry:
         return SymmetryResult(traces, problems)
 
     def scene(self, state: SymmetryState, result: SymmetryResult | None) -> Scene:
-        """The see-through box, the curves, and how sure each of them is."""
+        """Return the see-through box, the curves, and how sure each of them is."""
         return scene_of(state, {} if result is None else result.traces)
 
     def shapes(self, state: SymmetryState, result: SymmetryResult) -> Shapes:
-        """The curves, exact; of a pair both."""
+        """Return the curves, exact; of a pair both."""
         return shapes_of(state, result.traces)
 
     def curves(self, state: SymmetryState, result: SymmetryResult) -> tuple[ShapeCurve, ...]:
-        """The same curves, for the tools of other models to hold on to."""
+        """Return the same curves, for the tools of other models to snap to."""
         return shapes_of(state, result.traces).curves
 
     def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
-        """Readings, control points and uncertainties of all curves."""
+        """Return readings, control points and uncertainties of all curves."""
         return report_of(state, result.traces, result.problems)
 
     def cautions(self, state: SymmetryState, result: SymmetryResult) -> tuple[Caution, ...]:
-        """Curves that are missing or not sure, and why."""
+        """Return curves that are missing or not sure, and why."""
         return cautions_of(state, result.traces, result.problems)
 
     def commands(self) -> Sequence[Command]:
-        """What can be done to the chosen curve at one word."""
+        """Return the commands on the chosen curve."""
         return all_commands()
 
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
-        """How exact a curve becomes that is drawn in a view, and what of the box hangs on it.
+        """Return how exact a curve becomes in a view, and what of the box depends on the view.
 
         While the chosen curve waits for its other side, the way back to its view. Of an empty
         box it is asked before anything is drawn: time to import what the first curve needs, so
@@ -148,29 +151,29 @@ class Symmetry:
     # -- parts --
 
     def parts(self, state: SymmetryState) -> tuple[Curve | Line | Group, ...]:
-        """The curves, lines and groups."""
+        """Return the curves, lines and groups."""
         return state.nodes
 
     def selected_part(self, state: SymmetryState) -> str:
-        """The one that is chosen."""
+        """Return the id of the chosen one."""
         return state.selected
 
     def is_group(self, part: Curve | Line | Group) -> bool:
-        """Whether it holds others."""
+        """Return whether a part holds others."""
         return isinstance(part, Group)
 
     def with_parts(
         self, state: SymmetryState, parts: tuple[Curve | Line | Group, ...], selected: str
     ) -> SymmetryState:
-        """The same state with other nodes."""
+        """Return the same state with other nodes."""
         return replace(state, nodes=parts, selected=selected)
 
     def new_group(self, state: SymmetryState) -> Group:
-        """An empty group."""
+        """Return an empty group."""
         return Group(id=state.unused_id(), name=state.unused_name("Group"))
 
     # -- documents --
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Nothing to do: this is the first version."""
+        """Return the state as it is: this is the first version."""
         return state

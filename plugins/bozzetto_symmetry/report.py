@@ -1,4 +1,4 @@
-"""What is told about the curves: plain values in the frame of the model, mm."""
+"""The report on the curves: plain values in the frame of the model, mm."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bozzetto_symmetry.solve.curve_solver import Trace
 def report_of(
     state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
 ) -> dict[str, Any]:
-    """How every curve was read, its spline, and how sure its places are.
+    """Return how every curve was read, its spline, and how sure its places are.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def report_of(
 def cautions_of(
     state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
 ) -> tuple[Caution, ...]:
-    """Curves that could not be read, that wait for their other side, or are not sure."""
+    """Return cautions about curves that could not be read, wait for a side, or are not sure."""
     told = []
     for curve in state.curves:
         trace = traces.get(curve.id)

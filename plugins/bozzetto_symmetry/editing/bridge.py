@@ -1,4 +1,4 @@
-"""Open splines in a row as one spline, with bridges that are as fair as they can be.
+"""Open splines in a row as one spline, joined by bridges of least bending.
 
 What is joined stays what it is, exactly; only a stretch before each end may be cut back
 where the bridge would bend too sharply. All in space, mm.
@@ -44,7 +44,7 @@ class _End(NamedTuple):
 
 
 def bridged(first: Spline, second: Spline) -> Spline:
-    """One spline along the first to its end, over a bridge, and along the second.
+    """Return one spline along the first to its end, over a bridge, and along the second.
 
     The directions agree at both ends of the bridge, and so does the parameter's speed. The
     bridge, and how far the ends are cut back, are those of least bending (the integral of
@@ -65,7 +65,7 @@ def bridged(first: Spline, second: Spline) -> Spline:
 
 
 def looped(spline: Spline) -> Spline:
-    """A closed spline over 0 … 1: along an open one, and over a bridge back to its start.
+    """Return a closed spline over 0 … 1: along an open one, and over a bridge back to its start.
 
     It begins in the middle of the bridge. Ends are cut back as `bridged` does.
 
@@ -78,7 +78,7 @@ def looped(spline: Spline) -> Spline:
 
 
 def _with_bridge(first: Spline, second: Spline, *, loop: bool) -> list[Spline]:
-    """The pieces in a row; for a loop both halves of the bridge come around the curve."""
+    """Return the pieces in a row. For a loop the halves of the bridge stand at both ends."""
     length = min(first.length, second.length)
     best: tuple[float, list[Spline]] | None = None
     for share in CUT_BACK:
@@ -115,7 +115,7 @@ def _end(spline: Spline, *, last: bool) -> _End:
 
 
 def _bridge(here: _End, there: _End, *, paced: bool) -> Spline:
-    """The cubic between two ends that follows a circle where there is one through both.
+    """Return the cubic between two ends that follows a circle where one touches both.
 
     Its speeds are chord / cos²(θ/4) for a turn of θ, those of a circle's arc; for a loop
     they are as different as the speeds of the curve's ends.
@@ -136,7 +136,7 @@ def _bridge(here: _End, there: _End, *, paced: bool) -> Spline:
 
 
 def _shortened(spline: Spline, start: float, end: float) -> Spline:
-    """Without stretches of these lengths, mm, at its ends."""
+    """Return a spline without a stretch at its start and one at its end, both in mm."""
     if start == end == 0.0:
         return spline
     at, along = _along(spline)
@@ -150,7 +150,10 @@ def _along(spline: Spline) -> tuple[Array, Array]:
 
 
 def _bending(spline: Spline, *, last: bool = False, cut: float | None = None) -> float:
-    """Integral of the squared curvature, 1/mm; of an end's stretch of a length where one is cut."""
+    """Return the integral of the squared curvature, 1/mm, along a spline or a stretch at its end.
+
+    The stretch is `cut` mm long, and is the last one of the spline if `last`.
+    """
     low, high = spline.range
     if cut is not None:
         at, along = _along(spline)
@@ -167,7 +170,7 @@ def _bending(spline: Spline, *, last: bool = False, cut: float | None = None) ->
 
 
 def chained(parts: list[Spline]) -> Spline:
-    """Splines that meet, each in the direction of the one before, as one of continuous speed.
+    """Return splines that meet in one direction as one spline of continuous speed.
 
     It begins with the parameters of the first.
     """
@@ -184,7 +187,7 @@ def chained(parts: list[Spline]) -> Spline:
 
 
 def closed(spline: Spline) -> Spline:
-    """An open spline whose ends meet with one velocity as a closed one over 0 … 1."""
+    """Return an open spline whose ends meet with one velocity as a closed one over 0 … 1."""
     rounds = chained([spline, spline, spline])
     count = len(spline.control_points) - 2
     # The middle round, from the second of the two knots where it begins.

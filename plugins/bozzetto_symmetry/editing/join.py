@@ -1,4 +1,4 @@
-"""Ends of curves in space made one; in the plane's frame (y = 0), mm."""
+"""Joins of curves in space; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CLOSED = "A closed curve has no end to join. Split it first."
 def joined(
     curve: SpaceCurve, end: int, other: SpaceCurve, other_end: int, *, mirrored: bool = False
 ) -> SpaceCurve:
-    """Two curves as one that runs smoothly over the place where they meet.
+    """Return two curves as one that runs smoothly over the place where they meet.
 
     Parameters
     ----------
@@ -61,13 +61,14 @@ def joined(
 
 
 def joined_across(curve: SpaceCurve, end: int) -> SpaceCurve:
-    """A curve joined to its own mirror image, where it crosses the plane at a right angle.
+    """Return a curve joined to its own mirror image, crossing the plane at a right angle.
 
     One of a pair becomes a curve across the plane; that becomes a ring.
 
     Parameters
     ----------
     curve : SpaceCurve
+        One of a pair, or a curve across the plane.
     end : {0, 1}
         The end at the plane; of a curve across the plane its free end is taken.
 
@@ -89,7 +90,7 @@ def joined_across(curve: SpaceCurve, end: int) -> SpaceCurve:
 
 
 def closed_up(curve: SpaceCurve) -> SpaceCurve:
-    """A curve whose two ends are joined to one another.
+    """Return a curve whose two ends are joined to one another.
 
     Raises
     ------
@@ -113,10 +114,10 @@ def _half(spline: Spline) -> Spline:
 
 
 def _unfolded(half: Spline) -> Spline:
-    """The curve across the plane whose half is given; it leaves the plane at a right angle."""
+    """Return the curve across the plane from its half, leaving the plane at a right angle."""
     return made_symmetric(chained([_image(half).reversed(), half]))
 
 
 def _ring(half: Spline) -> Spline:
-    """The closed curve across the plane whose half runs from the plane to the plane."""
+    """Return the closed curve across the plane whose half runs from the plane to the plane."""
     return made_symmetric(closed(chained([half, _image(half).reversed()])))

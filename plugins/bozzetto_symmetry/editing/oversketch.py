@@ -1,4 +1,4 @@
-"""A curve in space that gives way to strokes drawn over it in one view.
+"""A curve in space that follows strokes drawn over it in one view.
 
 Kara & Shimada, section 13.2: the curve's picture is an active contour that the strokes
 pull, and what it becomes is lifted back with the least surprise. The curve's own control
@@ -45,7 +45,7 @@ little about it: the plane is seen within three degrees of its edge then."""
 
 @dataclass(frozen=True)
 class Forces:
-    """What pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
+    """Weights of what pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
 
     restitution: float = RESTITUTION
     location: float = LOCATION
@@ -60,7 +60,7 @@ def drawn_over(
     mirrored: bool = False,
     forces: Forces | None = None,
 ) -> SpaceCurve:
-    """The curve after strokes drawn over it.
+    """Return the curve after strokes drawn over it.
 
     Only what was drawn over changes, and a short stretch beyond. A pair stays one, exactly;
     so does a curve across the plane, which crosses it at a right angle as before; and one in
@@ -69,12 +69,15 @@ def drawn_over(
     Parameters
     ----------
     curve : SpaceCurve
+        The curve in space, in the frame of the plane.
     stereo : Stereo
         Of the camera through which the strokes were drawn.
     strokes : sequence of Stroke
+        What was drawn, in one view.
     mirrored : bool
         Of a pair: they were drawn over the mirror image.
     forces : Forces, optional
+        What pulls and what resists; the usual weights by default.
 
     Returns
     -------
@@ -111,7 +114,7 @@ def drawn_over(
 
 
 def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, bool]:
-    """Places at equal steps along the picture: parameters, points, and whether they close.
+    """Return places at equal steps along the picture: parameters, points, and whether they close.
 
     Of a curve that passes the eye the longest part that is seen.
     """
@@ -131,7 +134,7 @@ def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, 
 
 
 def _in_plane(stereo: Stereo, pixels: Array, points: Array, before: Array) -> Array:
-    """Where the new places are seen in the centre plane."""
+    """Return where the new places are seen in the centre plane, (n, 3) mm."""
     goal = stereo.on_plane(pixels)
     way = np.linalg.norm(goal - points, axis=1) / pixel_size(stereo.camera, points)
     if not (way <= STEEPEST * np.linalg.norm(pixels - before, axis=1) + 1.0).all():

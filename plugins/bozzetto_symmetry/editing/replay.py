@@ -1,4 +1,4 @@
-"""What was done to a curve since it was drawn, done again in order."""
+"""The edits of a curve, done in their order."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ _edited: Memory[SpaceCurve] = Memory(limit=512)
 def applied(
     curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solve: Solve
 ) -> tuple[SpaceCurve, tuple[str, ...]]:
-    """Do all edits in order. One that does not fit the curve any more is left out.
+    """Do all edits in order, leaving out those that do not fit the curve any more.
 
     Parameters
     ----------
     curve : SpaceCurve
         As it was drawn, in the frame of the centre plane.
     edits : sequence of Edit
+        What was done to the curve since it was drawn.
     state : SymmetryState
         For its plane and for what pulls in a modification.
     solve : callable

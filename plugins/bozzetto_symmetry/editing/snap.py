@@ -1,4 +1,4 @@
-"""An end of a curve that is taken to a place; in the plane's frame (y = 0), mm."""
+"""Ends of curves moved to given places; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LOOKS: Final = 256
 
 
 def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
-    """A curve whose end is at a given place.
+    """Return a curve whose end is at a given place.
 
     The direction at the end stays; a stretch before it goes along, the less the farther it is
     from the end, and the rest does not move.
@@ -43,6 +43,7 @@ def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
     Parameters
     ----------
     curve : SpaceCurve
+        An open curve, in the frame of the plane.
     end : {0, 1}
         Of a curve across the plane its one free end is 1.
     point : (3,) array_like
@@ -77,7 +78,7 @@ def _end_moved(spline: Spline, place: Array) -> Spline:
 
 
 def _both_ends_moved(spline: Spline, place: Array) -> Spline:
-    """Of a curve across the plane the free end, and its mirror image."""
+    """Return a curve across the plane with its free end, and the image of that, moved."""
     middle = halves_of(spline).middle
     way = place - spline.value(spline.range[1:])[0]
     fade = _Fade.of(spline, middle, way)
@@ -90,7 +91,7 @@ def _both_ends_moved(spline: Spline, place: Array) -> Spline:
 
 @dataclass(frozen=True, eq=False)
 class _Fade:
-    """A stretch before the end of a spline: parameters, and the share of the way of each."""
+    """A stretch before the end of a spline: parameters, and what share of the way each one goes."""
 
     at: Array
     share: Array
@@ -106,12 +107,15 @@ class _Fade:
 
     @property
     def knots(self) -> Array:
-        """Where the displacement needs knots."""
+        """Parameters at which the displacement needs knots."""
         begin = self.at[max(0, int(np.argmax(self.share > 0.0)) - 1)]
         return np.linspace(begin, self.at[-1], STEPS + 1)[:-1]
 
     def shares(self, spline: Spline, middle: float = -np.inf) -> Array:
-        """What each control point has of the way; the last two all, which keeps the direction."""
+        """Return the share of the way of each control point.
+
+        The last two go all the way, which keeps the direction at the end.
+        """
         places = (spline.knots[1:-3] + spline.knots[2:-2] + spline.knots[3:-1]) / DEGREE
         share = np.interp(places, self.at, self.share)
         share[-2:] = 1.0

@@ -1,4 +1,4 @@
-"""Stretches of curves in space, exact to rounding; in the plane's frame (y = 0), mm."""
+"""Stretches of curves in space, exact to rounding; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SLIVER: Final = 1e-11
 
 
 def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
-    """Only a stretch of a curve.
+    """Return a stretch of a curve.
 
     Shares of a curve across the plane count on its half, from the plane outwards (of a ring
     from one crossing to the other). A stretch that begins on the plane stays a curve across
@@ -28,6 +28,7 @@ def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
     Parameters
     ----------
     curve : SpaceCurve
+        In the frame of the plane.
     begin, end : float
         Shares of the parameter range. On a closed curve that does not cross the plane
         `end` may be above 1: the stretch runs over the seam.
@@ -66,7 +67,7 @@ def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
 
 
 def piece(spline: Spline, low: float, high: float) -> Spline:
-    """The open piece of a spline between two parameters; of a closed one it may run on."""
+    """Return the open piece of a spline between two parameters; of a closed one it may run on."""
     low, high = _at_knot(spline, low), _at_knot(spline, high)
     if not spline.closed:
         begin, end = spline.range
@@ -81,7 +82,7 @@ def piece(spline: Spline, low: float, high: float) -> Spline:
 
 
 def _at_knot(spline: Spline, at: float) -> float:
-    """The parameter, or the knot beside it: a span of no width would have no direction."""
+    """Return a parameter, or the knot beside it: a span of no width would have no direction."""
     begin, end = spline.range
     inside = float(spline.within([at])[0])
     knot = float(spline.knots[np.argmin(np.abs(spline.knots - inside))])
@@ -89,7 +90,7 @@ def _at_knot(spline: Spline, at: float) -> float:
 
 
 def share_of(curve: SpaceCurve, parameter: float) -> float:
-    """The share, as `trimmed` takes it, of a place of a curve's spline."""
+    """Return the share, as `trimmed` takes it, of a parameter of a curve's spline."""
     if curve.reading == "self":
         halves = halves_of(curve.spline)
         away, _ = halves.folded([parameter])

@@ -104,6 +104,7 @@ def bundled(
     Parameters
     ----------
     reading : {"pair", "self", "plane"}
+        What the curve is.
     points : (k, 3) array_like
         Where the curve is, roughly, mm, in order: along the side that was drawn; of a curve
         across the plane along all of it, beginning with the half that was drawn first, or
@@ -111,6 +112,7 @@ def bundled(
     covariances : (k, 3, 3) array_like
         Of these places, mm².
     sights : sequence of Sight
+        The ink of each view.
     closed : bool
         The side that was drawn is closed.
     ring : bool
@@ -154,7 +156,7 @@ def bundled(
 
 
 def _shows_mirror_image(sights: Sequence[Sight], half: Array) -> bool:
-    """Whether the ink of the half that was drawn first shows the other half of the points."""
+    """Return whether the ink of the half drawn first shows the other half of the points."""
     for sight in sights:
         for ink in sight.near:
             images = [sight.stereo.project(half * side) for side in (np.ones(3), MIRROR)]
@@ -171,14 +173,14 @@ def _fitted(
     stations: Array,
     sights: Sequence[Sight],
 ) -> Fit:
-    """The best curve with one number of control points, from places in space."""
+    """Return the best curve with one number of control points, from places in space."""
     start = approximated(basis, points, covariances, stations)
     inks = _matched(sights, basis, start)
     return Fit.at(Problem.of(basis, start, inks), start, inks, steps=0).settled()
 
 
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:
-    """The ink of the views, matched to a curve."""
+    """Return the ink of the views, matched to a curve."""
     inks = [
         inked(sight.stereo, sight.near, sight.far, sight.noise, basis, points) for sight in sights
     ]

@@ -1,4 +1,4 @@
-"""How a symmetric spline folds over at the centre plane; in the plane's frame (y = 0), mm."""
+"""The two halves of a symmetric spline; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ is symmetric about two places only, and elsewhere by far more."""
 
 @dataclass(frozen=True, eq=False)
 class Halves:
-    """Where a symmetric spline crosses the plane, and what belongs together on its sides.
+    """Where a symmetric spline crosses the plane, and which of its control points are partners.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Halves:
         return self.end - self.middle
 
     def folded(self, parameters: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
-        """Distances from the middle, 0 … `span`, and which parameters are on the other half.
+        """Return distances from the middle, 0 … `span`, and which parameters are on the other half.
 
         Parameters
         ----------
@@ -60,7 +60,7 @@ class Halves:
 
 
 def halves_of(spline: Spline) -> Halves:
-    """The halves of a curve across the plane.
+    """Return the halves of a curve across the plane.
 
     Of the two crossings of a ring the one nearer to where its range begins is the middle.
 
@@ -97,7 +97,7 @@ def halves_of(spline: Spline) -> Halves:
 
 
 def made_symmetric(spline: Spline) -> Spline:
-    """A spline that is symmetric up to rounding, exactly so.
+    """Return a spline that is symmetric up to rounding as one that is so exactly.
 
     Control points and their partners become exact negations of each other in y, and the
     knots of an open curve symmetric about 0.

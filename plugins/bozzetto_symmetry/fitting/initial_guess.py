@@ -1,4 +1,4 @@
-"""A first symmetric curve through places in space that are known better and worse."""
+"""A first symmetric curve through places in space of different certainty."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def chord_length(points: Array) -> float:
 
 
 def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[Array, Array]:
-    """The half of a curve, in the order of its parameter, from what may be all of it.
+    """Return the half of a curve, in the order of its parameter, from what may be all of it.
 
     A curve across the plane given whole, from one free end to the other, begins with the
     half that was drawn first; a ring given whole goes round once from where it leaves the
@@ -80,7 +80,7 @@ def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[A
 
 
 def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Array:
-    """Shares of the half's parameters, (n,), by the length of the way.
+    """Return shares of the half's parameters, (n,), by the length of the way.
 
     Where places are known badly in one direction they jump about in it, and their chords are
     far too long: a step counts by what is known of it. Then the way is measured on a smooth
@@ -98,12 +98,14 @@ def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Arr
 
 
 def trusted_steps(points: Array, covariances: Array, *, closed: bool) -> Array:
-    """Lengths of the steps from place to place, less what is mere doubt, mm.
+    """Return the lengths of the steps from place to place, less their uncertainty, mm.
 
     Parameters
     ----------
     points : (n, 3) float
+        Places in their order, mm.
     covariances : (n, 3, 3) float
+        Covariances of the places, mm².
     closed : bool
         A last step leads back to the first place.
 
@@ -119,7 +121,7 @@ def trusted_steps(points: Array, covariances: Array, *, closed: bool) -> Array:
 
 
 def _shares(lengths: Array, count: int) -> Array:
-    """Shares of the whole way at each of `count` places."""
+    """Return the share of the whole way at each of `count` places."""
     total = float(lengths.sum())
     if not total > 0:
         return np.linspace(0.0, 1.0, count)
@@ -129,11 +131,14 @@ def _shares(lengths: Array, count: int) -> Array:
 def approximated(
     basis: SymmetricBasis, points: Array, covariances: Array, stations: Array
 ) -> Array:
-    """Control points of a half through places, by least squares with their covariances.
+    """Return control points of a half through places, by least squares with their covariances.
 
     Parameters
     ----------
+    basis : SymmetricBasis
+        The curves among which the best one is sought.
     points : (n, 3) float
+        Places along the half, mm.
     covariances : (n, 3, 3) float
         mm²; only their ratios count.
     stations : (n,) float
@@ -161,7 +166,9 @@ def approximated(
 
 
 def polygon_of(basis: SymmetricBasis, points: Array, stations: Array) -> Array:
-    """Control points (count, 3) at even shares of the half on the chain through the points.
+    """Return control points (count, 3) at even shares of the half on the chain through the points.
+
+    The ends are the first and the last point exactly; coordinates that are not free are 0.
 
     The ends are the first and the last point exactly; what is not free to move is nought.
     """

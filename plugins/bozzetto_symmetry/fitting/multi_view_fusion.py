@@ -1,4 +1,4 @@
-"""What several views say about one curve, in one.
+"""One estimate of a curve from those of several views.
 
 Every view knows a curve well in some directions and badly in others. Their places are
 brought together along the curve, where they contradict one another least for what each
@@ -53,7 +53,7 @@ uncertainty of where that end belongs. What leads on must be known to this share
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What one view says about a curve.
+    """Places of a curve with their covariances, as one view tells them.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _longer(one: Estimate, other: Estimate) -> Estimate:
 
 
 def _finite(estimate: Estimate) -> Estimate:
-    """What is finite, with covariances that can be inverted; what is next to unknown bridged.
+    """Return the finite places, with covariances that can be inverted.
 
     A place that may be anywhere along a ray can lie far away from the curve. It is put on the
     chain of the others instead, and known badly in all directions.
@@ -153,19 +153,19 @@ def _finite(estimate: Estimate) -> Estimate:
 
 
 def _typical(estimate: Estimate) -> Array:
-    """A covariance of middling size in the directions that are middling, (3, 3) mm²."""
+    """Return a covariance of the median size and the mean shape, (3, 3) mm²."""
     sizes = np.trace(estimate.covariances, axis1=1, axis2=2)
     shapes = estimate.covariances / sizes[:, None, None]
     return np.asarray(shapes.mean(axis=0) * float(np.median(sizes)))
 
 
 def _trouble(estimate: Estimate) -> float:
-    """Median variance, mm²."""
+    """Return the median variance, mm²."""
     return float(np.median(np.trace(estimate.covariances, axis1=1, axis2=2)))
 
 
 def _resampled(estimate: Estimate, count: int, closed: bool) -> Estimate:
-    """At places that are evenly spaced by what is known of the steps between them."""
+    """Return an estimate at places that are evenly spaced by trusted steps."""
     points, covariances = estimate.points, estimate.covariances
     steps = trusted_steps(points, covariances, closed=closed)
     along = np.concatenate(([0.0], np.cumsum(steps)))
@@ -179,7 +179,7 @@ def _resampled(estimate: Estimate, count: int, closed: bool) -> Estimate:
 def _partners(
     whole: Estimate, other: Estimate, closed: bool
 ) -> tuple[Estimate, NDArray[np.bool_], tuple[Estimate, Estimate]]:
-    """What another estimate says about the places of one.
+    """Return what another estimate says about the places of one.
 
     Returns
     -------
@@ -218,7 +218,7 @@ def _partners(
 
 
 def _leads_on(tail: Estimate, other: Estimate) -> bool:
-    """Whether a stretch is long enough, and known well enough, to be more of the curve."""
+    """Return whether a stretch is long enough, and known well enough, to be more of the curve."""
     if len(tail.points) < TAIL * len(other.points):
         return False
     return _trouble(tail) < (TAIL * float(np.ptp(other.points, axis=0).max())) ** 2
@@ -227,7 +227,7 @@ def _leads_on(tail: Estimate, other: Estimate) -> bool:
 def _between(
     other: Estimate, chosen: NDArray[np.intp], rows: Array, nodes: Array, closed: bool
 ) -> Estimate:
-    """What an estimate says where it is nearest to the rows, up to half a node from the chosen."""
+    """Return an estimate where it is nearest to the rows, up to half a node from the chosen."""
     count = len(nodes)
     ahead, behind = chosen + 1, chosen - 1
     if closed:

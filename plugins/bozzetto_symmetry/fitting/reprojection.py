@@ -1,4 +1,4 @@
-"""The ink of one view beside the image of a curve: which place shows which, and how far off."""
+"""The ink of one view beside the image of a curve."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class Ink:
         piece: int,
         closed: bool,
     ) -> Ink | None:
-        """Samples of one piece of ink, not yet matched to a curve; None if it is a dot."""
+        """Return samples of one piece of ink, not yet matched to a curve; None if it is a dot."""
         drawn = np.reshape(np.asarray(pixels, float), (-1, 2))
         length = float(arc_length(drawn)[-1]) if len(drawn) > 1 else 0.0
         if not length > 0:
@@ -127,7 +127,7 @@ class Ink:
         )
 
     def deviation(self, basis: SymmetricBasis, points: Array) -> Deviation:
-        """How far the ink is from the image of a curve, with the feet as they are."""
+        """Return how far the ink is from the image of a curve at its present parameters."""
         values = basis.values(self.feet)
         place = basis.at(values, points) * self.factors
         tangent = basis.at(basis.values(self.feet, 1), points) * self.factors
@@ -140,7 +140,7 @@ class Ink:
         )
 
     def settled(self, basis: SymmetricBasis, points: Array, *, steps: int = 1) -> Ink:
-        """With the feet moved towards the nearest places of the curve's image.
+        """Return the ink with its parameters moved towards the closest points of the curve's image.
 
         A Gauss–Newton step of Hoschek's (1988) parameter correction; ends that are held stay,
         and samples keep their order: in a hairpin the nearest place may be on the other leg.
@@ -158,7 +158,7 @@ class Ink:
         return ink
 
     def _in_order(self, basis: SymmetricBasis) -> Ink:
-        """With feet that turned back put between those of the samples beside."""
+        """Return the ink in its order: a parameter that turned back goes between its neighbours."""
         ways = np.diff(self.feet)
         if basis.periodic:
             ways = np.mod(ways + 0.5, 1.0) - 0.5
@@ -173,7 +173,7 @@ class Ink:
 
 @dataclass(frozen=True, eq=False)
 class Deviation:
-    """Of samples of ink from the image of a curve.
+    """Distances of samples of ink from the image of a curve.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ class Deviation:
 
     @property
     def across(self) -> Array:
-        """Distance of the ink across the image, px, with its sign."""
+        """Distances of the ink across the image, (n,) px, with their signs."""
         return np.asarray((self.offset * self.normal).sum(axis=1))
 
 
@@ -219,12 +219,16 @@ def inked(
     basis: SymmetricBasis,
     points: Array,
 ) -> Ink | None:
-    """The ink of one view, matched to the image of a curve that is roughly right.
+    """Match the ink of one view to the image of a curve that is roughly right.
 
     Ink beyond the ends of the curve is left out: nothing is known about its partner.
 
     Parameters
     ----------
+    basis : SymmetricBasis
+        The curves among which the curve is one.
+    stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : sequence of (n, 2) float
         Pieces of ink that show the half, and its mirror image, px; in any sense.
     noise : float
@@ -259,7 +263,7 @@ def inked(
 
 
 def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis) -> Ink:
-    """One piece of ink with its feet, and which of its ends show an end of the curve."""
+    """Return one piece of ink with its parameters, and which of its ends show ends of the curve."""
     length = float(ink.along[-1])
     feet = _feet(ink.pixels, length, image, at, closed=basis.closed)
     held = ink.held.copy()
@@ -273,7 +277,7 @@ def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis) -> Ink:
 
 
 def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool) -> Array:
-    """Parameters of the places of the image that ink passes, in order."""
+    """Return the parameters of the places of the image that ink passes, in order."""
     count = min(len(place), MATCHED)
     chosen = np.linspace(0, len(place) - 1, count).round().astype(int)
     steps = np.linalg.norm(np.diff(image, axis=0, append=image[:1]), axis=1)
@@ -287,7 +291,7 @@ def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool)
 
 
 def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | None:
-    """Only the ink beside the curve, not what runs on beyond its ends."""
+    """Return the ink beside the curve, without what runs on beyond its ends."""
     low, high = basis.whole.range
     off = ink.deviation(basis, points)
     slid = np.abs((off.offset * off.along).sum(axis=1))

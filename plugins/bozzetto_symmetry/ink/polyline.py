@@ -25,6 +25,7 @@ def interpolate(at: ArrayLike, stations: ArrayLike, rows: Array) -> Array:
     stations : (n,) array_like
         Stations of the rows, not decreasing.
     rows : (n, d) float
+        Points, or whatever else varies linearly between the stations.
 
     Returns
     -------

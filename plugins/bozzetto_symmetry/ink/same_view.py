@@ -15,7 +15,7 @@ SAME: Final = 1e-9
 
 
 def is_one_view(one: Camera, other: Camera) -> bool:
-    """Whether two cameras show the same, whatever the sizes of their canvases.
+    """Return whether two cameras show the same, whatever the sizes of their canvases.
 
     The point about which a view turns, and which way counts as up, do not matter.
     """
@@ -31,7 +31,7 @@ def is_one_view(one: Camera, other: Camera) -> bool:
 
 
 def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:
-    """A stroke as it would be on the canvas of a camera of the same view.
+    """Return a stroke as it would be on the canvas of a camera of the same view.
 
     The canvas is as high as the view, whatever its width: places keep their distance from
     the middle, in heights of the canvas.
@@ -53,7 +53,7 @@ def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:
 
 
 def by_view(strokes: Iterable[Stroke]) -> tuple[tuple[Stroke, ...], ...]:
-    """Strokes of each view, on the canvas of the first of them, in the order drawn."""
+    """Return the strokes of each view, on the canvas of the first of them, in the order drawn."""
     views: list[list[Stroke]] = []
     for stroke in strokes:
         for drawn in views:

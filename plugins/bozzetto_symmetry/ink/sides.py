@@ -1,4 +1,4 @@
-"""From the strokes of one view to one or two settled sides of a curve."""
+"""The strokes of one view as one or two sides of a curve."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Side:
 
     @property
     def unrolled(self) -> Array:
-        """The side as an open line: a closed one ends where it begins, (m, 2) px."""
+        """The side as an open line, (m, 2) px: a closed one ends where it begins."""
         return np.vstack((self.pixels, self.pixels[:1])) if self.closed else self.pixels
 
 
@@ -141,14 +141,14 @@ def _side(strokes: tuple[Stroke, ...]) -> Side:
 
 
 def drawn_twice(one: Side, other: Side) -> Side | None:
-    """Two sides settled into the one that they may be, where they run alongside one another."""
+    """Return two sides that run alongside one another merged into the one that they may be."""
     if one.closed or other.closed or not bonds_between([one.pixels, other.pixels])[0][1].over:
         return None
     return _settled([one.pixels, other.pixels], np.ones(2), _members(one, other))
 
 
 def joined(one: Side, other: Side) -> Side | None:
-    """Two sides as halves of one line, in the sense of the first, where their ends meet."""
+    """Return two sides as halves of one line, in the sense of the first, where their ends meet."""
     if one.closed or other.closed:
         return None
     gap = gap_between(one.pixels, other.pixels)[0]
@@ -160,7 +160,7 @@ def joined(one: Side, other: Side) -> Side | None:
 
 
 def gap_between(one: Array, other: Array) -> tuple[float, Array, bool]:
-    """How near two lines' ends come, px; where; and whether it is the last end of the first."""
+    """Return how near two lines' ends come, px; where; and whether the first one's last end does."""
     first, second = one[[0, -1]], other[[0, -1]]
     gaps = np.linalg.norm(first[:, None] - second, axis=2)
     which, that = np.unravel_index(int(gaps.argmin()), gaps.shape)
@@ -172,7 +172,7 @@ def _members(one: Side, other: Side) -> tuple[int, ...]:
 
 
 def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) -> Side:
-    """Lines over one another as one, in the sense of the first."""
+    """Return lines over one another merged into one, in the sense of the first."""
     found = settle(places, weights)
     line = found.points
     closed = found.closed
@@ -187,7 +187,7 @@ def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) 
 
 
 def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
-    """A ring without the part that nobody drew, if that is too wide for a mere gap."""
+    """Return a ring without the part that nobody drew, if that is too wide for a mere gap."""
     ink = np.vstack([evenly_spaced(place) for place in places])
     step = length_of(np.vstack((ring, ring[:1]))) / len(ring)
     apart = np.linalg.norm(ring[:, None] - ink, axis=2)
@@ -202,7 +202,7 @@ def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
 
 
 def _chained(places: Sequence[Array]) -> Array:
-    """Pieces in one line, each joined where the gap is least; in the sense of the first."""
+    """Return pieces in one line, each joined where the gap is least; in the sense of the first."""
     chain, rest = places[0], list(places[1:])
     while rest:
         joints = [
@@ -221,7 +221,7 @@ def _chained(places: Sequence[Array]) -> Array:
 
 
 def _in_sense_of(stroke: Array, points: Array, closed: bool) -> Array:
-    """The settled line in the sense of a stroke; a ring begins where that begins."""
+    """Return the merged line in the sense of a stroke; a ring begins where that begins."""
     line = points
     ink = resample(stroke, count=64)
     feet = np.linalg.norm(ink[:, None] - line, axis=2).argmin(axis=1)

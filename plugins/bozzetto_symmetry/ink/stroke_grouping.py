@@ -62,7 +62,7 @@ length."""
 
 @dataclass(frozen=True)
 class Bond:
-    """How two strokes hang together.
+    """How two strokes belong together.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class _Trail:
         return cls(places, tangents, length)
 
     def end(self, last: bool) -> tuple[Array, Array]:
-        """The place of an end, and the direction in which the stroke leaves through it."""
+        """Return the place of an end, and the direction in which the stroke leaves through it."""
         spacing = self.length / (len(self.places) - 1)
         back = int(np.clip(round(END / max(spacing, 1e-9)), 1, len(self.places) - 1))
         at, inner = (-1, -1 - back) if last else (0, back)
@@ -142,7 +142,7 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
 
 
 class _Links:
-    """How all groups hang together; uniting two of them costs one row.
+    """The bonds between all groups; uniting two of them costs one row.
 
     Where several strokes run alongside, the mean of their distances counts, as in average
     linkage: one stroke that strays towards the other side does not unite the sides.
@@ -169,7 +169,7 @@ class _Links:
         self._gone = ~np.tri(count, k=-1, dtype=bool)
 
     def nearest(self) -> tuple[int, int, Bond]:
-        """The two groups that hang together best: surely so, then by their distance."""
+        """Return the two groups that belong together most: sure ones first, then by distance."""
         with np.errstate(invalid="ignore", divide="ignore"):
             along = np.where(self._over, self._total / self._weight, np.inf)
         surely = np.where(self._over, along, self._sure)
@@ -201,7 +201,7 @@ def _one_side(
     bond: Bond,
     sizes: Sequence[float],
 ) -> bool:
-    """Whether the last two groups are surely one side."""
+    """Return whether the last two groups are surely one side."""
     drawn_over = sum(bonds[i][j].part for i in groups[0] for j in groups[1])
     shorter = min(sum(sizes[i] for i in group) for group in groups)
     if not (bond.over and bond.sure) or drawn_over < GOOD_PART * shorter:
@@ -217,7 +217,7 @@ def _one_side(
 
 
 def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
-    """How each stroke hangs together with each other one."""
+    """Return the bond of each stroke with each other one."""
     trails = [_Trail.of(line) for line in lines]
     none = Bond(np.inf, False, False)
     made = [[none] * len(trails) for _ in trails]
@@ -228,7 +228,7 @@ def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
 
 
 def any_over(lines: Sequence[Array]) -> bool:
-    """Whether any two strokes were drawn over one another."""
+    """Return whether any two strokes were drawn over one another."""
     trails = [_Trail.of(line) for line in lines]
     return any(_between(one, other).over for one, other in combinations(trails, 2))
 
@@ -259,7 +259,7 @@ def _between(one: _Trail, other: _Trail) -> Bond:
 
 
 def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: int) -> bool:
-    """Whether one stroke begins alongside the end of the other: a continued one, overlapping."""
+    """Return whether one stroke begins alongside the end of the other and so continues it."""
     if beside.sum() < 3 or beside.sum() != np.ptp(np.flatnonzero(beside)) + 1:
         return False
     own_end = bool(beside[0] or beside[-1])
@@ -268,7 +268,7 @@ def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: in
 
 
 def _continued(one: _Trail, other: _Trail) -> Bond:
-    """The best joint of an end of one stroke with an end of the other."""
+    """Return the best joint of an end of one stroke with an end of the other."""
     shorter = min(one.length, other.length)
     widest = float(np.clip(GAP_SHARE * shorter, *GAP))
     best = Bond(np.inf, False, False)

@@ -1,4 +1,4 @@
-"""One stroke as an evenly spaced line, smoothed no more than its own noise asks."""
+"""One stroke as an evenly spaced line, smoothed no more than its own noise requires."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ makes 95 % of a turn it is 0.11, and that is open."""
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A stroke made ready.
+    """A stroke as an evenly spaced line.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Line:
 
 
 def pen_down(stroke: Stroke) -> Array:
-    """The places of a stroke without the tail that the pen left while it was lifted, (n, 2) px."""
+    """Return the places of a stroke without the tail that the lifted pen left, (n, 2) px."""
     points = np.round(stroke.points, DECIMALS)
     if stroke.has_pressure:
         firm = np.flatnonzero(stroke.pressure >= LIFT * stroke.pressure.max())
@@ -98,7 +98,7 @@ def pen_down(stroke: Stroke) -> Array:
 
 
 def thinned(points: Array) -> Array:
-    """Samples of a line without those that no hand can have meant, (m, 2) px.
+    """Return the samples of a line without those that no hand can have meant, (m, 2) px.
 
     A pen gives some hundred samples in a second; of what comes denser than that only the first
     in each of `MOST_SAMPLES` equal steps is kept, and the last.
@@ -151,7 +151,7 @@ def drawn_line(points: Array) -> Line:
 
 
 def evenly_spaced(points: Array, *, closed: bool = False) -> Array:
-    """Points about `SPACING` apart along a polyline, neither too few nor too many, (n, 2) px."""
+    """Return points about `SPACING` apart along a polyline, (n, 2) px."""
     ring = np.vstack((points, points[:1])) if closed else points
     length = length_of(ring)
     count = int(np.clip(round(length / SPACING), FEWEST - 1, MOST - 1))
@@ -159,7 +159,7 @@ def evenly_spaced(points: Array, *, closed: bool = False) -> Array:
 
 
 def hand_noise(points: Array, *, closed: bool = False) -> float:
-    """Standard deviation across the line of what is no form, px.
+    """Return the standard deviation across the line of what is no form, px.
 
     What polynomials of degree five over a quarter of the line do not follow counts as
     the hand. A waver slower than that cannot be told from the form, so the figure is a lower
@@ -169,6 +169,8 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
     ----------
     points : (n, 2) float
         Equally spaced.
+    closed : bool
+        The line is a ring; its first point is not repeated.
     """
     ring = np.vstack((points, points[:1])) if closed else points
     length = length_of(ring)
@@ -179,7 +181,7 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
 
 
 def _loop(points: Array) -> Array | None:
-    """The ring that a stroke closes, or None if it is open."""
+    """Return the ring that a stroke closes, or None if it is open."""
     gap, size = points[-1] - points[0], np.ptp(points, axis=0)
     within = 2.0 * END_SHARE * length_of(points) + CLOSING * float(np.hypot(*size))
     if float(np.hypot(*gap)) > within or not is_closed_gesture(points):
@@ -189,19 +191,19 @@ def _loop(points: Array) -> Array | None:
 
 
 def _lengths(points: Array, closed: bool) -> Array:
-    """Arc length up to each point, and on a ring up to the first again."""
+    """Return the arc length up to each point, and on a ring up to the first again."""
     return arc_length(np.vstack((points, points[:1])) if closed else points)
 
 
 def _smoothed_lengths(points: Array, closed: bool) -> Array:
-    """The same, measured on the smoothed line."""
+    """Return the same as `_lengths`, measured on the smoothed line."""
     made = prepare(points, np.ones(len(points)), pixel=1.0, closed=closed)
     along = np.append(made.along, 1.0) if closed else made.along
     return np.asarray(np.maximum.accumulate(along) * _lengths(made.points, closed)[-1])
 
 
 def _on_grid(points: Array, along: Array, closed: bool, step: float) -> Array:
-    """Points at equal steps along the ink, on smooth curves between sparse samples."""
+    """Return points at equal steps along the ink, on smooth curves between sparse samples."""
     from scipy.interpolate import Akima1DInterpolator
 
     ring = np.vstack((points, points[:1])) if closed else points
@@ -222,7 +224,7 @@ def _on_grid(points: Array, along: Array, closed: bool, step: float) -> Array:
 
 
 def _averaged(along: Array, points: Array, step: float) -> tuple[Array, Array]:
-    """Means of the samples that share a cell of a grid; the first and the last sample stay."""
+    """Return means of the samples in each cell of a grid; the first and the last sample stay."""
     cell = np.floor(along / step).astype(np.intp)
     fresh = np.append(True, np.diff(cell) > 0)
     fresh[[1, -1]] = True
@@ -236,7 +238,7 @@ def _averaged(along: Array, points: Array, step: float) -> tuple[Array, Array]:
 
 
 def _smoothed(points: Array, closed: bool) -> Array:
-    """Under the widest window that changes the line no more than noise explains."""
+    """Return the line under the widest window that changes it no more than noise explains."""
     noise = _residual(points, PROBE, DEGREE, closed)
     step = float(_lengths(points, closed)[-1]) / len(points)
     soft, before = points, np.array([1.0])
@@ -257,14 +259,14 @@ def _smoothed(points: Array, closed: bool) -> Array:
 
 
 def _across(offsets: Array, points: Array) -> Array:
-    """The part of offsets at right angles to a line, (n,)."""
+    """Return the part of offsets at right angles to a line, (n,)."""
     tangent = np.gradient(points, axis=0)
     length = np.maximum(np.linalg.norm(tangent, axis=1), 1e-300)
     return np.asarray((tangent[:, 0] * offsets[:, 1] - tangent[:, 1] * offsets[:, 0]) / length)
 
 
 def _residual(points: Array, half: int, degree: int, closed: bool) -> float:
-    """Standard deviation of points across their local polynomials, free of the fit's own share."""
+    """Return the standard deviation across local polynomials, without the fit's own share."""
     if 2 * half <= degree or 2 * half + 1 > len(points):
         return 0.0
     soft = _local_polynomial(points, half, degree, closed)
@@ -276,7 +278,7 @@ def _residual(points: Array, half: int, degree: int, closed: bool) -> float:
 
 
 def _local_polynomial(points: Array, half: int, degree: int, closed: bool) -> Array:
-    """Values at equally spaced points of least squares polynomials about each.
+    """Return values at equally spaced points of least squares polynomials about each.
 
     Savitzky & Golay 1964; towards the ends of an open line the first and the last whole
     window serve.
@@ -295,6 +297,6 @@ def _convolved(points: Array, weights: Array) -> Array:
 
 
 def _hat(half: int, degree: int) -> Array:
-    """What turns the values in a window into those of their polynomial."""
+    """Return the matrix that turns the values in a window into those of their polynomial."""
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, 2 * half + 1), degree + 1))
     return np.asarray(basis @ basis.T)

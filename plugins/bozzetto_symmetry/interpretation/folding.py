@@ -81,6 +81,7 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     pixels : (n, 2) array_like
         The stroke, px.
     closed : bool
@@ -123,7 +124,7 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
 
 
 def _turns(angles: Array, closed: bool) -> list[float]:
-    """Stations, in samples, at which the angle turns; in their order along the stroke."""
+    """Return the stations, in samples, at which the angle turns, in order along the stroke."""
     from scipy.ndimage import gaussian_filter1d
 
     soft = gaussian_filter1d(angles, SMOOTHING, mode="wrap" if closed else "nearest")
@@ -149,7 +150,7 @@ def _turns(angles: Array, closed: bool) -> list[float]:
 
 
 def _vertex(angles: Array, turn: int, reach: int, closed: bool) -> float:
-    """The turn of a polynomial through the samples around a turn."""
+    """Return the turn of a polynomial through the samples around a turn."""
     count = len(angles)
     offsets = np.arange(-reach, reach + 1)
     if not closed:
@@ -169,7 +170,7 @@ def _places(stroke: Array, cut: tuple[float, ...], closed: bool) -> Array:
 
 
 def _halves(stroke: Array, cut: tuple[float, ...], closed: bool) -> tuple[Array, Array, bool]:
-    """Both halves from the plane outwards, the longer one first; whether it was drawn first."""
+    """Return both halves from the plane outwards, the longer first; whether it was drawn first."""
     count = len(stroke)
     if closed:
         begin, end = cut

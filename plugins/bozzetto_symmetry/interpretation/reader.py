@@ -1,4 +1,4 @@
-"""What the sides in one view mean: both sides of a pair, a curve across the plane, or less.
+"""The meaning of the sides in one view: a pair, a curve across the plane, or less.
 
 All readings are tried, and each is priced in pixels: by how far the ink contradicts it,
 how much of the ink it leaves without a partner, and how strange the curve in space would be.
@@ -269,7 +269,7 @@ def _inside(points: Array, box: Array | None) -> bool:
 
 
 def _blind(stereo: Stereo) -> tuple[str, ...]:
-    """Why a view as a whole shows no depth, and what to do; nothing if it does."""
+    """Return why a view as a whole shows no depth, and what to do; nothing if it does."""
     middle = np.multiply(stereo.camera.viewport, 0.5)[None]
     codes = special_case(stereo, middle, middle)
     whole = codes[0] == Case.EYE_ON_PLANE or stereo.parallel
@@ -277,5 +277,5 @@ def _blind(stereo: Stereo) -> tuple[str, ...]:
 
 
 def _waiting(side: Side) -> float:
-    """Price of leaving a side waiting: what the hand wavers makes worse folds likely."""
+    """Return the price of leaving a side waiting: a wavering hand makes worse folds likely."""
     return HALF + HAND * side.noise

@@ -77,7 +77,7 @@ def _place(pixels: Array, crossing: Array) -> int:
 
 
 def _halves(pixels: Array, folding: Folding) -> tuple[Array, Array, float]:
-    """The ink before and behind the crossing, outwards, and the share of it with a partner."""
+    """Return the ink on both sides of the crossing, outwards, and the share with a partner."""
     pairing, foot = folding.pairing, folding.crossings[:1]
     cut = _place(pixels, foot[0])
     halves = np.vstack((foot, pixels[:cut][::-1])), np.vstack((foot, pixels[cut + 1 :]))
@@ -95,7 +95,7 @@ def _halves(pixels: Array, folding: Folding) -> tuple[Array, Array, float]:
 
 
 def _ring_halves(pixels: Array, folding: Folding) -> tuple[Array, Array, bool]:
-    """Both halves of a ring from its first crossing; whether the first drawn is the far one."""
+    """Return both halves of a ring, and whether the half drawn first is the far one."""
     begin, end = (_place(pixels, crossing) for crossing in folding.crossings)
     turned = np.roll(pixels, -begin, axis=0)
     count = (end - begin) % len(pixels)
@@ -110,14 +110,18 @@ def _ring_halves(pixels: Array, folding: Folding) -> tuple[Array, Array, bool]:
 def _whole(
     half: HalfInSpace, middle: Array, flat: Array, turned: bool, ring: bool
 ) -> tuple[Array, Array]:
-    """The curve and its mirror image in one line, in the sense drawn.
+    """Return the curve and its mirror image in one line, in the sense drawn.
 
     Parameters
     ----------
+    half : HalfInSpace
+        One half of the curve in space.
     middle, flat : (c, 3) and (c, 3, 3) float
         Where the curve crosses the plane, and the covariances there.
     turned : bool
         The half that was drawn first is the mirror image of what was solved.
+    ring : bool
+        The curve is closed.
     """
     own = np.linalg.norm(half.points[:, None] - middle, axis=2).min(axis=1)
     apart = own > SAME * float(np.linalg.norm(np.ptp(half.points, axis=0)))

@@ -1,4 +1,4 @@
-"""Which places of one side of a thing belong to which places of its other side."""
+"""The matching of the two sides of a thing, place by place."""
 
 from __future__ import annotations
 
@@ -44,6 +44,7 @@ def pairings(
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (n, 2) array_like
         The sides as drawn, px, in any sense.
     closed : bool
@@ -84,7 +85,7 @@ def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
 
 
 def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
-    """Loops are cut where they reach furthest round, which both images do at one place."""
+    """Match loops, cut where they reach furthest round: both images do so at one place."""
     count = len(one)
     cut = int(np.argmax(stereo.angles(one)))
     first = Signal.of(stereo, _cut(one, cut))
@@ -124,7 +125,7 @@ def _cut(ring: Array, place: int) -> Array:
 
 
 def _tops(angles: Array) -> list[int]:
-    """Local maxima that may be the highest one, the highest first."""
+    """Return local maxima that may be the highest one, the highest first."""
     higher = (angles >= np.roll(angles, 1)) & (angles > np.roll(angles, -1))
     high = angles > angles.max() - NEAR_TOP * np.ptp(angles)
     tops = np.flatnonzero(higher & high)
@@ -134,7 +135,7 @@ def _tops(angles: Array) -> list[int]:
 
 
 def _roundness(points: Array) -> float:
-    """Of a loop in space: area by the square of its length, 1 for a circle.
+    """Return how round a loop in space is: its area by the square of its length, 1 for a circle.
 
     Matched the other way round, a loop changes places with one that is wide in depth where
     it was wide in height: both fit alike, and of the two people mean the rounder one.

@@ -28,7 +28,7 @@ ACROSS: Final = 1e-6
 
 
 def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLike) -> float | None:
-    """How far along a line in space a place on the sheet is.
+    """Return how far along a line in space a place on the sheet is.
 
     The foot of the place on the line's image, and there the place of the line that is seen:
     what the pen does beside the line's image counts for nothing.
@@ -36,6 +36,7 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
     Parameters
     ----------
     camera : Camera
+        In the frame of the line.
     pixel : (2,) array_like
         px.
     point, direction : (3,) array_like
@@ -70,7 +71,7 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
 
 
 def receding(camera: Camera, direction: ArrayLike) -> Array | None:
-    """The sense of a direction that runs away from the eye, unit vector (3,).
+    """Return the sense of a direction that runs away from the eye, a unit vector (3,).
 
     None where lines of this direction do not vanish in a point: in a parallel view, and
     where they lie across the line of sight.

@@ -1,4 +1,4 @@
-"""The box and the centre plane as ink files tell them."""
+"""The box and the centre plane as ink files give them."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ FIGURES: Final = 2
 
 
 def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
-    """What the facts of a drawing change in a state.
+    """Return what the facts of a drawing change in a state.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
-    """What the facts of a drawing say that its curves are.
+    """Return what the facts of a drawing say that its curves are.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
 
 
 def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
-    """A box for a drawing that tells none: its picture has room for all the ink.
+    """Return a box for a drawing that gives none: its picture has room for all the ink.
 
     It stands in the middle of the first view, on both sides of the centre plane. Along every
     axis it is as long as the ink is wide on the sheet, and longer the more that axis is
@@ -134,7 +134,7 @@ def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
 
 
 def _box(told: object) -> tuple[Array, Array]:
-    """Centre and size."""
+    """Return centre and size."""
     if not isinstance(told, Mapping):
         return np.zeros(3), _size(told, "box")
     told = {"center" if key == "centre" else key: value for key, value in told.items()}
@@ -203,7 +203,7 @@ def _point_and_normal(told: object) -> tuple[Array, Array]:
 
 
 def _at_coordinate(told: str) -> tuple[Array, Array]:
-    """The plane that "y = 0" and the like tell."""
+    """Return the plane that "y = 0" and the like describe."""
     name, _, number = told.partition("=")
     try:
         axis = AXES[list(SYMMETRIES).index(name.strip())]
@@ -216,7 +216,7 @@ def _at_coordinate(told: str) -> tuple[Array, Array]:
 
 
 def _foot(normal: Array, offset: float, key: str) -> Array:
-    """The place of the plane n · p = d that is nearest to the origin."""
+    """Return the place of the plane n · p = d that is nearest to the origin."""
     point = normal * (offset / float(normal @ normal))
     return _place(point.tolist(), key)
 
@@ -239,7 +239,7 @@ def _place(told: object, key: str) -> Array:
 
 
 def _numbers(told: object, key: str, count: int, meaning: str) -> Array:
-    """Finite numbers out of a list of anything."""
+    """Return finite numbers out of a list of anything."""
     if (
         not isinstance(told, list | tuple)
         or len(told) != count
@@ -250,7 +250,7 @@ def _numbers(told: object, key: str, count: int, meaning: str) -> Array:
 
 
 def _is_number(value: object) -> bool:
-    """Whether a JSON value is a number that is finite as a float."""
+    """Return whether a JSON value is a number that is finite as a float."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     try:

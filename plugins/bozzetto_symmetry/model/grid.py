@@ -42,7 +42,7 @@ class Grid:
 
 
 def grid_step(longest: float) -> float:
-    """The least of 1, 2 or 5 times a power of ten, mm, that makes at most 25 cells."""
+    """Return the least of 1, 2 or 5 times a power of ten, mm, that makes at most 25 cells."""
     least = longest / MOST_CELLS
     decade = 10.0 ** np.floor(np.log10(least))
     fits = [step for step in (1.0, 2.0, 5.0, 10.0) if step * decade >= least * (1.0 - FLUSH)]
@@ -52,7 +52,7 @@ def grid_step(longest: float) -> float:
 def clipped(
     points: ArrayLike, directions: ArrayLike, centre: ArrayLike, size: ArrayLike
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """The parts of lines that lie in a box, by the method of slabs (Kay & Kajiya 1986).
+    """Return the parts of lines that lie in a box, by the method of slabs (Kay & Kajiya 1986).
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def grid_in_box(
     centre: ArrayLike,
     size: ArrayLike,
 ) -> Grid:
-    """The grid of a plane as far as it lies in a box.
+    """Return the grid of a plane as far as it lies in a box.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def grid_in_box(
 
 
 def _on_edge(places: Array, aside: Array, centre: ArrayLike, size: ArrayLike) -> NDArray[np.bool_]:
-    """Whether a step aside from places of the box leaves it on one hand."""
+    """Return whether a step to the side from places of the box leaves it on one hand."""
     half = 0.5 * np.asarray(size, float)
     least = float(half.min())
     half, step = half + FLUSH * least, 1e3 * FLUSH * least * aside

@@ -24,7 +24,7 @@ AskedReading = Literal["auto", "pair", "self", "plane", "half"]
 
 @dataclass(frozen=True)
 class Modification:
-    """Strokes drawn over the curve in one view: it gives way to them.
+    """Strokes drawn over the curve in one view, which the curve follows.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Modification:
 
 @dataclass(frozen=True)
 class Trim:
-    """Only a stretch of the curve is kept.
+    """A stretch of the curve that is kept.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class Trim:
 
 @dataclass(frozen=True)
 class Snap:
-    """An end of the curve is taken to a place in space.
+    """An end of the curve that is moved to a place in space.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Snap:
 
 @dataclass(frozen=True)
 class Joint:
-    """An end is joined to another one, with a common tangent there.
+    """An end that is joined to another one, with a common tangent there.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ Edit = Modification | Trim | Snap | Joint
 
 @dataclass(frozen=True)
 class Node:
-    """What everything in the list has in common.
+    """The attributes that everything in the list of parts has.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ class Curve(Node):
 
 @dataclass(frozen=True)
 class Line(Node):
-    """A construction line: straight, to draw by; not handed over.
+    """A construction line: straight, to draw by, and in no exported file.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ class SymmetryState:
 
     @property
     def diagonal(self) -> float:
-        """Of the box, mm."""
+        """Diagonal of the box, mm."""
         return float(sum(side**2 for side in self.size) ** 0.5)
 
     @cached_property
@@ -280,12 +280,12 @@ class SymmetryState:
 
     @property
     def shown_curves(self) -> tuple[Curve, ...]:
-        """The curves that are switched on, and all groups of theirs with them."""
+        """The curves that are switched on together with all groups that they are in."""
         return tuple(node for node in switched_on(self.nodes) if isinstance(node, Curve))
 
     @property
     def shown_lines(self) -> tuple[Line, ...]:
-        """The construction lines that are switched on, and all groups of theirs with them."""
+        """The construction lines that are switched on together with all their groups."""
         return tuple(node for node in switched_on(self.nodes) if isinstance(node, Line))
 
     @property
@@ -294,28 +294,28 @@ class SymmetryState:
         return next((curve for curve in self.curves if curve.id == self.selected), None)
 
     def node(self, node_id: str) -> Curve | Line | Group:
-        """A node by its id; raises `KeyError`."""
+        """Return a node by its id; raise `KeyError` where there is none."""
         for node in self.nodes:
             if node.id == node_id:
                 return node
         raise KeyError(node_id)
 
     def with_node(self, node: Kind) -> SymmetryState:
-        """With a node in the place of the one of its id, or at the end; it becomes chosen."""
+        """Return a state with a node, chosen, in the place of the one of its id or at the end."""
         return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def without(self, *node_ids: str) -> SymmetryState:
-        """Without some nodes; what was joined to them is no longer."""
+        """Return a state without some nodes."""
         nodes = tuple(node for node in self.nodes if node.id not in node_ids)
         selected = "" if self.selected in node_ids else self.selected
         return replace(self, nodes=nodes, selected=selected)
 
     def unused_id(self) -> str:
-        """An id that no node has."""
+        """Return an id that no node has."""
         return unused_id(self.nodes)
 
     def unused_name(self, stem: str = "Curve") -> str:
-        """A name that no node has."""
+        """Return a name that no node has."""
         return unused_name(self.nodes, stem)
 
 

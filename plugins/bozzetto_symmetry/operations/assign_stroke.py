@@ -1,4 +1,4 @@
-"""Where new ink belongs: to a side that waits, to a curve that it is drawn along, or to none.
+"""Which curve new ink belongs to: one that waits, one that it is drawn along, or a new one.
 
 A person draws one side and then the other, goes over a curve again until it settles, looks
 at it from elsewhere and draws it once more. Ink files do the same with strokes in a row.
@@ -49,7 +49,7 @@ def drawn_curves(
     strokes: Sequence[Stroke],
     readings: Mapping[str, AskedReading] | None = None,
 ) -> SymmetryState:
-    """The state with the strokes of a whole drawing.
+    """Return the state with the strokes of a whole drawing.
 
     Strokes of one group are one curve, whose id is the group's name. Others find their own
     place one by one.
@@ -57,7 +57,9 @@ def drawn_curves(
     Parameters
     ----------
     state : SymmetryState
+        What the drawing is added to.
     strokes : sequence of Stroke
+        All of the drawing, in the order drawn.
     readings : mapping, optional
         What curves are, by their id, where the drawing says so.
     """
@@ -82,7 +84,7 @@ def drawn_curves(
 
 
 def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
-    """The state with new ink, which becomes part of a curve or a curve of its own.
+    """Return the state with new ink, which becomes part of a curve or a curve of its own.
 
     Raises
     ------
@@ -104,7 +106,7 @@ def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
 
 
 def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
-    """The curve that new strokes belong to: the chosen one, or one that waits.
+    """Return the curve that new strokes belong to: the chosen one, or one that waits.
 
     Only the chosen curve can be gone over again; beside others it is a new curve that is
     meant.
@@ -122,7 +124,9 @@ def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
 
 
 def waits(curve: Curve, trace: Trace) -> bool:
-    """Whether a curve may still get its other side: it has one, and nobody said what it is.
+    """Return whether a curve may still get its other side.
+
+    It has one side, and nobody said what it is.
 
     A side alone can look like a curve across the plane, or in it.
     """
@@ -131,7 +135,7 @@ def waits(curve: Curve, trace: Trace) -> bool:
 
 
 def waiting_view(state: SymmetryState) -> Camera | None:
-    """The camera, in the frame of the model, in whose view the chosen curve waits; else None."""
+    """Return the camera, in the model's frame, of the view in which the chosen curve waits."""
     trace = None if state.chosen is None else _trace(state.chosen, state)
     if state.chosen is None or trace is None or trace.reading != "half":
         return None
@@ -146,7 +150,7 @@ def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
 
 
 def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> float:
-    """How ill new strokes go with a waiting side of the same view, px; inf: not at all."""
+    """Return how badly new strokes fit a waiting side of the same view, px; inf: not at all."""
     if not any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes):
         return float("inf")
     both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
@@ -156,12 +160,12 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) ->
 
 
 def _runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
-    """Whether strokes are drawn along a curve, or along ink of it in the same view."""
+    """Return whether strokes are drawn along a curve, or along ink of it in the same view."""
     return all(_runs_along_one(stroke, trace, state) for stroke in strokes)
 
 
 def _runs_along_one(stroke: Stroke, trace: Trace, state: SymmetryState) -> bool:
-    """The same of one stroke."""
+    """Return whether one stroke is drawn along a curve, as `_runs_along`."""
     lines: list[Array] = []
     for view in trace.views:
         canvas = view.strokes[0].camera

@@ -1,4 +1,4 @@
-"""Construction lines: straight strokes that find their place in space.
+"""Construction lines: straight strokes that get their place in space.
 
 A stroke towards a vanishing point is a line along that axis (Bae, Kijima & Kim 2004 draw in
 a box for this reason; Schmidt et al. 2009 call it a scaffold). Its depth comes from what it
@@ -58,7 +58,7 @@ CHOSEN_WIDTH: Final = 2.0
 
 @dataclass(frozen=True)
 class Straight:
-    """A line in space that a stroke stands for.
+    """The line in space that a stroke stands for.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class _Anchor:
 
 
 def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Context) -> Straight:
-    """The straight line in space that a stroke stands for.
+    """Return the straight line in space that a stroke stands for.
 
     1. A stroke from one known point (an end, a corner) to another joins them, in any
        direction.
@@ -102,8 +102,11 @@ def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Conte
     Parameters
     ----------
     stroke : Stroke
+        A straight stroke.
     state : SymmetryState
+        Its box and centre plane.
     known : Targets
+        Places that the line can start from or end on.
     context : Context
         Its visible surfaces, and how near counts as touching.
 
@@ -126,7 +129,7 @@ def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Conte
 
 
 def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
-    """The axis towards whose vanishing point a stroke runs, or away from it; None for none.
+    """Return the axis towards or away from whose vanishing point a stroke runs, or None.
 
     Parameters
     ----------
@@ -150,7 +153,7 @@ def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
 
 
 def line_layer(state: SymmetryState, lines: Sequence[Line]) -> Layer:
-    """Construction lines as they are shown; the chosen one in the accent colour."""
+    """Return construction lines as they are shown; the chosen one in the accent colour."""
     items = tuple(
         Lines(
             np.array([line.begin, line.end], np.float32),
@@ -163,7 +166,7 @@ def line_layer(state: SymmetryState, lines: Sequence[Line]) -> Layer:
 
 
 def _chord(stroke: Stroke) -> tuple[Array, Array]:
-    """Both ends of a straight stroke, px."""
+    """Return both ends of a straight stroke, px."""
     points = stroke.points
     begin, end = points[0], points[-1]
     length = float(np.linalg.norm(end - begin))
@@ -193,7 +196,7 @@ def _along_axis(
     state: SymmetryState,
     context: Context,
 ) -> Straight:
-    """Along an axis, through the end that counts most."""
+    """Return a line along an axis, through the end that counts most."""
     ranks = [0 if anchor is None else anchor.rank for anchor in anchors]
     held = int(ranks[1] > ranks[0])
     anchor, aim = anchors[held], anchors[1 - held]
@@ -217,7 +220,7 @@ def _on_wall(
     camera: Camera,
     state: SymmetryState,
 ) -> Straight:
-    """In the plane of the wall under the stroke, through the end that is held."""
+    """Return a line in the plane of the wall under the stroke, through an end that is known."""
     place, normal = _on_far_wall(0.5 * (ends[0] + ends[1]), camera, state)
     held = next((anchor for anchor in anchors if anchor is not None), None)
     point = place if held is None else held.point
@@ -230,7 +233,7 @@ def _on_wall(
 
 
 def _on_far_wall(pixel: Array, camera: Camera, state: SymmetryState) -> tuple[Array, Array]:
-    """Where a line of sight leaves the box, and the normal of that wall.
+    """Return where a line of sight leaves the box, and the normal of that wall.
 
     Beside the box it is the centre plane, and where that is seen edge-on the plane through
     the middle of the box that faces the eye.

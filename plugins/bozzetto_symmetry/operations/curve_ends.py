@@ -1,4 +1,4 @@
-"""The free ends of curves in space, and what becomes of two that are joined."""
+"""The free ends of curves in space, and their joints."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class End:
 
 
 def ends_of(curves: Sequence[tuple[Curve, SpaceCurve]]) -> list[End]:
-    """All free ends of some curves and their mirror images; a closed curve has none."""
+    """Return all free ends of some curves and their mirror images; a closed curve has none."""
     found = []
     for node, curve in curves:
         if curve.closed:
@@ -58,7 +58,7 @@ def ends_of(curves: Sequence[tuple[Curve, SpaceCurve]]) -> list[End]:
 
 
 def nearest_end(end: End, others: Sequence[End]) -> tuple[End, float] | None:
-    """The end in space that is nearest to another, and how far away it is, mm.
+    """Return the end in space that is nearest to another, and how far away it is, mm.
 
     Its own place does not count, nor what could not be joined: the other end of the image
     of its own curve.
@@ -81,7 +81,7 @@ def _can_meet(one: End, other: End) -> bool:
 
 
 def with_edit(state: SymmetryState, node: Curve, curve: SpaceCurve, edit: Edit) -> SymmetryState:
-    """The state in which one more edit is done to a curve.
+    """Return the state in which one more edit is done to a curve.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def with_edit(state: SymmetryState, node: Curve, curve: SpaceCurve, edit: Edit) 
 
 
 def with_nearest_joined(state: SymmetryState, context: Context) -> SymmetryState:
-    """The state in which the chosen curve is joined at that end that is nearest to another.
+    """Return the state in which the chosen curve is joined to the end nearest to its own.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def with_nearest_joined(state: SymmetryState, context: Context) -> SymmetryState
 
 
 def with_joint(state: SymmetryState, first: End, second: End) -> SymmetryState:
-    """The state in which two ends are one place of one curve.
+    """Return the state in which two ends are one place of one curve.
 
     Two curves become the first one. Both ends of a curve close it; an end and its mirror
     image make a curve across the plane.

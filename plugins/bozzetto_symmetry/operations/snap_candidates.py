@@ -1,4 +1,4 @@
-"""What an end of a curve is caught by: ends, curves, edges, the centre plane, the box's faces."""
+"""The place that an end of a curve snaps to: an end, a curve, an edge, a plane or a face."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def snap_of(
     known: Targets,
     state: SymmetryState,
 ) -> Snap | None:
-    """The place that an end of a curve is meant to be at.
+    """Return the place that an end of a curve is meant to be at.
 
     It is the nearest one within 8 px on the sheet and as much in depth, and besides two
     standard deviations of the end along the line of sight, where the hand says least. A
@@ -86,11 +86,12 @@ def snap_of(
 def snaps_of(
     curve: SpaceCurve, sigma: ArrayLike, camera: Camera, known: Targets, state: SymmetryState
 ) -> tuple[Snap, ...]:
-    """What the free ends of a curve are caught by.
+    """Return the snaps of the free ends of a curve.
 
     Parameters
     ----------
     curve : SpaceCurve
+        The curve whose ends snap, in the frame of the plane.
     sigma : (k,) array_like
         Standard deviations along the curve, from its first end to its last, mm.
     camera, known, state
@@ -106,7 +107,7 @@ def snaps_of(
 
 
 def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
-    """The state in which the free ends of the chosen curve are where they are meant to be.
+    """Return the state in which the free ends of the chosen curve snap to what is near them.
 
     The curve's own last view says how sure its ends are.
 
@@ -152,7 +153,7 @@ def _among_segments(place: Array, shrink: Array, known: Targets) -> Array | None
 
 
 def _among_planes(place: Array, grow: Array, planes: list[tuple[Array, float]]) -> Array | None:
-    """The place of one of some planes ``normal · x = height`` that is nearest in these axes."""
+    """Return the nearest place, in these axes, of planes ``normal · x = height``."""
     best: tuple[float, Array] | None = None
     for normal, height in planes:
         stretched = grow @ normal

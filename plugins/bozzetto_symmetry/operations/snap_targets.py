@@ -1,4 +1,4 @@
-"""Known places in space that the pen can start from or end on: ends, corners, curves, edges."""
+"""Known places in space for the pen to start from or end on: ends, corners, curves, edges."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Place:
 
 
 def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context) -> Targets:
-    """All that a stroke can start from or end on.
+    """Return everything that a stroke can start from or end on.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
 
 
 def polyline(curve: ShapeCurve) -> Array:
-    """Places along a curve of another model, both ends included, (n, 3) mm."""
+    """Return places along a curve of another model, both ends included, (n, 3) mm."""
     from scipy.interpolate import BSpline
 
     degree, knots = curve.degree, curve.knots
@@ -134,7 +134,7 @@ def polyline(curve: ShapeCurve) -> Array:
 def nearest_target(
     pixel: ArrayLike, camera: Camera, known: Targets, tolerance: float
 ) -> Place | None:
-    """The known place that is meant by a place on the sheet.
+    """Return the known place that is meant by a place on the sheet.
 
     Parameters
     ----------
@@ -143,6 +143,7 @@ def nearest_target(
     camera : Camera
         In the model's frame.
     known : Targets
+        The places and segments to choose from.
     tolerance : float
         How far away it may be, px.
 
@@ -176,7 +177,7 @@ def nearest_target(
 
 
 def _in_front(known: Targets, camera: Camera) -> tuple[Array, Array, Sequence[int]]:
-    """The segments' parts that a perspective eye can see, and which segments they are of."""
+    """Return the segments' parts in front of a perspective eye, and the segments' numbers."""
     count = len(known.begins)
     if camera.kind == "orthographic":
         return known.begins, known.ends, range(count)

@@ -19,7 +19,7 @@ STUB: Final = 0.03
 
 
 def cut_at(curve: SpaceCurve, shares: Sequence[float]) -> tuple[Stretch, ...]:
-    """The pieces of a curve that is cut at some places, in their order.
+    """Return the pieces of a curve that is cut at some places, in their order.
 
     A closed curve gives as many pieces as cuts, unless it crosses the plane: then its half
     has one more.
@@ -27,6 +27,7 @@ def cut_at(curve: SpaceCurve, shares: Sequence[float]) -> tuple[Stretch, ...]:
     Parameters
     ----------
     curve : SpaceCurve
+        The curve in space.
     shares : sequence of float
         As in `Trim`.
     """
@@ -41,7 +42,7 @@ def cut_at(curve: SpaceCurve, shares: Sequence[float]) -> tuple[Stretch, ...]:
 
 
 def without_stretch(curve: SpaceCurve, stretch: Stretch) -> tuple[Stretch, ...]:
-    """What is left of a curve of which a stretch is cut out; stubs go, too."""
+    """Return what is left of a curve of which a stretch is cut out, without stubs."""
     begin, end = stretch
     if curve.closed and curve.reading != "self":
         left = [(end % 1.0, end % 1.0 + 1.0 - (end - begin))]
@@ -51,7 +52,7 @@ def without_stretch(curve: SpaceCurve, stretch: Stretch) -> tuple[Stretch, ...]:
 
 
 def parted(state: SymmetryState, node: Curve, stretches: Sequence[Stretch]) -> SymmetryState:
-    """A state in which a curve is replaced by pieces of it.
+    """Return a state in which a curve is replaced by pieces of it.
 
     The first piece keeps the curve's id and name and is chosen; the others come right after
     it and are called "… b", "… c" and so on. Without any piece the curve is gone.
@@ -73,7 +74,7 @@ def parted(state: SymmetryState, node: Curve, stretches: Sequence[Stretch]) -> S
 
 
 def _name(state: SymmetryState, name: str) -> str:
-    """The name with the next letter that is free."""
+    """Return the name with the next letter that is free."""
     head, _, letter = name.rpartition(" ")
     stem = head if head and letter in tuple(ascii_lowercase) else name
     taken = {node.name for node in state.nodes}

@@ -1,4 +1,4 @@
-"""Ends that nearly meet are made to meet: cut where they pass, led on where they fall short.
+"""Ends that nearly meet, cut where they pass and extended where they fall short.
 
 Kara & Shimada, section 13.2, compare the curves as they were with what each way of trimming
 makes of them, and take the one that changes the whole curves least.
@@ -43,7 +43,9 @@ CUTS: Final = 64
 
 
 def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
-    """Let ends that nearly meet, meet: those of the chosen curve, or where none is chosen all.
+    """Return the state in which ends that nearly meet do meet.
+
+    They are those of the chosen curve, or where none is chosen all.
 
     Ends look for other ends first; one that finds none looks for a curve to end on.
 
@@ -69,13 +71,13 @@ def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
 
 
 def _chosen(state: SymmetryState, ends: list[End]) -> list[End]:
-    """The ends of the chosen curve; all of them where none with an end is chosen."""
+    """Return the ends of the chosen curve; all of them where none with an end is chosen."""
     own = [end for end in ends if end.node.id == state.selected]
     return own or ends
 
 
 def _pairs(state: SymmetryState) -> list[tuple[End, End]]:
-    """Ends that nearly meet, the closest first."""
+    """Return pairs of ends that nearly meet, the closest first."""
     ends = ends_of(solved_curves(state))
     asked = {end.node.id for end in _chosen(state, ends)}
     found = []
@@ -92,12 +94,12 @@ def _pairs(state: SymmetryState) -> list[tuple[End, End]]:
 
 
 def _length(end: End) -> float:
-    """Of the curve, or of the half of one across the plane."""
+    """Return the length of the curve, or of the half of one across the plane, mm."""
     return end.curve.spline.length * (0.5 if end.curve.reading == "self" else 1.0)
 
 
 def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
-    """The state in which two ends meet half-way, cut back or led on.
+    """Return the state in which two ends meet half-way, cut back or extended.
 
     Every curve changes by the mean, over its whole length, of how far its places are from
     what it becomes: half the square of what is cut off or led on straight ahead, and half of
@@ -125,7 +127,7 @@ def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
 
 
 def _led_to_curve(state: SymmetryState, end: End) -> SymmetryState | None:
-    """The state in which an end lies on the curve that it nearly meets; None where it does so.
+    """Return the state in which an end lies on the curve that it nearly meets; None if it does.
 
     Only the curve that ends there changes.
     """
@@ -147,7 +149,7 @@ def _led_to_curve(state: SymmetryState, end: End) -> SymmetryState | None:
 
 
 def _now(state: SymmetryState, end: End) -> End:
-    """The same end of the curve as it is in a state."""
+    """Return the same end of the curve as it is in a state."""
     (found,) = (
         one
         for one in ends_of(solved_curves(state))
@@ -157,7 +159,9 @@ def _now(state: SymmetryState, end: End) -> End:
 
 
 def _stretch(end: End) -> tuple[Array, Array, Array]:
-    """Places about an end, how much would be cut off for each, mm, and their parameters.
+    """Return places about an end, how much would be cut off for each, mm, and their parameters.
+
+    What is below 0 extends the curve straight ahead.
 
     What is less than nought leads on, straight ahead.
     """
@@ -175,7 +179,7 @@ def _stretch(end: End) -> tuple[Array, Array, Array]:
 
 
 def _changed(cut: Array, gap: Array, end: End) -> Array:
-    """Mean distance of the whole curve from what it becomes, mm."""
+    """Return the mean distance of the whole curve from what it becomes, mm."""
     length = _length(end)
     way = 0.5 * gap
     fade = np.minimum(length, np.maximum(FADE * way, LEAST_FADE * length))
@@ -183,7 +187,7 @@ def _changed(cut: Array, gap: Array, end: End) -> Array:
 
 
 def _led(state: SymmetryState, end: End, at: float, goal: Array, *, trim: bool) -> SymmetryState:
-    """An end that is cut back to a parameter, where that is asked, and taken to a place."""
+    """Return a state with an end cut back to a parameter, if `trim`, and moved to a place."""
     if trim:
         end = _now(state, end)
         share = share_of(end.curve, at)

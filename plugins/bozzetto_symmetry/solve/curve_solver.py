@@ -57,7 +57,7 @@ MOST_MARGIN: Final = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What was drawn of one curve through one camera."""
+    """The ink of one curve in one view."""
 
     stereo: Stereo
     strokes: tuple[Stroke, ...]
@@ -65,13 +65,13 @@ class View:
 
     @cached_property
     def reader(self) -> Reader:
-        """What the sides may mean."""
+        """All that the sides may mean."""
         return Reader(self.stereo, self.sides)
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What the recipe of a curve gives, in the frame of the centre plane.
+    """The curve that a recipe gives, in the frame of the centre plane.
 
     Attributes
     ----------
@@ -162,7 +162,7 @@ AMBIGUOUS: Final = 1.5
 
 
 def traced(curve: Curve, state: SymmetryState) -> Trace:
-    """The curve in space of a recipe.
+    """Return the curve in space of a recipe, with how sure it is.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def traced(curve: Curve, state: SymmetryState) -> Trace:
 def views_of(
     strokes: Iterable[Stroke], state: SymmetryState, asked: AskedReading = "auto"
 ) -> tuple[View, ...]:
-    """Strokes by the view that they were drawn in, in the order of the first of each.
+    """Return strokes by the view that they were drawn in, in the order of the first of each.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def _traced(curve: Curve, state: SymmetryState) -> Trace:
 
 
 def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
-    """The curve in space of a recipe; None while it waits for its other side."""
+    """Return the curve in space of a recipe; None while it waits for its other side."""
     return traced(curve, state).curve
 
 
@@ -255,7 +255,7 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
 
 
 def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...]:
-    """The readings of one view; beside other views it need not be what is asked."""
+    """Return the readings of one view; beside other views it need not be what is asked."""
     if count > 1 and asked != "half":
         try:
             return view.reader.read(asked, box)
@@ -265,7 +265,7 @@ def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...
 
 
 def _main(readings: Sequence[Sequence[Read]]) -> int:
-    """The view that says best what the curve is: two sides say more than one stroke does."""
+    """Return the view that says best what the curve is: two sides say more than one stroke."""
     solved = [k for k, found in enumerate(readings) if found[0].reading != "half"]
     if not solved:
         return 0
@@ -275,7 +275,7 @@ def _main(readings: Sequence[Sequence[Read]]) -> int:
 
 
 def _trouble(reading: Read) -> float:
-    """Median variance of what one view says, mm² per px²."""
+    """Return the median variance of what one view says, mm² per px²."""
     return float(np.median(np.trace(reading.covariances, axis1=1, axis2=2)))
 
 
@@ -285,7 +285,10 @@ def _chosen(found: Sequence[Read], other: bool) -> Read:
 
 
 def _facing(found: Read, first: Read) -> Read:
-    """A reading with the same half in front as the first one: left may be drawn first here."""
+    """Return a reading with the same half in front as the first one has.
+
+    In this view the other side may have been drawn first.
+    """
     if first.reading == "plane":
         return found
     image = found.points * MIRROR
@@ -301,7 +304,7 @@ def _facing(found: Read, first: Read) -> Read:
 
 
 def _agree(found: Read, first: Read) -> bool:
-    """Whether two views put a curve in about the same place."""
+    """Return whether two views put a curve in about the same place."""
     extent = float(np.linalg.norm(np.ptp(first.points, axis=0)))
     apart = [_tree(a).query(b)[0] for a, b in ((found.points, first.points),
                                                (first.points, found.points))]  # fmt: skip
@@ -309,7 +312,7 @@ def _agree(found: Read, first: Read) -> bool:
 
 
 def _side(across: Read) -> bool:
-    """Whether the half that was drawn first is on the positive side."""
+    """Return whether the half that was drawn first is on the positive side."""
     return bool(across.points[: len(across.points) // 2, 1].sum() > 0.0)
 
 
@@ -363,7 +366,7 @@ def _fit(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Co
 
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
-    """A view that shows a curve's sides singly: each is of the half that it is nearer to."""
+    """Return the ink of a view of single sides: each is of the half that it is nearer to."""
     halves: tuple[Array, Array] = points, points * MIRROR
     if first.reading == "self":
         middle = len(points) // 2
@@ -393,19 +396,19 @@ def _warnings(first: Read, views: Sequence[View]) -> tuple[str, ...]:
 
 
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
-    """Places of a changed curve, and the uncertainty of those of the old one that are nearest."""
+    """Return places of a changed curve, with the uncertainty of the nearest old ones."""
     points = sampled(curve.spline)
     _, nearest = _tree(base.points).query(points)
     return points, base.sigma[nearest]
 
 
 def sampled(spline: Spline) -> Array:
-    """Places along a spline, both ends included."""
+    """Return places along a spline, both ends included."""
     return spline.sampled(SAMPLES)
 
 
 def directions(state: SymmetryState) -> Array | None:
-    """Tangents of the newest curves shown, (n, 3) in the frame of the model; None of none."""
+    """Return tangents of the newest curves shown, (n, 3) in the model's frame; None if none."""
     found = []
     for curve in state.shown_curves[-NEWEST:]:
         try:

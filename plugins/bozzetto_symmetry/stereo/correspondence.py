@@ -1,4 +1,4 @@
-"""Two curves on one sheet matched by the epipolar lines that they cross.
+"""The matching of two curves on one sheet by the epipolar lines that they cross.
 
 Both images of a mirrored pair carry the same signal: the epipolar line, named by its angle,
 that the curve is on. Where a single epipolar line meets a curve several times nobody can
@@ -99,16 +99,20 @@ def paired(
     pinned: tuple[bool, bool] = (False, False),
     closed: bool = False,
 ) -> Pairing:
-    """What a warping says, brought onto common epipolar lines.
+    """Return what a warping says, brought onto common epipolar lines.
 
     Parameters
     ----------
+    stereo : Stereo
+        The camera of the view and its mirror image.
     first, second : Signal
         Of loops both repeat their first sample at the end.
     warping : Warping
         Of the second signal along the first.
     pinned : (bool, bool)
         Whether the first and last samples are known to belong together.
+    closed : bool
+        Both signals are of loops.
 
     Returns
     -------
@@ -153,7 +157,7 @@ def paired(
 
 
 def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Array) -> float:
-    """Mean distance across the epipolar lines of samples and partners, px."""
+    """Return the mean distance across the epipolar lines of samples and partners, px."""
     index = np.arange(len(second.angles))
     weights = squared_scales(first.scales[places], np.interp(partners, index, second.scales))
     rest = first.angles[places] - np.interp(partners, index, second.angles)
@@ -161,14 +165,17 @@ def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Arr
 
 
 def _bending(second: Signal, partners: Array) -> float:
-    """Root mean square of the second differences of a map of stations, px."""
+    """Return the root mean square of the second differences of a map of stations, px."""
     if len(partners) < 3:
         return 0.0
     return second.step * float(np.sqrt((np.diff(partners, 2) ** 2).mean()))
 
 
 def _with_partner(partners: Array, last: float, pinned: tuple[bool, bool]) -> Flags:
-    """False for samples beyond an end of the other side: they all were given its last place."""
+    """Return False for samples beyond an end of the other side.
+
+    The map has given all of them the last place of that side.
+    """
     inside = np.ones(len(partners), bool)
     if not pinned[0]:
         inside[: max(0, int((partners <= 0.0).sum()) - 1)] = False

@@ -37,7 +37,7 @@ def map_of_stations(
     pinned: tuple[bool, bool],
     closed: bool,
 ) -> tuple[NDArray[np.intp], Array]:
-    """Samples of the first signal and the stations, in samples, of their partners.
+    """Return samples of the first signal and the stations, in samples, of their partners.
 
     Where the second signal equals the first, in the sense of least squares, with a price on
     the bending of the map: where a signal turns, or stays at one value, the equation alone
@@ -103,7 +103,7 @@ def _stiffened(
 
 
 def _bending_bands(count: int) -> Array:
-    """Upper bands of DᵀD for second differences D, as `solveh_banded` takes them."""
+    """Return the upper bands of DᵀD for second differences D, as `solveh_banded` takes them."""
     bands = np.zeros((3, count))
     for offset, weights in ((0, (1.0, 4.0, 1.0)), (1, (-2.0, -2.0)), (2, (1.0,))):
         for shift, weight in enumerate(weights):
@@ -113,7 +113,7 @@ def _bending_bands(count: int) -> Array:
 
 
 def _bent(bands: Array, values: Array) -> Array:
-    """The symmetric matrix of the bands times a vector."""
+    """Return the symmetric matrix of the bands times a vector."""
     made = bands[2] * values
     for offset in (1, 2):
         band = bands[2 - offset, offset:]

@@ -1,4 +1,4 @@
-"""Where two mirrored rays do not meet in one point before the eye, and why.
+"""Pairs of mirrored rays that do not meet in one point before the eye, and why.
 
 Bae, Kijima and Kim (2004) name seven special cases of a pair of rays. They follow from one
 picture. A pair on one epipolar line lies in a plane through the eye e that holds the y axis.
@@ -42,7 +42,7 @@ SAME: Final = 1e-6
 
 
 class Case(IntEnum):
-    """What a pair of mirrored rays can be."""
+    """The cases of a pair of mirrored rays."""
 
     ORDINARY = 0
     EYE_ON_PLANE = 1
@@ -77,11 +77,12 @@ REMEDIES: Final[dict[Case, str]] = {
 
 
 def special_case(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> Codes:
-    """Which case each pair of places is.
+    """Return the case of each pair of places.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (n, 2) array_like
         Pairs on common epipolar lines, px.
 
@@ -122,7 +123,7 @@ def special_case(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> Codes:
 
 
 def intersect_rays(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Codes]:
-    """Points from pairs of places, in all cases that have one.
+    """Return points from pairs of places, in all cases that have one.
 
     Returns
     -------
@@ -141,7 +142,7 @@ def intersect_rays(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Arr
 
 
 def reasons_of(codes: ArrayLike) -> tuple[str, ...]:
-    """Why there are places without a point and what to do, the commonest case first."""
+    """Return why there are places without a point and what to do, the commonest case first."""
     counts = np.bincount(np.asarray(codes, np.intp), minlength=len(Case))
     found = sorted((case for case in CAUSES if counts[case]), key=lambda case: -counts[case])
     return tuple(f"{CAUSES[case]} {REMEDIES[case]}" for case in found)

@@ -44,7 +44,7 @@ class Stereo:
 
     @classmethod
     def of(cls, camera: Camera, plane: CentrePlane) -> Stereo:
-        """The stereo of a camera in the model's frame."""
+        """Return the stereo of a camera in the model's frame."""
         return cls(camera if plane.inverse.is_identity else camera.moved(plane.inverse))
 
     @property
@@ -55,15 +55,15 @@ class Stereo:
     # -- between the sheet and space -----------------------------------------------------------
 
     def rays(self, pixels: ArrayLike) -> Rays:
-        """Rays through places on the sheet, (n, 2) px."""
+        """Return rays through places on the sheet, (n, 2) px."""
         return self.camera.rays(pixels)
 
     def project(self, points: ArrayLike) -> Array:
-        """Where points (n, 3) mm are seen, (n, 2) px; NaN at or behind the eye."""
+        """Return where points (n, 3) mm are seen, (n, 2) px; NaN at or behind the eye."""
         return self.camera.project(points)[0]
 
     def on_plane(self, pixels: ArrayLike) -> Array:
-        """Where rays meet the centre plane, (n, 3) mm, y exactly 0; NaN where they do not."""
+        """Return where rays meet the centre plane, (n, 3) mm, y exactly 0; NaN where they miss."""
         points = self.camera.on_plane(pixels, (0.0, 0.0, 0.0), NORMAL)
         points[:, 1] *= 0.0
         return points
@@ -72,7 +72,10 @@ class Stereo:
 
     @cached_property
     def vanishing_point(self) -> Array:
-        """Where lines along the plane's normal meet on the sheet, homogeneous (x, y, w), px.
+        """The epipole: where lines along the plane's normal meet on the sheet.
+
+        Homogeneous coordinates (x, y, w), px, as `model.perspective.vanishing_point` gives them: it
+        is at infinity where w is 0, and nowhere where a parallel view looks along the normal.
 
         The epipole. It is finite or at infinity (w = 0); never all nought unless the view is
         orthographic and looks along the normal.
@@ -80,7 +83,7 @@ class Stereo:
         return vanishing_point(self.camera, NORMAL)
 
     def toward_vanishing(self, pixels: ArrayLike) -> Array:
-        """Unit directions (n, 2) along the epipolar lines; nought at the vanishing point."""
+        """Return unit directions (n, 2) along the epipolar lines; 0 at the vanishing point."""
         place = np.reshape(np.asarray(pixels, float), (-1, 2))
         x, y, w = self.vanishing_point
         way = np.array([x, y]) - w * place
@@ -88,7 +91,7 @@ class Stereo:
         return np.asarray(np.divide(way, length, out=np.zeros_like(way), where=length > 0))
 
     def angles(self, pixels: ArrayLike) -> Array:
-        """Which epipolar line each place of a curve lies on.
+        """Return the epipolar line of each place of a curve.
 
         The angle (radians) of the plane through the eye, the place and the y axis, unwrapped
         along the curve; of a parallel view the offset (mm) across the image of the y axis.
@@ -103,7 +106,7 @@ class Stereo:
         return np.asarray(np.unwrap(np.arctan2(directions[:, 2], directions[:, 0])))
 
     def pixels_per_angle(self, pixels: ArrayLike) -> Array:
-        """How far apart, px, two epipolar lines one unit of `angles` apart are at each place."""
+        """Return the distance, px, of epipolar lines one unit of `angles` apart, at each place."""
         place = np.reshape(np.asarray(pixels, float), (-1, 2))
         if self.parallel:
             return np.full(len(place), self._scale)
@@ -151,7 +154,7 @@ class Stereo:
     # -- where mirrored rays meet --------------------------------------------------------------
 
     def intersected(self, near: ArrayLike, far: ArrayLike) -> Array:
-        """Points whose own image and whose mirror's image are given.
+        """Return points whose own image and whose mirror's image are given.
 
         In closed form: both rays lie in one plane through the y axis, in which the slope
         ``m = d_y / hypot(d_x, d_z)`` of each says how y grows with the way ``w`` along the

@@ -42,7 +42,7 @@ tremor. Measured at 30 and 60° with tremor that is alike over a 25th of the cur
 def pair_covariances(
     stereo: Stereo, near: ArrayLike, far: ArrayLike, far_tangents: ArrayLike
 ) -> Array:
-    """Covariances of points from both sides of a pair, for 1 px of noise on either.
+    """Return covariances of points from both sides of a pair, for 1 px of noise on either.
 
     With p(X) the image of a point, the point drawn as `near` and `far` satisfies
     ``p(X) = near`` and ``n · p(M X) = n · far``, where n is the normal of the far curve: the
@@ -54,6 +54,7 @@ def pair_covariances(
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (n, 2) array_like
         Pairs on common epipolar lines, px.
     far_tangents : (n, 2) array_like
@@ -70,7 +71,7 @@ def pair_covariances(
 
 
 def point_covariances(stereo: Stereo, points: ArrayLike, far_tangents: ArrayLike) -> Array:
-    """Covariances as in `pair_covariances` of points (n, 3) mm that are known already."""
+    """Return covariances as `pair_covariances` of points (n, 3) mm that are known already."""
     place = np.reshape(np.asarray(points, float), (-1, 3))
     tangents = np.reshape(np.asarray(far_tangents, float), (-1, 2))
     normals = np.nan_to_num(np.column_stack((-tangents[:, 1], tangents[:, 0])))
@@ -80,12 +81,14 @@ def point_covariances(stereo: Stereo, points: ArrayLike, far_tangents: ArrayLike
 
 
 def plane_covariances(stereo: Stereo, pixels: ArrayLike) -> Array:
-    """Covariances of points in the centre plane, for 1 px of noise on the sheet.
+    """Return covariances of points in the centre plane, for 1 px of noise on the sheet.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     pixels : (n, 2) array_like
+        Places on the sheet.
 
     Returns
     -------
@@ -106,7 +109,7 @@ def curve_sigmas(
     *,
     flat: bool = False,
 ) -> Array:
-    """How far a curve in space may be off across itself, for 1 px of noise in every view.
+    """Return how far a curve in space may be off across itself, for 1 px of noise in every view.
 
     A hand errs slowly, and a fit follows it: what smoothing takes off the noise of single
     places tells nothing about this. So every view that shows a place has one error there,
@@ -146,13 +149,13 @@ def curve_sigmas(
 
 
 def sigmas(covariances: ArrayLike) -> Array:
-    """Root mean square distance from the true place, (n,): the root of the trace."""
+    """Return the root mean square distance from the true place, (n,): the root of the trace."""
     trace = np.trace(np.asarray(covariances, float), axis1=1, axis2=2)
     return np.asarray(np.sqrt(np.maximum(trace, 0.0)))
 
 
 def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
-    """How much to trust each place.
+    """Return how much to trust each place.
 
     Parameters
     ----------
@@ -172,7 +175,7 @@ def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
 
 
 def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
-    """Derivatives of the image by the point, (n, 2, 3) px/mm; nought where nothing is seen."""
+    """Return derivatives of the image by the point, (n, 2, 3) px/mm; 0 where nothing is seen."""
     camera = stereo.camera
     right, up, forward = camera.axes
     sheet = np.stack((right, -up))
@@ -191,7 +194,7 @@ def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
 
 
 def _row(slopes: Array, along: Array) -> Array:
-    """Derivatives of the image across the image of a curve, (n, 3)."""
+    """Return derivatives of the image across the image of a curve, (n, 3)."""
     seen = np.einsum("nij,nj->ni", slopes, along)
     length = np.linalg.norm(seen, axis=1, keepdims=True)
     unit = np.divide(seen, length, out=np.zeros_like(seen), where=length > 0.0)
@@ -199,7 +202,7 @@ def _row(slopes: Array, along: Array) -> Array:
 
 
 def _inverted(stereo: Stereo, slopes: Array) -> Array:
-    """Covariances from derivatives (n, k, k), with as little known beforehand as can be."""
+    """Return covariances from derivatives (n, k, k), with as little prior knowledge as can be."""
     _, stretch, axes = np.linalg.svd(slopes)
     least = 1.0 / (ANYWHERE * stereo.camera.visible_height)
     return np.asarray(np.swapaxes(axes, 1, 2) / (stretch**2 + least**2)[:, None] @ axes)

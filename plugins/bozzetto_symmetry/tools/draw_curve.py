@@ -40,7 +40,7 @@ _growing: Memory[GrowingCurve] = Memory(limit=4)
 
 
 class DrawCurve:
-    """Left and right in any order, over and over, or across in one stroke."""
+    """Draws left and right in any order, over and over, or across in one stroke."""
 
     id = "draw"
     title = "Draw curve"
@@ -49,11 +49,11 @@ class DrawCurve:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def next_hint(self, state: SymmetryState) -> str:
-        """What the chosen curve was taken for, what is wrong with it, and what comes next."""
+        """Return what the chosen curve was read as, what is wrong with it, and what comes next."""
         return next_step(state)
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve in space that grows while its second side is drawn, and what belongs together.
+        """Return the curve in space that grows while its second side is drawn.
 
         On the sheet the curve lies on the ink; that it is in space is seen by the rungs from
         each of its places to the mirrored one. They stand in for what was said of the first
@@ -98,7 +98,7 @@ class DrawCurve:
 
 
 def rungs(points: Array, step: float) -> Array:
-    """Straight pieces from places of a curve to their images, the first and the last among them.
+    """Return straight pieces from places of a curve to their images, first and last included.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def rungs(points: Array, step: float) -> Array:
 
 
 def _grown(state: SymmetryState, gesture: Ink) -> Array | None:
-    """What has grown from the side that waits in this view; the chosen or the newest one."""
+    """Return what has grown from the side that waits in this view; the chosen or the newest one."""
     curves = sorted(reversed(state.shown_curves), key=lambda c: c.id != state.selected)
     for curve in curves:
         points = _grown_from(curve, state, gesture)

@@ -18,7 +18,7 @@ from bozzetto_symmetry.tools.erase import erased
 
 
 class DrawLine:
-    """Every stroke is a straight line in space."""
+    """Draws straight lines in space, one a stroke."""
 
     id = "line"
     title = "Line"
@@ -27,7 +27,7 @@ class DrawLine:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The line in space, in the colour of the axis that it runs along."""
+        """Return the line in space, in the colour of the axis that it runs along."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         try:

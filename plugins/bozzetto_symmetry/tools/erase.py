@@ -1,4 +1,4 @@
-"""The pen's other end: whatever the tool, it takes away what it rubs over."""
+"""The pen's other end: with any tool, it takes away what it rubs over."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LOOKS: Final = 64
 
 
 def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
-    """Without what the eraser's path lies over.
+    """Return the state without what the eraser's path lies over.
 
     A curve goes whole where most of it is rubbed over; else the stretch that is rubbed over
     is cut out of it, on both sides of the plane. Of a curve that still waits for its other
@@ -62,7 +62,10 @@ def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
 
 
 def _meant(seen: Sequence[Seen], eraser: Stroke) -> list[Seen]:
-    """The sides that the path runs along, one of each curve; not those that it only crosses."""
+    """Return the sides that the path runs along, one of each curve.
+
+    Sides that it only crosses are not meant.
+    """
     path = resample(eraser.points, count=LOOKS)
     best: dict[str, tuple[int, Seen]] = {}
     for side in seen:
@@ -74,7 +77,7 @@ def _meant(seen: Sequence[Seen], eraser: Stroke) -> list[Seen]:
 
 
 def _rubbed(side: Seen, eraser: Stroke) -> NDArray[np.bool_]:
-    """Which places of a side are under the path; places behind the eye are not."""
+    """Return which places of a side are under the path; places behind the eye are not."""
     flags = np.zeros(len(side.pixels), bool)
     seen = np.isfinite(side.pixels).all(axis=1)
     flags[seen] = distances_to_polyline(side.pixels[seen], eraser.points) <= REACH
@@ -93,7 +96,7 @@ def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) ->
 
 
 def _stretch(side: Seen, flags: NDArray[np.bool_]) -> Stretch:
-    """The shares of a curve that are rubbed over, without gaps."""
+    """Return the shares of a curve that are rubbed over, without gaps."""
     rubbed = side.parameters[flags]
     if side.curve.reading == "self":
         shares = [share_of(side.curve, float(at)) for at in rubbed]
@@ -108,7 +111,7 @@ def _stretch(side: Seen, flags: NDArray[np.bool_]) -> Stretch:
 
 
 def _without_strokes(state: SymmetryState, node: Curve, eraser: Stroke) -> SymmetryState:
-    """Without those strokes of a curve, drawn in this view, that are mostly rubbed over."""
+    """Return a state without a curve's strokes of this view that are mostly rubbed over."""
     kept = [
         stroke
         for stroke in node.strokes

@@ -31,7 +31,7 @@ _NO_END: Final = "There is no end of a curve where the stroke {where}. Draw from
 
 
 class JoinCurves:
-    """Two ends become one smooth curve; both ends of one curve close it.
+    """Makes two ends one smooth curve; both ends of one curve close it.
 
     From an end across the centre plane to its mirror image, the curve becomes one across
     the plane, which it crosses at a right angle.
@@ -44,7 +44,7 @@ class JoinCurves:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve that would come."""
+        """Return the curve that would come."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
@@ -59,7 +59,7 @@ class JoinCurves:
         return Scene((Layer("preview", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
-        """Join what each stroke leads from and to.
+        """Join the ends that each stroke leads from and to.
 
         Raises
         ------
@@ -97,6 +97,6 @@ def _joined(state: SymmetryState, stroke: Stroke) -> SymmetryState:
 
 
 def _near(ends: list[End], seen: Array, pixel: Array) -> list[tuple[float, End]]:
-    """The ends seen near a place on the sheet, with their distances, px."""
+    """Return the ends seen near a place on the sheet, with their distances, px."""
     away = np.linalg.norm(seen - pixel, axis=1)
     return [(float(gap), end) for gap, end in zip(away, ends, strict=True) if gap <= REACH]

@@ -1,4 +1,4 @@
-"""Modify: a stroke over a curve bends it, in any view; its mirror image goes along."""
+"""Modify: a stroke over a curve bends it, in any view, together with its mirror image."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _NOTHING: Final = "There is no curve near the stroke. Draw over the curve that i
 
 
 class Modify:
-    """The nearest curve gives way to what is drawn over it, or over its mirror image.
+    """Bends the nearest curve towards what is drawn over it, or over its mirror image.
 
     Each stroke acts at once on the curve as it stands. Strokes close to the ones before act
     together with them, and the firmer ones count for more.
@@ -46,7 +46,7 @@ class Modify:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve that would come."""
+        """Return the curve that would come."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
@@ -77,7 +77,7 @@ class Modify:
 
 
 def _changed(state: SymmetryState, stroke: Stroke) -> tuple[Curve, SpaceCurve]:
-    """The curve that a stroke is drawn over, with what the stroke does to it."""
+    """Return the curve that a stroke is drawn over, and what the stroke makes of it."""
     target = target_of(seen_curves(state, stroke.camera), stroke.points, state.selected)
     if target is None:
         raise UserError(_NOTHING)
@@ -90,7 +90,7 @@ def _changed(state: SymmetryState, stroke: Stroke) -> tuple[Curve, SpaceCurve]:
 
 
 def _modification(target: Seen, stroke: Stroke) -> tuple[tuple[Edit, ...], Modification]:
-    """The edits before, and the change: the last one with this stroke, or one of its own."""
+    """Return the edits before, and the change: the last one with this stroke, or a new one."""
     edits = target.node.edits
     alone = Modification(Strokes((stroke,)), target.mirrored)
     if not edits or not isinstance(edits[-1], Modification):

@@ -1,4 +1,4 @@
-"""The box by hand: its faces are dragged to size, its middle moves it along the centre plane."""
+"""Size the box by dragging its faces, and move it along the centre plane by its middle."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ROUNDING: Final = 3
 
 
 class ResizeBox:
-    """Drag a face to make the box longer, wider or higher; drag its middle to move it.
+    """Makes the box longer, wider or higher by a dragged face, and moves it by its middle.
 
     The face opposite stays where it is. A face that is parallel to the centre plane takes
     its twin along, so that the plane stays; with Ctrl every face does. Sizes are whole steps
@@ -45,7 +45,7 @@ class ResizeBox:
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The box as it would be."""
+        """Return the box as it would be."""
         if not isinstance(gesture, Drag):
             return Scene()
         try:
@@ -72,7 +72,7 @@ class ResizeBox:
 
 
 def _sized(state: SymmetryState, drag: Drag) -> SymmetryState:
-    """With the dragged face where the pen is."""
+    """Return the state with the dragged face where the pen is."""
     axis, sense = FACES[drag.handle]
     size, centre = list(state.size), np.array(state.centre)
     outwards = sense * AXES[axis]
@@ -96,7 +96,7 @@ def _sized(state: SymmetryState, drag: Drag) -> SymmetryState:
 
 
 def _moved(state: SymmetryState, drag: Drag) -> SymmetryState:
-    """With the middle under the pen, in the plane in which it may move."""
+    """Return the state with the middle under the pen, in the plane in which it may move."""
     centre = np.array(state.centre)
     normal = _pinned(state, drag.camera)
     pixel = _pen(drag, centre)
@@ -115,7 +115,7 @@ def _moved(state: SymmetryState, drag: Drag) -> SymmetryState:
 
 
 def _pinned(state: SymmetryState, camera: Camera) -> Array:
-    """The axis along which the middle does not move.
+    """Return the axis along which the middle does not move.
 
     Square to the centre plane; where the plane does not hang on the box, the axis that
     points most at the eye.
@@ -126,7 +126,7 @@ def _pinned(state: SymmetryState, camera: Camera) -> Array:
 
 
 def _pen(drag: Drag, held: Array) -> Array:
-    """Where on the sheet the held place is taken to: the pen need not have met it exactly."""
+    """Return where on the sheet the held place goes: the pen need not have met it exactly."""
     seen, _ = drag.camera.project(held)
     points = drag.path.points
     return np.asarray(seen[0] + points[-1] - points[0])

@@ -54,7 +54,7 @@ class Split:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """Marks where curves would be cut."""
+        """Return marks where curves would be cut."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         cuts = _cuts(state, gesture.strokes[-1].points, gesture.strokes[-1].camera)
@@ -106,7 +106,10 @@ def _cut(state: SymmetryState, ink: Array, camera: Camera) -> SymmetryState:
 
 
 def _cuts(state: SymmetryState, ink: Array, camera: Camera) -> list[tuple[Seen, list[float]]]:
-    """Sides of curves and the parameters at which a stroke crosses them; a touch the nearest."""
+    """Return sides of curves with the parameters at which a stroke crosses them.
+
+    A touch means the nearest place.
+    """
     seen = seen_curves(state, camera)
     if float(np.ptp(ink, axis=0).max()) < DOT:
         touch = ink.mean(axis=0)
@@ -124,7 +127,7 @@ def _cuts(state: SymmetryState, ink: Array, camera: Camera) -> list[tuple[Seen, 
 
 
 def _trouble(side: Seen, at: float) -> str:
-    """Why a curve cannot be cut at a parameter; "" where it can."""
+    """Return why a curve cannot be cut at a parameter; "" where it can."""
     here = side.seen_at([at])[0]
     ends = side.seen_at(side.ends)
     if len(ends) and np.linalg.norm(ends - here, axis=1).min() <= AT_END:

@@ -1,4 +1,4 @@
-"""The see-through box: its edges, the grids that one counts by, and the centre plane."""
+"""The see-through box: its edges, its grids, and the centre plane."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ PLANE_GRID_OPACITY: Final = 0.45
 
 
 def box_layers(state: SymmetryState) -> tuple[Layer, ...]:
-    """The box in the model's frame: edges, floor, centre plane, and what the box tool holds."""
+    """Return the box in the frame of the model: edges, floor, centre plane, and handles."""
     layers = [Layer("box", (segments(box_edges(state), "faint", EDGE_WIDTH),))]
     if state.grid:
         layers.append(Layer("grid", grid_lines(floor_grid(state), "grid")))
@@ -55,7 +55,7 @@ def box_layers(state: SymmetryState) -> tuple[Layer, ...]:
 
 
 def segments(pairs: Array, color: Paint, width: float, opacity: float = 1.0) -> Lines:
-    """Straight pieces (n, 2, 3), mm, as one item."""
+    """Return straight pieces (n, 2, 3), mm, as one item."""
     return Lines(
         pairs.reshape(-1, 3).astype(np.float32),
         np.arange(len(pairs), dtype=np.int32) * 2,
@@ -66,7 +66,7 @@ def segments(pairs: Array, color: Paint, width: float, opacity: float = 1.0) -> 
 
 
 def grid_lines(grid: Grid, color: Paint, opacity: float = 1.0) -> tuple[Lines, ...]:
-    """A grid as it is shown; nothing where it has no lines."""
+    """Return a grid as it is shown; nothing where it has no lines."""
     if not len(grid.heavy):
         return ()
     pairs = np.stack((grid.begins, grid.ends), axis=1)
@@ -84,7 +84,7 @@ def grid_lines(grid: Grid, color: Paint, opacity: float = 1.0) -> tuple[Lines, .
 
 
 def floor_grid(state: SymmetryState) -> Grid:
-    """The grid of the box's lower face."""
+    """Return the grid of the box's lower face."""
     low = np.asarray(state.centre) - (0.0, 0.0, 0.5 * state.height)
     return grid_in_box(
         low, AXES[0], AXES[1], grid_step(max(state.size)), centre=state.centre, size=state.size
@@ -119,7 +119,7 @@ def _plane_items(state: SymmetryState) -> Iterator[Item]:
 
 
 def _held(state: SymmetryState) -> Iterator[Item]:
-    """Handles on the faces and in the middle, and the dimensions beside three edges."""
+    """Yield handles on the faces and in the middle, and the dimensions beside three edges."""
     centre, half = np.asarray(state.centre), 0.5 * np.asarray(state.size)
     for name, (axis, sense) in FACES.items():
         x, y, z = (centre + sense * half[axis] * AXES[axis]).tolist()

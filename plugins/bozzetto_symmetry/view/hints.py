@@ -1,4 +1,4 @@
-"""What to do next, in one line: what is wrong with the chosen curve, what it was taken for."""
+"""Hints: what is wrong with the chosen curve, what it was read as, and what to do next."""
 
 from __future__ import annotations
 
@@ -28,11 +28,12 @@ UNDECIDED: Final = "Another curve, faint when the view is turned, fits nearly as
 
 
 def next_step(state: SymmetryState) -> str:
-    """One line about the chosen curve: warnings first, then what is expected.
+    """Return one line about the chosen curve: warnings first, then what is expected.
 
     Parameters
     ----------
     state : SymmetryState
+        The curve that is chosen is the one that the line is about.
     """
     chosen = next((c for c in state.shown_curves if c.id == state.selected), None)
     if chosen is None:

@@ -1,4 +1,4 @@
-"""What is shown of a symmetry model: the box, the curves, how sure they are, what waits."""
+"""The scene of a symmetry model: the box, the curves, their uncertainty, what waits."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ FAN: Final = 24
 
 
 def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
-    """Box, curves, the chosen one's uncertainty and loose ends, and rays of sides that wait."""
+    """Return the box, the curves, the chosen one's uncertainty, and what waits."""
     layers = [*box_layers(state)]
     shown = [(curve, traces[curve.id]) for curve in state.shown_curves if curve.id in traces]
     layers.append(Layer("curves", tuple(_items(state, shown))))
@@ -79,7 +79,7 @@ def _items(state: SymmetryState, shown: Sequence[tuple[Curve, Trace]]) -> Iterab
 
 
 def camera_of(trace: Trace) -> Camera:
-    """The camera of the plane's frame through which a curve was drawn first."""
+    """Return the camera, in the plane's frame, through which a curve was drawn first."""
     return trace.views[0].stereo.camera
 
 
@@ -91,18 +91,22 @@ def curve_lines(
     width: float,
     opacity: float = 1.0,
 ) -> tuple[Lines, ...]:
-    """A curve as lines in the frame of the model; the mirror image in the second colour.
+    """Return a curve as lines in the frame of the model; the mirror image in the second colour.
 
     Parameters
     ----------
     curve : SpaceCurve
+        The curve, in the frame of the plane.
     state : SymmetryState
+        Its plane says where the curve is in the model.
     camera : Camera
         Of the plane's frame; from how near one looks.
     color : str or (r, g, b)
+        Of the curve itself.
     width : float
         px.
     opacity : float
+        Share of the light that the lines take, 0 … 1.
     """
     tolerance = FINER * FLATNESS / camera.pixels_per_mm
     question = (curve, state.plane, tolerance, color, width, opacity)
@@ -127,7 +131,7 @@ def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
 
 
 def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
-    """A side that waits: the rays on which its curve must lie, and its ink amid the box."""
+    """Yield a side that waits: the rays on which its curve must lie, and its ink amid the box."""
     for side in view.sides:
         begin, end = _in_box(view.stereo, side.pixels, state.bounds)
         if len(begin) < 2:
@@ -142,7 +146,7 @@ def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
 
 
 def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:
-    """Ink on the sheet through the middle of the box, where that cuts its rays."""
+    """Return ink where its rays cut the sheet through the middle of the box."""
     forward = stereo.camera.axes[2]
     whole = (end - begin) @ forward
     way = (bounds.mean(axis=0) - begin) @ forward
@@ -153,14 +157,14 @@ def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:
 def joined(
     pieces: Sequence[Array] | Array, color: Paint, width: float, opacity: float = 1.0
 ) -> Lines:
-    """Polylines as one item, seen through everything."""
+    """Return polylines as one item, seen through everything."""
     starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
     points = np.concatenate(list(pieces)).astype(np.float32)
     return Lines(points, starts, color=color, width=width, opacity=opacity, hidden="show")
 
 
 def _in_box(stereo: Stereo, pixels: Array, bounds: Array) -> tuple[Array, Array]:
-    """Where the rays of ink enter and leave the box, a fifth larger; at least through its depth.
+    """Return where the rays of ink enter and leave the box, a fifth larger.
 
     A ray that misses the box keeps the depths of those that do not.
     """

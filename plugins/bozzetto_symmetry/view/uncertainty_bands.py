@@ -31,7 +31,7 @@ DASHES: Final = 40
 
 
 def heat_bands(curves: Sequence[tuple[Array, Array]], diagonal: float) -> tuple[Lines, ...]:
-    """Bands over curves, green, yellow, and red in dashes.
+    """Return bands over curves: green, yellow, and red in dashes.
 
     A piece between two samples is as hot as the hotter of them. Stretches of different heat
     share the point where they meet.
@@ -68,7 +68,7 @@ def heat_bands(curves: Sequence[tuple[Array, Array]], diagonal: float) -> tuple[
 
 
 def _runs(points: Array, level: NDArray[np.int8]) -> Iterator[tuple[int, Array]]:
-    """Stretches of equal heat, each from the point where the one before it ends."""
+    """Yield stretches of equal heat, each from the point where the one before it ends."""
     known = np.asarray(np.isfinite(points).all(axis=1))
     hotter = np.where(known[1:] & known[:-1], np.maximum(level[1:], level[:-1]), -1)
     edges = np.concatenate(([0], np.flatnonzero(np.diff(hotter)) + 1, [len(hotter)]))
@@ -78,7 +78,7 @@ def _runs(points: Array, level: NDArray[np.int8]) -> Iterator[tuple[int, Array]]
 
 
 def _dashes(run: Array, dash: float) -> list[Array]:
-    """A polyline in dashes about so long, mm, one at either end."""
+    """Return a polyline in dashes of about one length, mm, one at either end."""
     along = arc_length(run)
     if along[-1] <= 0.0:
         return [run]

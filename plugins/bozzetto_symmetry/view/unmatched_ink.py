@@ -1,4 +1,4 @@
-"""Ink that found no partner: it is no part of the curve, and must not vanish unsaid."""
+"""Ink without a partner: it is no part of the curve, and must not vanish silently."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SHORTEST: Final = 12.0
 
 
 def loose_ends(trace: Trace) -> list[Array]:
-    """Stretches of ink that lie on neither picture of the curve.
+    """Return the stretches of ink that lie on neither picture of the curve.
 
     Parameters
     ----------
@@ -60,6 +60,6 @@ def _in_view(view: View, points: Array) -> Iterator[Array]:
 
 
 def _runs(loose: NDArray[np.bool_]) -> Iterator[slice]:
-    """Stretches of places that are loose, a place longer at either side."""
+    """Yield the stretches of places that are unmatched, a place longer at either side."""
     for begin, end in runs(loose):
         yield slice(max(0, begin - 1), end + 1)

@@ -1,4 +1,4 @@
-"""What depends on where one looks from: the back walls' grids, and where the edges vanish."""
+"""What depends on the view: grids of the back walls, and lines to the vanishing points."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ WIDER: Final = 2.5
 
 
 def seen_from(state: SymmetryState, camera: Camera) -> Scene:
-    """All that is shown of the box beside the model's own scene while one looks at it.
+    """Return all that is shown of the box in one view beside the model's own scene.
 
     A model that holds nothing yet is not in any document: there the box itself is part of
     it, so that it is there before the first stroke.
@@ -63,6 +63,7 @@ def seen_from(state: SymmetryState, camera: Camera) -> Scene:
     Parameters
     ----------
     state : SymmetryState
+        The box, and whether anything is drawn in it.
     camera : Camera
         In the model's frame.
     """
@@ -73,7 +74,7 @@ def seen_from(state: SymmetryState, camera: Camera) -> Scene:
 
 
 def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
-    """What belongs to the box in one view; shown over the box itself.
+    """Return what belongs to the box in one view; it is shown over the box itself.
 
     The edges in front are firmer, the walls behind bear grids, and where vanishing lines are
     asked for, these grids go on as a room, and the edges to the points at which they meet.
@@ -89,7 +90,7 @@ def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
 
 
 def back_faces(state: SymmetryState, camera: Camera) -> list[tuple[int, int]]:
-    """Axis and sense (1, -1) of the faces that one looks at from inside the box."""
+    """Return axis and sense (1, -1) of the faces that one looks at from inside the box."""
     centre, half = np.asarray(state.centre), 0.5 * np.asarray(state.size)
     found = []
     for axis in range(3):
@@ -105,7 +106,7 @@ def back_faces(state: SymmetryState, camera: Camera) -> list[tuple[int, int]]:
 
 
 def front_edges(state: SymmetryState, camera: Camera) -> Array:
-    """The edges of the box that no face of it covers, (n, 2, 3) mm."""
+    """Return the edges of the box that no face of it covers, (n, 2, 3) mm."""
     back = set(back_faces(state, camera))
     edges = box_edges(state)
     aside = np.sign(edges.mean(axis=1) - state.centre).astype(int)
@@ -135,7 +136,7 @@ FLOOR: Final = (2, -1)
 
 
 def seen_vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
-    """Where lines of a direction meet on the sheet, (2,) px; None where they do not.
+    """Return where lines of a direction meet near the canvas, (2,) px, or None.
 
     A point further away than `NEAR_CANVAS` counts as none.
     """
@@ -148,7 +149,7 @@ def seen_vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
 
 
 def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
-    """Crosses where the axes of the box vanish, with their letters.
+    """Return crosses where the axes of the box vanish, with their letters.
 
     So does the normal of a centre plane that is not the box's own: mirrored places lie on
     lines towards it. A vanishing point is nowhere in space: each cross stands on its line of
@@ -157,6 +158,7 @@ def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
     Parameters
     ----------
     state : SymmetryState
+        The box and its centre plane.
     camera : Camera
         In the model's frame.
     """
@@ -188,7 +190,7 @@ def _cross(camera: Camera, place: Array, paint: Paint, text: str) -> tuple[Item,
 
 
 def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
-    """The edges carried on to where they meet."""
+    """Yield the edges extended to where they meet."""
     edges = box_edges(state).reshape(3, 4, 2, 3)
     share = np.linspace(0.0, 1.0, PIECES + 1)
     widths = (LINE_WIDTH + (LINE_END_WIDTH - LINE_WIDTH) * share).astype(np.float32)
@@ -214,7 +216,7 @@ def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
 
 
 def _room(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
-    """The grids of the faces behind, carried on towards the eye as floor and walls of a room."""
+    """Yield the grids of the faces behind, extended towards the eye as a room."""
     back, step = back_faces(state, camera), grid_step(max(state.size))
     half = 0.5 * np.asarray(state.size)
     low, high = state.centre - half, state.centre + half
@@ -233,7 +235,7 @@ def _room(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
 
 
 def _fading(grid: Grid, state: SymmetryState) -> Lines:
-    """Lines of a grid that grow thinner the farther from the box they run."""
+    """Return lines of a grid that grow thinner the farther from the box they run."""
     share = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
     points = grid.begins[:, None] + share * (grid.ends - grid.begins)[:, None]
     aside = np.abs(points - state.centre) / np.asarray(state.size) - 0.5
@@ -250,7 +252,7 @@ def _fading(grid: Grid, state: SymmetryState) -> Lines:
 
 
 def _to_horizon(depth: float, way: Array, camera: Camera, share: Array) -> Array:
-    """Ways, (n, 1) mm, at equal steps on the sheet from a depth to nearly the horizon."""
+    """Return ways, (n, 1) mm, at equal steps on the sheet from a depth to nearly the horizon."""
     steepness = float(camera.axes[2] @ way)
     seen = CONVERGED * share
     return np.asarray((depth / steepness * seen / (1.0 - seen))[:, None])
