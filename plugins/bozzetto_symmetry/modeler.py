@@ -48,7 +48,7 @@ class SymmetryResult:
     traces : dict of str to Trace
         By the id of the curve, in their order.
     problems : dict of str to str
-        Curves whose strokes cannot be what they are said to be, and why.
+        Curves that could not be read, by id, and why.
     """
 
     traces: Mapping[str, Trace]

@@ -1,6 +1,6 @@
 """Open splines in a row as one spline, joined by bridges of least bending.
 
-What is joined stays what it is, exactly; only a stretch before each end may be cut back
+The joined splines stay exactly what they are; only a stretch before each end may be cut back
 where the bridge would bend too sharply. All in space, mm.
 """
 
@@ -21,15 +21,16 @@ Array = NDArray[np.float64]
 CUT_BACK: Final = (0.0, *(float(share) for share in np.geomspace(0.002, 0.25, 15)))
 """Shares of the shorter curve that are tried to be cut back at both ends."""
 
-DEAR: Final = 25.0
-"""What cutting back costs against bending: a kink of half a radian is rounded over a
+CUTTING_PRICE: Final = 25.0
+"""Price of cutting back against bending: a kink of half a radian is rounded over a
 twentieth of the shorter curve."""
 
 TOUCHING: Final = 1e-7
-"""Gap, as a share of the shorter curve, and turn, radians, that are none."""
+"""Gap, as a share of the shorter curve, and turn, radians, that count as none."""
 
 SLOW: Final = 1e-3
-"""Speed, as a share of the greatest, below which a curve's bending is not told any better."""
+"""Least speed, as a share of the greatest, that bending is divided by: near a cusp it has no
+other bound."""
 
 LOOKS: Final = 256
 """Places by which lengths and bending are measured."""
@@ -90,7 +91,7 @@ def _with_bridge(first: Spline, second: Spline, *, loop: bool) -> list[Spline]:
         turn = float(np.linalg.norm(there.direction - here.direction))
         even = not loop or abs(here.speed - there.speed) <= TOUCHING * here.speed
         bridge: tuple[Spline, ...] = ()
-        price = 2.0 * DEAR * share
+        price = 2.0 * CUTTING_PRICE * share
         if gap > TOUCHING:
             bridge = (_bridge(here, there, paced=loop),)
             saved = _bending(first, last=True, cut=cut) + _bending(second, last=False, cut=cut)

@@ -1,6 +1,6 @@
 """A spline that is changed in places only.
 
-The curve itself is not fitted anew. Knots are added without changing it, and then those
+The curve itself is not fitted again. Knots are added without changing it, and then those
 control points are moved that act nowhere else than where the curve has to move: all the
 rest stays what it is, to rounding.
 """

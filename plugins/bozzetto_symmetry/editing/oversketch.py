@@ -1,8 +1,8 @@
 """A curve in space that follows strokes drawn over it in one view.
 
-Kara & Shimada, section 13.2: the curve's picture is an active contour that the strokes
-pull, and what it becomes is lifted back with the least surprise. The curve's own control
-points follow, so what was not drawn over stays.
+Kara & Shimada, section 13.2: the picture of the curve is an active contour that the strokes
+pull, and its new course is lifted back into space with the least change. The control points of
+the curve follow, so what was not drawn over stays.
 """
 
 from __future__ import annotations

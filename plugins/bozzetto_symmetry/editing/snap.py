@@ -18,17 +18,17 @@ from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 Array = NDArray[np.float64]
 
 FADE: Final = 8.0
-"""An end carries the curve along over this many times the way that it goes; the curve turns
-by a few degrees, and by less than a fifth of a radian at most."""
+"""Length of the stretch that moves with an end, over the distance that the end moves; the curve
+turns by a few degrees, and by less than a fifth of a radian at most."""
 
 LEAST_FADE: Final = 0.1
-"""Least share of the curve that goes along."""
+"""Least share of the curve that moves with an end."""
 
 STEPS: Final = 8
-"""Knots on the stretch that goes along, at least: its displacement has one bend each way."""
+"""Least number of knots on that stretch: its displacement has one bend each way."""
 
 ON_PLANE: Final = 1e-12
-"""Distance from the plane, as a share of that from the origin, that is rounding."""
+"""Distance from the plane, as a share of that from the origin, that counts as rounding."""
 
 LOOKS: Final = 256
 """Places by which lengths are measured."""
@@ -37,8 +37,8 @@ LOOKS: Final = 256
 def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
     """Return a curve whose end is at a given place.
 
-    The direction at the end stays; a stretch before it goes along, the less the farther it is
-    from the end, and the rest does not move.
+    The direction at the end stays. A stretch before it moves along, the less the farther it is
+    from the end; the rest does not move.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ SHORTEST: Final = 1e-3
 """Least share of a curve that is kept: less is a dot."""
 
 SLIVER: Final = 1e-11
-"""Distance of a cut from a knot, as a share of the range, that is rounding."""
+"""Distance of a cut from a knot, as a share of the range, that counts as rounding."""
 
 
 def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:

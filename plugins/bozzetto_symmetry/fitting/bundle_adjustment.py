@@ -41,11 +41,11 @@ ENOUGH: Final = 0.1
 of no use: a tenth of what a hand can do, for the error in space is several times as large."""
 
 NOISE_FACTOR: Final = 0.7
-"""The same as a multiple of the hand's noise. That is slow, and a curve goes along with about
+"""The same limit as a multiple of the hand's noise. The noise is slow, and a curve follows about
 half of it: what is left at the full noise is shape."""
 
 LOST: Final = 4.0
-"""Distance (rms, px) above which the feet of the ink may be on the wrong branches."""
+"""Distance (rms, px) above which the ink may be matched to the wrong branches of the curve."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Sight:
     near : tuple of (n, 2) float
         Pieces of ink, px, that show the half that was drawn.
     far : tuple of (n, 2) float
-        Those that show its mirror image.
+        Pieces of ink that show its mirror image.
     noise : float
         Standard deviation of the hand across the ink, px.
     """
@@ -97,7 +97,7 @@ def bundled(
     """Fit one symmetric spline to all ink of all views.
 
     Least squares of the distances of the ink across the image of the curve, each over the
-    noise of its hand, with feet found anew at every step (Gauss–Newton, tangent distance
+    noise of its hand, with closest points updated at every step (Gauss–Newton, tangent distance
     minimisation; Wang, Pottmann & Liu 2006, section 3.3), and of the curve's third
     derivative, which decides only where the ink does not.
 
@@ -110,7 +110,7 @@ def bundled(
         across the plane along all of it, beginning with the half that was drawn first, or
         along that half from the plane outwards. Those that are not finite are left out.
     covariances : (k, 3, 3) array_like
-        Of these places, mm².
+        Covariances of these places, mm².
     sights : sequence of Sight
         The ink of each view.
     closed : bool

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 ALIKE: Final = 1e-6
-"""Departure from symmetry, as a share of the curve's size or range, that is rounding. A ring
+"""Departure from symmetry, as a share of the curve's size or range, that counts as rounding. A ring
 is symmetric about two places only, and elsewhere by far more."""
 
 

@@ -25,8 +25,8 @@ GUESSED: Final = 0.01
 known it was put on a bridge, which is a better guess than none."""
 
 DOUBTFUL: Final = 0.01
-"""Standard deviation, as a share of the length, from which steps along a direction say
-little about the length of the way."""
+"""Standard deviation, as a share of the length, from which steps in a direction say little about
+the length of the way."""
 
 BOTH: Final = 0.5
 """Share of the greatest height above the plane that a curve across it reaches on the other

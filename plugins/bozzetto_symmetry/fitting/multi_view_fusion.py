@@ -1,7 +1,7 @@
 """One estimate of a curve from those of several views.
 
 Every view knows a curve well in some directions and badly in others. Their places are
-brought together along the curve, where they contradict one another least for what each
+matched along the curve, where they contradict one another least for what each
 claims to know, and combined by their inverse covariances: the mean that has the least
 variance (Gauss; Aitken 1935).
 """
@@ -47,8 +47,8 @@ one from the worse view then counts less in proportion: it is a wrong partner, o
 that is worse than it claims."""
 
 TAIL: Final = 0.05
-"""Share of an estimate beyond the end of the best one that leads it on: less is the
-uncertainty of where that end belongs. What leads on must be known to this share of its size."""
+"""Share of an estimate beyond the end of the best one that extends it: less is the
+uncertainty of where that end belongs. The added part must be known to this share of its size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +71,8 @@ def fused(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
     """Combine estimates of the same curve, each from a view of its own.
 
     They may run in different senses, begin at different places of a closed curve, and cover
-    different parts of it. The result runs like the best of them, and is led on where another
-    one knows more of the curve. Where estimates contradict one another by more than their
+    different parts of it. The result runs like the best of them, and is extended where
+    another one knows more of the curve. Where estimates contradict one another by more than their
     covariances allow, those of the result are larger by as much (Birge 1932).
 
     Parameters

@@ -32,14 +32,14 @@ DAMPING: Final = 1e-3
 the weight of a step along the image is 1."""
 
 LEASH: Final = 0.1
-"""Standard deviation of the first guess as a share of the length: it holds what no ink does."""
+"""Standard deviation of the first guess as a share of the length: it holds places without ink."""
 
 HELD: Final = 20
 """Places of a half that the first guess holds."""
 
 PEN: Final = 1.2
 """Distance of the ink (rms, px) above which anything that brings the curve nearer is better:
-it can be seen."""
+the distance is visible."""
 
 SHAPE: Final = 1.5
 """Power of the number of control points by which the distance of the ink must fall for them
@@ -194,8 +194,8 @@ class Fit:
     def betters(self, other: Fit) -> bool:
         """Return whether this fit explains more shape than the other one.
 
-        Shape that was missing falls by the fourth power of their number, a corner by the
-        first and a half; what a slow hand adds falls no faster than the number rises.
+        The distance of missing shape falls by the fourth power of the number of control points,
+        that of a corner by the power 1.5; what a slow hand adds falls no faster than the first.
         """
         count, before = self.problem.basis.count, other.problem.basis.count
         return self.rms < other.rms * (1.0 if other.rms > PEN else (before / count) ** SHAPE)

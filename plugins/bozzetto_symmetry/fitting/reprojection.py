@@ -38,7 +38,7 @@ SPACING: Final = 4.0
 """Distance of the samples of ink, px: a third of the least tremor."""
 
 MOST_SAMPLES: Final = 300
-"""Of one piece of ink; on longer ink they are further apart."""
+"""Most samples of one piece of ink; on longer ink they are further apart."""
 
 CLOSED: Final = 0.05
 """Gap between the ends of a piece of ink, as a share of its length, below which it goes round a
@@ -56,7 +56,7 @@ the ink's length, whichever is more) shows that end."""
 
 
 COLUMNS: Final = ("pixels", "factors", "share", "along", "piece", "held", "feet")
-"""What there is for every sample of ink."""
+"""Fields of `Ink` with a value for every sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Ink:
     stereo : Stereo
     pixels : (n, 2) float
     factors : (n, 3) float
-        What the coordinates of the curve are multiplied by: the mirror, for the far side.
+        Factors of the coordinates of the curve: the mirror, for the far side.
     noise : float
         Standard deviation of the hand across the ink, px, not below `LEAST_NOISE`.
     share : (n,) float
@@ -178,11 +178,11 @@ class Deviation:
     Attributes
     ----------
     values : (n, 3, k) float
-        Of the basis at the feet.
+        Basis functions at the parameters of the samples.
     slopes : (n, 2, 3) float
         Derivatives of the image by the place on the curve, px/mm.
     offset : (n, 2) float
-        From the image of the foot to the ink, px; NaN where the foot is not seen.
+        From the image of the closest point to the ink, px; NaN where that point is not seen.
     tangent : (n, 2) float
         Derivative of the image by the parameter, px.
     """

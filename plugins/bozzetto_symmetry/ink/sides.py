@@ -29,16 +29,16 @@ from bozzetto_symmetry.ink.stroke_line import (
 Array = NDArray[np.float64]
 
 DOT: Final = 1e-3
-"""Extent of a stroke that is none, px."""
+"""Extent below which a stroke is a dot, px."""
 
 MOST_STROKES: Final = 150
-"""Most strokes of one curve in one view: each is compared with each, some seconds' work."""
+"""Most strokes of one curve in one view: comparing each with each takes some seconds then."""
 
 MEETING: Final = 0.08
 """Widest gap between the halves of one curve across the plane, as a share of the shorter one."""
 
 UNDRAWN: Final = 3
-"""Steps of a settled ring without ink that are no gap: the ink has steps of its own."""
+"""Steps of a merged ring without ink that do not count as a gap: the ink has steps of its own."""
 
 
 _lines: Memory[Line] = Memory(limit=512)
@@ -56,12 +56,12 @@ class Side:
         first point.
     closed : bool
     noise : float
-        Standard deviation of the line across itself, px: what of the hand can be told from
-        the form, over the root of how often the line was drawn. Never below 0.
+        Standard deviation of the line across itself, px: what can be separated
+        of the hand from the form, over the root of how often the line was drawn. At least 0.
     strokes : tuple of int
         Which of the given strokes.
     sure : bool
-        Whether several strokes settle into one line well.
+        Whether several strokes merge well into one line.
     """
 
     pixels: Array
@@ -77,12 +77,12 @@ class Side:
 
 
 def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, ...]:
-    """Put the strokes of one view in sides, and settle each.
+    """Put the strokes of one view in sides, and merge the strokes of each.
 
     A side may be scribbled over with many strokes in any sense, drawn in consecutive pieces,
     and in turn with the other one (`bozzetto_symmetry.ink.stroke_grouping`). A side of one stroke,
-    or of pieces that continue one another, keeps its own form; strokes over one another settle,
-    older ones fading.
+    or of pieces that continue one another, keeps its own form; strokes over one another are
+    merged, and older ones count less.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def joined(one: Side, other: Side) -> Side | None:
 
 
 def gap_between(one: Array, other: Array) -> tuple[float, Array, bool]:
-    """Return how near two lines' ends come, px; where; and whether the first one's last end does."""
+    """Return how near the ends of two lines come, px; where; and whether the first's last end."""
     first, second = one[[0, -1]], other[[0, -1]]
     gaps = np.linalg.norm(first[:, None] - second, axis=2)
     which, that = np.unravel_index(int(gaps.argmin()), gaps.shape)

@@ -53,7 +53,7 @@ END: Final = 10.0
 """Length over which the direction of an end is taken, px."""
 
 CONTRAST: Final = 1.3
-"""How much farther apart than the strokes of either are two groups that are surely one."""
+"""Distance of two groups that are surely one, over that of the strokes within them."""
 
 BENT: Final = 0.25
 """Price of a bend of 90° where strokes have to be united, as a share of the shorter one's
@@ -113,8 +113,8 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     groups are left, those are united that continue or accompany one another best. The last
     two are united only where nothing else can be meant: the two sides of a pair may be as
     near to one another as the strokes of a scribble, and the halves of a curve across the
-    plane continue one another. What two groups mean is for
-    `bozzetto_symmetry.interpretation.reader`.
+    plane continue one another. `bozzetto_symmetry.interpretation.reader`
+    decides what two groups mean.
 
     Parameters
     ----------

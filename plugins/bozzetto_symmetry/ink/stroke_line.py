@@ -18,7 +18,7 @@ from bozzetto_symmetry.ink.polyline import interpolate, length_of
 Array = NDArray[np.float64]
 
 DECIMALS: Final = 6
-"""Of a place on the sheet, px: steps below them are no ink but rounding."""
+"""Decimals of a place on the sheet, px: finer steps are no ink but rounding."""
 
 SPACING: Final = 2.0
 """Distance of the points of a line, px."""
@@ -31,7 +31,7 @@ FEWEST: Final = 33
 
 GRID: Final = (1.0, 4.0)
 """Least and greatest spacing on which a stroke is smoothed, px; between them that of its samples.
-Sparser samples are taken as they are: what lies between them cannot be told from noise."""
+Sparser samples are taken as they are: what lies between them cannot be separated from noise."""
 
 MOST_SAMPLES: Final = 10_000
 """Most samples of one stroke: a hand that draws for a minute gives fewer."""
@@ -40,7 +40,7 @@ LIFT: Final = 0.05
 """Share of the greatest pressure below which the pen is leaving the sheet."""
 
 DEGREE: Final = 3
-"""Of the polynomials that smooth: a bend of radius 20 px moves by 0.01 px under the widest
+"""Degree of the polynomials that smooth: a bend of radius 20 px moves by 0.01 px under the widest
 window that is taken at such a bend, where a Gaussian of 4 px would move it by 0.4 px."""
 
 WIDTHS: Final = (5.0, 7.0, 10.0, 14.0, 20.0)
@@ -57,10 +57,10 @@ TOLERANCE: Final = 2.0
 too wide. Noise of samples that are averaged on a grid is no longer quite independent."""
 
 HAND_DEGREE: Final = 5
-"""Of the polynomials that tell the hand's slow waver from the form."""
+"""Degree of the polynomials that separate the slow wavering of the hand from the form."""
 
 HAND_SHARE: Final = 0.12
-"""Half width of the window that tells the hand from the form, as a share of the length."""
+"""Half width of the window that separates the hand from the form, as a share of the length."""
 
 HAND_WIDTH: Final = (20.0, 60.0)
 """Least and greatest of that half width, px."""
@@ -100,8 +100,8 @@ def pen_down(stroke: Stroke) -> Array:
 def thinned(points: Array) -> Array:
     """Return the samples of a line without those that no hand can have meant, (m, 2) px.
 
-    A pen gives some hundred samples in a second; of what comes denser than that only the first
-    in each of `MOST_SAMPLES` equal steps is kept, and the last.
+    A pen gives some hundred samples in a second. Of denser samples the first in each of
+    `MOST_SAMPLES` equal steps is kept, and the last of all.
     """
     if len(points) <= MOST_SAMPLES:
         return points
@@ -162,8 +162,8 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
     """Return the standard deviation across the line of what is no form, px.
 
     What polynomials of degree five over a quarter of the line do not follow counts as
-    the hand. A waver slower than that cannot be told from the form, so the figure is a lower
-    bound; it is 0 where the stroke is too short to tell.
+    the hand. Slower wavering cannot be separated from the form, so the figure is a lower bound;
+    it is 0 where the stroke is too short.
 
     Parameters
     ----------
@@ -280,8 +280,8 @@ def _residual(points: Array, half: int, degree: int, closed: bool) -> float:
 def _local_polynomial(points: Array, half: int, degree: int, closed: bool) -> Array:
     """Return values at equally spaced points of least squares polynomials about each.
 
-    Savitzky & Golay 1964; towards the ends of an open line the first and the last whole
-    window serve.
+    Savitzky & Golay 1964; near the ends of an open line the first and the last whole
+    window are used.
     """
     hat = _hat(half, degree)
     if closed:

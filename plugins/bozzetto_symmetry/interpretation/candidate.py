@@ -28,7 +28,7 @@ ASTRIDE: Final = 20.0
 """Price of a side that lies as much on one side of the plane as on the other, px."""
 
 TELL: Final = 0.03
-"""Share of a side without a partner that a person is told of."""
+"""Share of a side without a partner from which a warning is given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +89,8 @@ class Read:
 class Candidate:
     """A matching that gives a curve, whatever the box.
 
-    All that is dear is done once; a box of another size changes only the cost and which
-    places are strays.
+    All slow work is done once; a box of another size changes only the cost and which places
+    are strays.
 
     Parameters
     ----------

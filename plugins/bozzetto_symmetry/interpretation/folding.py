@@ -30,7 +30,7 @@ HALF: Final = 120
 
 OPEN_END: Final = 0.04
 """Price of a sample of a half without a partner, per px of what the signal ranges over.
-Halves are mostly drawn whole, so it is dearer than with two strokes."""
+Halves are mostly drawn whole, so it is higher than with two strokes."""
 
 UNEVEN: Final = 0.01
 """Price of a step along one half only, in the same unit."""
@@ -62,7 +62,7 @@ class Folding:
     Attributes
     ----------
     pairing : Pairing
-        Of its halves, both from the plane outwards; `near` is the longer one. Stations are
+        Matching of its halves, both from the plane outwards; `near` is the longer one. Stations are
         shares of each half.
     crossings : (1, 2) or (2, 2) float
         Where it crosses the plane, px; two of a ring.

@@ -22,11 +22,11 @@ from bozzetto_symmetry.stereo.mirror_camera import Stereo
 Array = NDArray[np.float64]
 
 SENSE: Final = 2.0
-"""Weight of a matching's own score, which tells the right sense from the wrong one better than
-the distances that are left do."""
+"""Weight of a matching's own score, which finds the right sense more reliably than the distances
+that are left."""
 
 ASKEW: Final = 2.0
-"""Price of a loop that faces no way of the box, px, over 1 − the cosine. Loops match nearly as
+"""Price of a loop that faces no axis of the box, px, over 1 − the cosine. Loops match nearly as
 well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
 side, the front or the top, and is evenly round, which the matching's own score counts."""
 

@@ -5,7 +5,7 @@ how much of the ink it leaves without a partner, and how strange the curve in sp
 
 One stroke that folds well at a place where it runs square to the plane is a curve across it.
 One stroke that does not may lie in the plane or be the first of two sides: no picture can
-tell, so it waits as a half, and a person says "in the plane". Two sides are a pair, or the
+say which, so it waits as a half, and a person says "in the plane". Two sides are a pair, or the
 halves of a curve across the plane where their ends meet, or one side that was drawn twice.
 """
 
@@ -37,12 +37,12 @@ HALF: Final = 3.5
 stroke missing is no better."""
 
 HAND: Final = 0.5
-"""Price of a pixel of noise in what waits: a fold of rough ink cannot be better than that."""
+"""Price of a pixel of noise in ink that waits: a fold of rough ink cannot be better."""
 
 IN_PLANE: Final = (0.9, 1.5)
 """Price of taking one side to be in the plane, over that of leaving it waiting: where all of
-it would be in the box, and where not. Seen aslant, a side that stands away from the plane is
-mostly shifted out of the box; three of four sides of recorded ink are."""
+it would be in the box, and where not. Seen at an angle, a side that stands away from the plane
+is mostly shifted out of the box; three of four sides of recorded ink are."""
 
 IN_BOX: Final = 0.02
 """Share of the box's size by which a curve in the plane may leave it."""

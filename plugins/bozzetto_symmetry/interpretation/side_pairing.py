@@ -33,7 +33,7 @@ MOST_CUTS: Final = 3
 """Places of the other loop at which it is tried to be cut."""
 
 FLATTEST: Final = 0.05
-"""Least roundness that counts, so that no loop is without end the worse."""
+"""Least roundness that counts: it bounds how much worse a flat loop scores."""
 
 
 def pairings(

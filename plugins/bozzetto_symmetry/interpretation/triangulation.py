@@ -17,11 +17,12 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 ROOM: Final = 0.05
-"""Share of the box's size by which a curve may leave it without a price. It is what tells the
+"""Share of the box's size by which a curve may leave it without a price. It decides the
 sense of a curve that fits either way, like a hook."""
 
 STRAY_ROOM: Final = 0.2
-"""The same for single places to be left out as strays: the box is a ruler, no fence."""
+"""Share of the box's size beyond which single places are left out as strays: the box is a ruler,
+and curves may leave it."""
 
 STRAY: Final = 0.2
 """Greatest share of places outside the box that are left out as strays; if there are more,

@@ -21,7 +21,7 @@ AXIS_PAINTS: Final[tuple[Paint, Paint, Paint]] = ("accent", "second", (0x5E, 0x9
 
 END_ON: Final = 0.02
 """Sine of the angle between a line and the line of sight below which the line is seen as a
-point: places along it cannot be told apart."""
+point: places along it cannot be separated."""
 
 ACROSS: Final = 1e-6
 """Cosine between a direction and the line of sight below which it lies across."""
@@ -30,8 +30,8 @@ ACROSS: Final = 1e-6
 def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLike) -> float | None:
     """Return how far along a line in space a place on the sheet is.
 
-    The foot of the place on the line's image, and there the place of the line that is seen:
-    what the pen does beside the line's image counts for nothing.
+    It is the place of the line seen at the point of the line's image nearest to the pen: what the
+    pen does beside the line's image does not count.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
     across /= np.linalg.norm(across)
     foot = seen[0] + across * float((np.asarray(pixel, float) - seen[0]) @ across)
     origins, directions = camera.rays(foot)
-    # The ray of the foot and the line lie in one plane, and meet.
+    # The ray of that point and the line lie in one plane, and meet.
     sight, between = directions[0], base - origins[0]
     cosine = float(sight @ way)
     sine_squared = 1.0 - cosine**2

@@ -18,7 +18,7 @@ MOST_LINES: Final = 500
 """Most lines on one hand of the middle, whatever the step."""
 
 HEAVY_EVERY: Final = 5
-"""Every so manieth line, counted from the middle, is heavier."""
+"""Every fifth line, counted from the middle, is heavier."""
 
 FLUSH: Final = 1e-6
 """Share of the step by which a line must lie inside to be no edge."""

@@ -52,8 +52,10 @@ FARTHEST: Final = 1e7
 """Greatest coordinate of a line's ends, mm."""
 
 LINE_WIDTH: Final = 1.2
+"""Width of a construction line, px."""
+
 CHOSEN_WIDTH: Final = 2.0
-"""px."""
+"""Width of the chosen construction line, px."""
 
 
 @dataclass(frozen=True)

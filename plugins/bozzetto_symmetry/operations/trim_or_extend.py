@@ -39,7 +39,7 @@ LOOKS: Final = 512
 """Places by which a curve's length is measured."""
 
 CUTS: Final = 64
-"""Places at which each end is tried to be cut, and to which it is tried to be led on."""
+"""Places at which each end is tried to be cut, and up to which it is tried to be extended."""
 
 
 def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
@@ -102,7 +102,7 @@ def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
     """Return the state in which two ends meet half-way, cut back or extended.
 
     Every curve changes by the mean, over its whole length, of how far its places are from
-    what it becomes: half the square of what is cut off or led on straight ahead, and half of
+    what it becomes: half the square of what is cut off or added straight ahead, and half of
     the way that the end then goes aside, over half of the stretch that goes along. The places
     at which both curves together change least are taken.
     """

@@ -1,8 +1,7 @@
 """From the recipe of one curve to the curve in space; remembered.
 
 The ink of each view is put in sides and read; what the views say is fused; one symmetric
-spline is fitted to the ink of all views; then everything that was done to the curve since is
-done again, in order.
+spline is fitted to the ink of all views; then the edits of the curve are replayed in order.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 200
-"""Places of a curve at which its uncertainty is told."""
+"""Places of a curve at which its uncertainty is given."""
 
 LOOKS: Final = 12
 """Places of a curve whose directions a view is judged by."""
@@ -52,7 +51,7 @@ WAITING: Final = "One side waits for the other. Draw its mirror image in the sam
 UNSURE: Final = "It is not sure how the strokes belong together. Draw the curve again."
 
 MOST_MARGIN: Final = 1000.0
-"""Greatest margin that is told; where there is no other reading it is this."""
+"""Greatest margin that is given, also where there is no other reading."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +117,7 @@ ALONGSIDE: Final = 20.0
 runs over both halves is farther from each."""
 
 EVIDENCE: Final = ("pair", "self", "plane")
-"""Readings, the one first that is least likely to be a mistake of a view with little ink."""
+"""Readings, ordered by how unlikely each is to be a mistake of a view with little ink."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +157,7 @@ _views: Memory[tuple[View, ...]] = Memory(limit=256)
 _fits: Memory[Fit] = Memory(limit=256)
 
 AMBIGUOUS: Final = 1.5
-"""Margin below which the other reading is shown as well (wrong senses are 1.2 % above it)."""
+"""Margin below which the other reading is shown as well; above it 1.2 % of senses are wrong."""
 
 
 def traced(curve: Curve, state: SymmetryState) -> Trace:
@@ -167,7 +166,7 @@ def traced(curve: Curve, state: SymmetryState) -> Trace:
     Raises
     ------
     UserError
-        If the strokes cannot be what they are said to be.
+        If the strokes cannot be read as the curve is asked to be.
     """
     question = (
         replace(curve, id="", name="", visible=True, within="", color=None),
@@ -186,11 +185,11 @@ def views_of(
     Parameters
     ----------
     strokes : iterable of Stroke
-        Of one curve.
+        All strokes of one curve.
     state : SymmetryState
         For its plane.
     asked : str
-        What the curve is said to be; a pair has two sides, and all others one.
+        The reading that the curve is asked to have; a pair has two sides, all others one.
     """
     drawn, apart = tuple(strokes), asked == "pair"
 

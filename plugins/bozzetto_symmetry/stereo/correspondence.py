@@ -1,8 +1,8 @@
 """The matching of two curves on one sheet by the epipolar lines that they cross.
 
 Both images of a mirrored pair carry the same signal: the epipolar line, named by its angle,
-that the curve is on. Where a single epipolar line meets a curve several times nobody can
-tell which meeting is meant; matching the whole signals, in order, can. Warping finds the
+that the curve is on. Where a single epipolar line meets a curve several times it
+cannot say which meeting is meant; matching the whole signals, in order, can. Warping finds the
 matching to a sample; a stiff map of stations takes it to a fraction of one, also where the
 curve runs along the epipolar lines and the signal says little.
 """
@@ -31,14 +31,14 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 WITHOUT: Final = 0.05
-"""What sides without any partner would add to the score, per px that the signals range over."""
+"""Score that sides without any partner would add, per px of the range of the signals."""
 
 BENT: Final = 0.5
-"""What the bending of the map of stations (root mean square of second differences, px) adds
-to the score: of two ways in which the lines agree, the smoother one is meant."""
+"""Weight in the score of the bending of the map of stations (root mean square of second
+differences, px): of two ways in which the lines agree, the smoother one is meant."""
 
 ASTRAY: Final = 5.0
-"""How much dearer a matching becomes if the side it makes lies on both sides of the plane."""
+"""Factor by which the score of a matching grows if its side lies on both sides of the plane."""
 
 FLOOR: Final = 0.3
 """Mean distance, px, below which no hand draws: what is nearer is equally good."""
@@ -64,9 +64,9 @@ class Pairing:
         Root of the mean square distance across the epipolar lines, px, between the places
         that were matched, before they were brought onto common lines.
     score : float
-        By what pairings are ordered, px, the lower the better: the mean distance across the
+        Figure by which pairings are ordered, px, the lower the better: the mean distance across the
         epipolar lines that is left, and what uneven steps, ends without partners and places
-        on the wrong side of the plane add to it. Never nought; if the second best is above
+        on the wrong side of the plane add to it. Never 0; if the second best is above
         1.5 times the best, the best is hardly ever wrong.
     coverage : (float, float)
         Share of each side's length that found a partner.

@@ -39,9 +39,9 @@ def map_of_stations(
 ) -> tuple[NDArray[np.intp], Array]:
     """Return samples of the first signal and the stations, in samples, of their partners.
 
-    Where the second signal equals the first, in the sense of least squares, with a price on
-    the bending of the map: where a signal turns, or stays at one value, the equation alone
-    would be answered by the noise.
+    The second signal equals the first there, in the sense of least squares, with a price on
+    the bending of the map: where a signal turns, or stays at one value, noise alone would decide
+    the equation.
     """
     places, counts = np.unique(path[:, 0], return_counts=True)
     start = np.bincount(path[:, 0], path[:, 1])[places] / counts

@@ -23,7 +23,7 @@ LONG: Final = 0.1
 would have a radius as large as the whole side."""
 
 LEAST: Final = 1e-9
-"""Of lengths that are divided by."""
+"""Least length that is divided by."""
 
 
 def weak_runs(

@@ -19,7 +19,7 @@ class Warping:
     path : (k, 2) int
         Index pairs, ``k >= 1``. From one to the next either index or both grow by one.
     total : float
-        What the path costs: its cells, its steps, and the samples at the ends that it leaves
+        Cost of the path: its cells, its steps, and the samples at the ends that it leaves
         without a partner.
     """
 
@@ -42,7 +42,7 @@ def warpings(
     Parameters
     ----------
     costs : (b, n, m) array_like
-        Of matching sample i of the first with sample j of the second sequence, not negative;
+        Costs of matching sample i of the first with sample j of the second sequence, not negative;
         ``n, m >= 1``.
     step : float
         Price of a step in which only one index grows; not negative.
@@ -127,10 +127,10 @@ def first_row(costs: ArrayLike, begin: float) -> Array:
     Parameters
     ----------
     costs : (..., m) array_like
-        Of the new sample with each sample of the sequence that is known whole.
+        Costs of the new sample with each sample of the sequence that is known whole.
     begin : float
         Price of a sample of the known sequence left out before the first pair; not above the
-        price of a step, for then leaving out is never dearer than stepping along the row.
+        price of a step, for then leaving out never costs more than stepping along the row.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def next_row(sums: Array, costs: ArrayLike, step: float) -> tuple[Array, NDArray
     sums : (..., m) float
         After the sample before.
     costs : (..., m) array_like
-        Of the new sample with each sample of the known sequence, not negative.
+        Costs of the new sample with each sample of the known sequence, not negative.
     step : float
         Price of a step in which only one index grows.
 

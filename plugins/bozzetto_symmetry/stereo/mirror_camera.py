@@ -76,9 +76,6 @@ class Stereo:
 
         Homogeneous coordinates (x, y, w), px, as `model.perspective.vanishing_point` gives them: it
         is at infinity where w is 0, and nowhere where a parallel view looks along the normal.
-
-        The epipole. It is finite or at infinity (w = 0); never all nought unless the view is
-        orthographic and looks along the normal.
         """
         return vanishing_point(self.camera, NORMAL)
 
@@ -142,7 +139,7 @@ class Stereo:
         """Angle between the line of sight and the centre plane, radians, 0 … π/2.
 
         The stereo's baseline grows with its sine. For a perspective camera the line from the
-        eye to the target's foot on the plane is taken for the line of sight.
+        eye to the place of the plane nearest to the target counts as the line of sight.
         """
         if self.parallel:
             sine = abs(float(self.camera.axes[2, 1]))

@@ -2,7 +2,7 @@
 
 A point is where it has to be so that it is seen at the drawn place, and its mirror image on
 the other drawn curve: three equations. Their derivative says what a pixel is worth in space,
-place by place; the residual of the rays does not, it is nought however badly they cross.
+place by place. The residual of the rays does not: it is 0 however badly they cross.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ HAND: Final = 1.5
 """Standard deviation of a hand that draws with care, px."""
 
 YELLOW: Final = 1.5
-"""Uncertainty at the noise of a hand from which a place wants a look, % of the diagonal."""
+"""Uncertainty at the noise of a hand from which a place is doubtful, % of the diagonal."""
 
 RED: Final = 4.0
-"""Uncertainty at the noise of a hand above which a place says next to nothing, %."""
+"""Uncertainty at the noise of a hand above which a place is hardly known, %."""
 
 ANYWHERE: Final = 100.0
 """Standard deviation of a point of which nothing is known, in visible heights of the sheet:
-so large that it shortens no figure that is of use to anybody, and still a number."""
+far larger than any useful figure, and still a number."""
 
 TOO_NEAR: Final = 1e-9
 """Depth before the eye, in visible heights of the sheet, below which nothing is seen."""
@@ -36,7 +36,7 @@ TOO_NEAR: Final = 1e-9
 
 LEFT: Final = 0.93
 """Share of `curve_sigmas` that a fitted curve shows: it evens out the shorter waves of the
-tremor. Measured at 30 and 60° with tremor that is alike over a 25th of the curve."""
+tremor. Measured at 30 and 60° with a tremor that stays alike over a 25th of the curve."""
 
 
 def pair_covariances(
@@ -112,7 +112,7 @@ def curve_sigmas(
     """Return how far a curve in space may be off across itself, for 1 px of noise in every view.
 
     A hand errs slowly, and a fit follows it: what smoothing takes off the noise of single
-    places tells nothing about this. So every view that shows a place has one error there,
+    places says nothing about this. So every view that shows a place has one error there,
     across its image, and the covariance is that of all views together. It cannot be far more
     than that of a place close by, since the distance from the true curve grows no faster than
     the way between them; that is what is left where the views say nothing.
@@ -167,7 +167,7 @@ def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
     Returns
     -------
     (n,) int8
-        0 well known, 1 wants a look, 2 next to unknown.
+        0 well known, 1 doubtful, 2 nearly unknown.
     """
     share = 100.0 * HAND / diagonal * np.asarray(sigma, float)
     share = np.where(np.isfinite(share), share, np.inf)

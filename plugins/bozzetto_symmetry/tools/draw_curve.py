@@ -23,7 +23,7 @@ from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.live_preview import GrowingCurve
 
 LIVE_WIDTH: Final = 2.5
-"""Of a curve that grows, px."""
+"""Width of a curve that grows, px."""
 
 RUNGS: Final = 16
 """Rungs over a curve that is as long as the box's diagonal."""
@@ -32,7 +32,7 @@ MOST_RUNGS: Final = 2000
 """Rungs of a curve that leaves the box by far, as the pen may at an extreme zoom."""
 
 RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
-"""px, and a share: they are seen over the grid of the centre plane."""
+"""Width in px and opacity 0 … 1: rungs are seen over the grid of the centre plane."""
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class DrawCurve:
         """Return the curve in space that grows while its second side is drawn.
 
         On the sheet the curve lies on the ink; that it is in space is seen by the rungs from
-        each of its places to the mirrored one. They stand in for what was said of the first
+        each of its places to the mirrored one. They replace what is shown of the first
         side alone.
         """
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":

@@ -25,7 +25,7 @@ REACH: Final = 28.0
 """How near to the end of a curve a stroke must begin or end, px."""
 
 WIDTH: Final = 2.5
-"""Of the curve that would come, px."""
+"""Width of the previewed curve, px."""
 
 _NO_END: Final = "There is no end of a curve where the stroke {where}. Draw from end to end."
 

@@ -23,7 +23,7 @@ from bozzetto_symmetry.tools.erase import erased
 from bozzetto_symmetry.view.scene import curve_lines
 
 WIDTH: Final = 2.5
-"""Of the curve that would come, px."""
+"""Width of the previewed curve, px."""
 
 SETTLES: Final = 14.0
 """Mean distance, px, within which a stroke goes with the ones drawn just before: the curve
@@ -55,7 +55,7 @@ class Modify:
         except UserError:
             return Scene()
         camera = Stereo.of(stroke.camera, state.plane).camera
-        # It stands in for how sure the curve was: that said something of the curve as it is.
+        # It replaces the heat band, which belongs to the curve as it is.
         return Scene((Layer("heat", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:

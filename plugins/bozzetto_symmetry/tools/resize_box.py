@@ -117,7 +117,7 @@ def _moved(state: SymmetryState, drag: Drag) -> SymmetryState:
 def _pinned(state: SymmetryState, camera: Camera) -> Array:
     """Return the axis along which the middle does not move.
 
-    Square to the centre plane; where the plane does not hang on the box, the axis that
+    It is square to the centre plane. Where the plane is not one of the box, it is the axis that
     points most at the eye.
     """
     if state.symmetry == "free":

@@ -30,7 +30,7 @@ AT_END: Final = 8.0
 """Distance from an end, or from the centre plane, px, within which there is nothing to cut."""
 
 DOT_SIZE: Final = 7.0
-"""Of the marks where curves would be cut, px."""
+"""Size of the marks where curves would be cut, px."""
 
 _NOTHING: Final = "There is no curve here. Draw a short stroke across a curve to cut it."
 _END: Final = "The curve ends here. Draw the stroke farther inside to cut it."

@@ -33,15 +33,16 @@ FACES: Final[dict[str, tuple[int, int]]] = {
 DIMENSIONS: Final = ("Length", "Width", "Height")
 
 EDGE_WIDTH: Final = 1.3
-"""Of the box's edges and of the centre plane's outline, px."""
+"""Width of the box's edges and of the centre plane's outline, px."""
 
 FINE_WIDTH, HEAVY_WIDTH = 0.6, 1.1
-"""Of the grid's lines, px. Below one pixel thinner is fainter."""
+"""Widths of the grid's lines, px. Below one pixel thinner is fainter."""
 
 PLANE_OPACITY: Final = 0.09
-"""Of the centre plane's tint: seen in both themes, and curves behind it lose nothing."""
+"""Opacity of the centre plane: visible in both themes, and curves behind it stay clear."""
 
 PLANE_GRID_OPACITY: Final = 0.45
+"""Opacity of the centre plane's grid."""
 
 
 def box_layers(state: SymmetryState) -> tuple[Layer, ...]:

@@ -11,20 +11,20 @@ from bozzetto_symmetry.operations.assign_stroke import waits
 from bozzetto_symmetry.solve.curve_solver import Trace, traced
 
 FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
-"""What is said of an empty box, and where no curve is chosen."""
+"""The hint for an empty box, and where no curve is chosen."""
 
 TAKEN: Final = {
     "pair": "Left and right belong together.",
     "self": "A curve across the plane.",
     "plane": "A curve in the centre plane.",
 }
-"""What a curve was taken for."""
+"""What a curve was read as."""
 
 APART: Final = "X takes them for something else; rub out the one that is wrong."
 OR_MIRROR: Final = "If it is only one side, draw its mirror image; X takes it for something else."
 OTHERWISE: Final = "X takes it for something else. Draw over it to correct it, or the next curve."
 UNDECIDED: Final = "Another curve, faint when the view is turned, fits nearly as well: C takes it."
-"""Where it was drawn, the ghost lies under the curve itself."""
+"""In the view of the ink, the ghost lies under the curve itself."""
 
 
 def next_step(state: SymmetryState) -> str:

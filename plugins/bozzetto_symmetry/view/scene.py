@@ -25,16 +25,16 @@ from bozzetto_symmetry.view.unmatched_ink import loose_ends
 Array = NDArray[np.float64]
 
 WIDTH: Final = 2.0
-"""Of a curve, px."""
+"""Width of a curve, px."""
 
 CHOSEN_WIDTH: Final = 3.0
-"""Of the chosen one."""
+"""Width of the chosen curve, px."""
 
 FINER: Final = 0.2
-"""Share of the flatness that nobody sees where a curve was drawn: one comes nearer, too."""
+"""Share of the flatness that is invisible in the view of the ink: one looks from nearer, too."""
 
 LOOSE_WIDTH: Final = 1.2
-"""Of ink that found no partner: thin, it is no curve."""
+"""Width of ink without a partner, px: thin, for it is no curve."""
 
 _lines: Memory[tuple[Lines, ...]] = Memory(limit=512)
 
@@ -100,9 +100,9 @@ def curve_lines(
     state : SymmetryState
         Its plane says where the curve is in the model.
     camera : Camera
-        Of the plane's frame; from how near one looks.
+        In the frame of the plane; it says how finely the curve is flattened.
     color : str or (r, g, b)
-        Of the curve itself.
+        Colour of the curve itself.
     width : float
         px.
     opacity : float
@@ -131,7 +131,7 @@ def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
 
 
 def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
-    """Yield a side that waits: the rays on which its curve must lie, and its ink amid the box."""
+    """Yield a side that waits: the rays on which its curve must lie, and its ink inside the box."""
     for side in view.sides:
         begin, end = _in_box(view.stereo, side.pixels, state.bounds)
         if len(begin) < 2:

@@ -17,8 +17,8 @@ from bozzetto_symmetry.stereo.uncertainty import heat
 Array = NDArray[np.float64]
 
 COLORS: Final[tuple[Paint, Paint, Paint]] = ((0, 140, 130), "warning", (200, 52, 60))
-"""Well known, wants a look, next to unknown. The green is bluish, so that people
-who do not tell red from green tell these; all three stand out from either paper."""
+"""Well known, doubtful, nearly unknown. The green is bluish, so that people who confuse red and
+green can separate these; all three stand out on the paper of both themes."""
 
 WIDTHS: Final = (2.5, 3.0, 3.5)
 """Pixels: what is less known is wider, whatever its colour."""

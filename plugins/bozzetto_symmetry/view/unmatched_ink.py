@@ -16,8 +16,8 @@ from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 Array = NDArray[np.float64]
 
 LOOSE: Final = 8.0
-"""Distance, px, from the pictures of a curve beyond which ink is none of it: several times
-what a hand errs."""
+"""Distance, px, from the pictures of a curve beyond which ink is not part of it: several times
+the error of a hand."""
 
 SHORTEST: Final = 12.0
 """Length, px, from which such ink is shown."""
@@ -29,7 +29,7 @@ def loose_ends(trace: Trace) -> list[Array]:
     Parameters
     ----------
     trace : Trace
-        As the ink alone makes it: what was cut off is not loose.
+        A curve without edits: ink of what was cut off does not count as unmatched.
 
     Returns
     -------

@@ -27,14 +27,14 @@ from bozzetto_symmetry.view.box import (
 Array = NDArray[np.float64]
 
 NEAR_CANVAS: Final = 3.0
-"""Distance from the middle of the canvas, in widths of it, beyond which nobody looks for a
-vanishing point."""
+"""Distance from the middle of the canvas, in its widths, beyond which a vanishing point is not
+shown."""
 
 ARM: Final = 7.0
 """Length of the arms of a mark, px."""
 
 MARK_WIDTH: Final = 1.6
-"""px."""
+"""Width of the lines of a mark, px."""
 
 CONVERGED: Final = 0.97
 """Share of the way to the vanishing point that lengthened edges go, on the sheet."""
@@ -43,12 +43,13 @@ PIECES: Final = 16
 """Pieces of a lengthened edge, over which it fades."""
 
 LINE_WIDTH, LINE_END_WIDTH = 1.0, 0.25
-"""Of lengthened edges where they leave the box and at their ends, px."""
+"""Widths of lengthened edges where they leave the box and at their ends, px."""
 
 LINE_OPACITY: Final = 0.6
+"""Opacity of lengthened edges."""
 
 GRID_OPACITY: Final = 0.24
-"""Of grids: as faint on the sheet as the colour of grids, and curves under them stay whole."""
+"""Opacity of grids: as faint on the sheet as the colour of grids; curves under them stay clear."""
 
 WIDER: Final = 2.5
 """How much longer than the box's own grids those are that show the perspective."""
