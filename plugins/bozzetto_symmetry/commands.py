@@ -24,7 +24,7 @@ def all_commands() -> Sequence[Command]:
         Command(
             id="switch-reading",
             title="Switch reading",
-            help="Take the chosen curve for what else it can be: both sides, across, in the plane.",
+            help="Read the chosen curve in another way: both sides, across, or in the plane.",
             run=_switched,
             key="X",
             enabled=_has_curve,
@@ -32,7 +32,7 @@ def all_commands() -> Sequence[Command]:
         Command(
             id="other-matching",
             title="Take the other matching",
-            help="Let the two sides of the chosen curve belong together in the other way.",
+            help="Match the two sides of the chosen curve in the other way that fits.",
             run=_matched_otherwise,
             key="C",
             enabled=_has_curve,
@@ -40,20 +40,20 @@ def all_commands() -> Sequence[Command]:
         Command(
             id="join-nearest",
             title="Join to the nearest end",
-            help="Make the chosen curve and the one whose end is nearest one smooth curve.",
+            help="Join the chosen curve smoothly to the curve whose end is nearest.",
             run=with_nearest_joined,
             enabled=_has_curve,
         ),
         Command(
             id="trim-ends",
             title="Trim ends that meet",
-            help="Cut ends that pass by one another, and lead on those that fall a little short.",
+            help="Cut ends that overshoot, and extend ends that fall a little short.",
             run=with_ends_met,
         ),
         Command(
             id="snap-ends",
             title="Snap ends",
-            help="Take the ends of the chosen curve to ends, curves, edges or planes near them.",
+            help="Move the ends of the chosen curve to ends, curves, edges or planes near them.",
             run=with_ends_caught,
             enabled=_has_curve,
         ),

@@ -36,7 +36,9 @@ ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState(
 """Where the box stands of which a file says nothing: things stand on the ground, at z = 0."""
 
 
-WAITS_ELSEWHERE: Final = "A side waits in the view in which it was drawn."
+WAITS_ELSEWHERE: Final = (
+    "The chosen curve waits for its other side. Draw it in the view of the first one."
+)
 
 
 @dataclass(frozen=True, eq=False)

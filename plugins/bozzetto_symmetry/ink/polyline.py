@@ -31,7 +31,8 @@ def interpolate(at: ArrayLike, stations: ArrayLike, rows: Array) -> Array:
     -------
     (m, d) float
     """
-    return np.column_stack([np.interp(at, stations, column) for column in rows.T])
+    asked, known = np.asarray(at, float), np.asarray(stations, float)
+    return np.column_stack([np.interp(asked, known, column) for column in rows.T])
 
 
 def runs(flags: ArrayLike) -> NDArray[np.intp]:

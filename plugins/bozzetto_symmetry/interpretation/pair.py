@@ -119,4 +119,4 @@ def _unmatched(stations: Array, which: str) -> Iterator[str]:
     """Yield sentences about the ends of a side that found no partner."""
     for place, missing in (("first", np.min(stations)), ("last", 1.0 - np.max(stations))):
         if missing > TELL:
-            yield f"The {place} {100.0 * missing:.0f} % of the {which} side have no partner."
+            yield f"The {place} {100.0 * missing:.0f} % of the {which} side have no counterpart."

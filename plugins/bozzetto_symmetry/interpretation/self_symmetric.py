@@ -65,7 +65,7 @@ def _read(
     points, covariances = _whole(half, middle, flat, turned, ring)
     warnings: tuple[str, ...] = ()
     if missing > TELL:
-        warnings = (f"{100.0 * missing:.0f} % of the curve across the plane have no partner.",)
+        warnings = (f"{100.0 * missing:.0f} % of the curve across the plane have no counterpart.",)
     return Read(
         "self", price(pairing.cost, half, missing) + more, 1.0 - missing, points, covariances,
         pairing, folding.crossings, (near,), (far,), closed=ring, ring=ring, warnings=warnings,

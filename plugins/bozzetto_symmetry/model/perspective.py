@@ -44,7 +44,7 @@ def toward_vanishing(camera: Camera, direction: ArrayLike, pixels: ArrayLike) ->
         Of any length: over the focal length it is the sine under which the line is seen.
     """
     x, y, w = vanishing_point(camera, direction)
-    return np.array([x, y]) - w * np.asarray(pixels, float)
+    return np.asarray(np.array([x, y]) - w * np.asarray(pixels, float))
 
 
 def pixel_size(camera: Camera, points: ArrayLike) -> Array:

@@ -152,7 +152,7 @@ class Curve(Node):
         bool,
         Parameter(
             "Other matching",
-            help="Take the second-best way in which the two sides can belong together.",
+            help="Match the two sides in the second-best way.",
         ),
     ] = False
     detail: Annotated[
@@ -164,7 +164,7 @@ class Curve(Node):
             choices=(("adaptive", "As needed"), ("seven", "Seven")),
         ),
     ] = "adaptive"
-    color: Annotated[Color | None, Parameter("Colour", help="Of this curve.")] = None
+    color: Annotated[Color | None, Parameter("Colour", help="Colour of this curve.")] = None
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class SymmetryState:
         Literal["width", "length", "height", "free"],
         Parameter(
             "Centre plane",
-            help="Which way left and right lie.",
+            help="Where the plane between left and right lies.",
             choices=(
                 ("width", "Across the width (y)"),
                 ("length", "Across the length (x)"),

@@ -48,7 +48,7 @@ drawing of many curves that was just opened is not solved for the sake of advice
 
 WAITING: Final = "One side waits for the other. Draw its mirror image in the same view."
 
-UNSURE: Final = "It is not sure how the strokes belong together. Draw the curve again."
+UNSURE: Final = "It is unclear how the strokes belong together. Draw the curve again."
 
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is given, also where there is no other reading."""

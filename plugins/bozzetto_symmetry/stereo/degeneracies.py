@@ -58,18 +58,18 @@ SOLVABLE: Final = (Case.ORDINARY, Case.IN_PLANE, Case.EYE_AT_INFINITY)
 """The cases that have one point before the eye."""
 
 CAUSES: Final[dict[Case, str]] = {
-    Case.EYE_ON_PLANE: "The eye is on the centre plane, where both sides say the same.",
+    Case.EYE_ON_PLANE: "The view lies in the centre plane, where both sides look the same.",
     Case.ONE_ALONG_NORMAL: "One side runs through the vanishing point of left and right.",
-    Case.BOTH_ALONG_NORMAL: "The view is along the normal: left and right are in one place.",
-    Case.PARALLEL: "The rays of left and right are parallel and never meet.",
-    Case.BEHIND: "The rays of left and right part, and would meet behind the eye.",
+    Case.BOTH_ALONG_NORMAL: "Seen from straight ahead, left and right are in one place.",
+    Case.PARALLEL: "The lines of sight of left and right never meet.",
+    Case.BEHIND: "The lines of sight of left and right would meet behind you.",
 }
 """What is wrong in the cases without a point."""
 
 REMEDIES: Final[dict[Case, str]] = {
-    Case.EYE_ON_PLANE: "Turn the box by about 15°.",
-    Case.ONE_ALONG_NORMAL: "Turn the box, and draw that piece in another view.",
-    Case.BOTH_ALONG_NORMAL: "Turn the box by about 15°.",
+    Case.EYE_ON_PLANE: "Turn the view by about 15°.",
+    Case.ONE_ALONG_NORMAL: "Turn the view, and draw that piece there.",
+    Case.BOTH_ALONG_NORMAL: "Turn the view by about 15°.",
     Case.PARALLEL: "Draw the two sides farther apart.",
     Case.BEHIND: "Draw both sides within the box, the right one on the right.",
 }

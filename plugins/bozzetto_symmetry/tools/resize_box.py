@@ -68,7 +68,7 @@ class ResizeBox:
             return _moved(state, gesture)
         if gesture.handle in FACES:
             return _sized(state, gesture)
-        raise UserError("This handle is none of the box. Drag one of the box's faces.")
+        raise UserError("This handle does not belong to the box. Drag one of the box's faces.")
 
 
 def _sized(state: SymmetryState, drag: Drag) -> SymmetryState:

@@ -20,10 +20,16 @@ TAKEN: Final = {
 }
 """What a curve was read as."""
 
-APART: Final = "X takes them for something else; rub out the one that is wrong."
-OR_MIRROR: Final = "If it is only one side, draw its mirror image; X takes it for something else."
-OTHERWISE: Final = "X takes it for something else. Draw over it to correct it, or the next curve."
-UNDECIDED: Final = "Another curve, faint when the view is turned, fits nearly as well: C takes it."
+APART: Final = "Press X to read them in another way, or rub out the wrong one."
+OR_MIRROR: Final = (
+    "If it is only one side, draw its mirror image. Press X to read it in another way."
+)
+OTHERWISE: Final = (
+    "Draw over it to correct it, or draw the next curve. Press X to read it in another way."
+)
+UNDECIDED: Final = (
+    "Another curve fits nearly as well; it is faint when the view is turned. Press C to take it."
+)
 """In the view of the ink, the ghost lies under the curve itself."""
 
 

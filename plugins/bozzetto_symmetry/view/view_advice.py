@@ -173,15 +173,15 @@ def _judged(stereo: Stereo, uncertainty: float) -> tuple[Level, str, str]:
         return "refuse", CAUSES[case], REMEDIES[case]
     slant = float(np.degrees(stereo.slant))
     if slant < REFUSED:
-        return "refuse", "Looks along the centre plane.", "Turn the box by about 15°."
+        return "refuse", "This view shows next to no depth.", "Turn it by about 15°."
     if slant < WARNED:
-        return "warn", "Looks nearly along the centre plane.", "Turn the box a little."
+        return "warn", "This view shows little depth.", "Turn it a little."
     spread = uncertainty * stereo.camera.pixels_per_mm
     if spread > 1.0 / np.sin(np.radians(WARNED)):
         if slant > 90.0 - WARNED:
-            return "warn", "Left and right nearly coincide.", "Turn the box."
-        return "warn", "Lines run towards their mirror images.", "Turn the box."
-    return "good", f"Good: 1 px is {_length(uncertainty)} in space.", ""
+            return "warn", "Left and right nearly coincide.", "Turn the view."
+        return "warn", "Lines run towards their mirror images.", "Turn the view."
+    return "good", f"Good: a slip of 1 px moves a curve by {_length(uncertainty)}.", ""
 
 
 def _best_turn(camera: Camera, uncertainty: Callable[[Camera], float]) -> tuple[Turn, float]:

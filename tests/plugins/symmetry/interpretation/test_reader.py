@@ -182,7 +182,7 @@ def test_what_has_no_partner_is_left_out_and_told() -> None:
     assert found.reading == "pair"
     assert len(found.warnings) == 1
     assert found.warnings[0].startswith("The last ")
-    assert found.warnings[0].endswith(" % of the first side have no partner.")
+    assert found.warnings[0].endswith(" % of the first side have no counterpart.")
     assert found.points[:, 0].max() < curve[:, 0].max() - 15.0
     assert error(found, curve) < 0.1
 
@@ -262,8 +262,8 @@ def test_any_ink_in_any_view_is_read_or_refused(
 @pytest.mark.parametrize(
     ("view", "words"),
     [
-        (camera(0, 20), "The eye is on the centre plane"),
-        (camera(0, 20, "orthographic"), "The eye is on the centre plane"),
+        (camera(0, 20), "The view lies in the centre plane"),
+        (camera(0, 20, "orthographic"), "The view lies in the centre plane"),
         (camera(90, 0, "orthographic"), "left and right are in one place"),
     ],
 )

@@ -145,8 +145,8 @@ def test_the_keys_that_are_named_are_those_of_the_commands(waiting) -> None:
     from bozzetto_symmetry.view.hints import OTHERWISE, UNDECIDED
 
     keys = {command.id: command.key for command in all_commands()}
-    assert OTHERWISE.startswith(keys["switch-reading"] + " ")
-    assert f": {keys['other-matching']} takes it" in UNDECIDED
+    assert f"Press {keys['switch-reading']} " in OTHERWISE
+    assert f"Press {keys['other-matching']} " in UNDECIDED
 
 
 def test_where_no_curve_is_chosen_or_it_is_hidden_the_first_words_are_said(waiting) -> None:
