@@ -12,7 +12,7 @@ from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.operations.curve_ends import with_nearest_joined
 from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
 from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 
 READINGS: Final[tuple[AskedReading, ...]] = ("pair", "self", "plane", "half")
 """In the order in which the key goes through them."""
@@ -73,11 +73,11 @@ def _chosen(state: SymmetryState) -> Curve:
 def _switched(state: SymmetryState, context: Context) -> SymmetryState:
     """Return the state with the next reading that the ink of the chosen curve allows."""
     curve = _chosen(state)
-    now = READINGS.index(traced(curve, state).reading)
+    now = READINGS.index(trace_of(curve, state).reading)
     for step in range(1, len(READINGS)):
         tried = replace(curve, reading=READINGS[(now + step) % len(READINGS)], other=False)
         try:
-            traced(tried, state)
+            trace_of(tried, state)
         except UserError:
             continue
         return state.with_node(tried)
@@ -88,6 +88,6 @@ def _matched_otherwise(state: SymmetryState, context: Context) -> SymmetryState:
     """Return the state with the second-best matching of the chosen curve, or the best one again."""
     curve = _chosen(state)
     turned = replace(curve, other=not curve.other)
-    if traced(curve, state).choices < 2:
+    if trace_of(curve, state).choices < 2:
         raise UserError("There is no other way in which these strokes belong together.")
     return state.with_node(turned)

@@ -19,9 +19,9 @@ from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.ink.same_view import is_one_view
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Group, Line, SymmetryState
-from bozzetto_symmetry.operations.assign_stroke import drawn_curves, waiting_view
+from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
 from bozzetto_symmetry.report import cautions_of, report_of
-from bozzetto_symmetry.solve.curve_solver import Trace, directions, traced
+from bozzetto_symmetry.solve.curve_solver import Trace, directions, trace_of
 from bozzetto_symmetry.tools import all_tools
 from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
@@ -93,7 +93,7 @@ class Symmetry:
         strokes, state = tuple(drawing.strokes), self.create(context)
         if context.facts.get("box") is None:
             state = replace(state, **box_around(strokes, state.plane))
-        return drawn_curves(state, strokes, readings_of(context.facts))
+        return add_drawing(state, strokes, readings_of(context.facts))
 
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
         """Solve every curve by itself; what did not change is remembered."""
@@ -102,7 +102,7 @@ class Symmetry:
         for number, curve in enumerate(state.curves):
             job.checkpoint(number / len(state.curves), curve.name)
             try:
-                traces[curve.id] = traced(curve, state)
+                traces[curve.id] = trace_of(curve, state)
             except UserError as problem:
                 problems[curve.id] = problem.message
         return SymmetryResult(traces, problems)

@@ -10,15 +10,15 @@ import numpy as np
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
-from bozzetto_symmetry.editing.oversketch import drawn_over
-from bozzetto_symmetry.fitting.bundle_adjustment import Sight, bundled
+from bozzetto_symmetry.editing.oversketch import oversketch
+from bozzetto_symmetry.fitting.bundle_adjustment import Sight, adjust_bundle
 from bozzetto_symmetry.ink.sides import sides_of
 from bozzetto_symmetry.interpretation.folding import foldings
 from bozzetto_symmetry.interpretation.reader import read
 from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row, warpings
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
@@ -148,7 +148,7 @@ def tracing() -> Iterator[Row]:
     for name, strokes in drawings().items():
         fresh = unknown(strokes)
         took = median_ms(
-            lambda fresh=fresh: traced(Curve(strokes=Strokes(fresh())), state), repeats=9
+            lambda fresh=fresh: trace_of(Curve(strokes=Strokes(fresh())), state), repeats=9
         )
         yield row(f"{name}, from ink to curve", took)
 
@@ -201,13 +201,13 @@ def fitting() -> Iterator[Row]:
     ]
     covariances = np.tile(np.eye(3), (len(side), 1, 1))
     ours, dense = in_turn(
-        lambda: bundled("pair", side, covariances, sights, controls="seven"),
+        lambda: adjust_bundle("pair", side, covariances, sights, controls="seven"),
         lambda: dense_fit(side, sights),
         repeats=5,
     )
     name = "scipy.optimize.least_squares, dense"
     yield row("fit of 7 control points to two views", ours, "", name, dense)
-    took = median_ms(lambda: bundled("pair", side, covariances, sights), repeats=7)
+    took = median_ms(lambda: adjust_bundle("pair", side, covariances, sights), repeats=7)
     yield row("the same, as many as the ink needs", took)
 
 
@@ -238,12 +238,12 @@ def using() -> Iterator[Row]:
     state = SymmetryState()
     side = PAIRS["S-wave"]
     strokes = drawings()["plain pair"]
-    curve = traced(Curve(strokes=Strokes(strokes)), state).curve
+    curve = trace_of(Curve(strokes=Strokes(strokes)), state).curve
     assert curve is not None
     hump = np.sin(np.pi * np.clip((S - 0.3) / 0.4, 0.0, 1.0))[:, None] ** 2
     ink = VIEW.project(side + hump * (0.0, 0.0, 8.0))[0][90:210]
     over = [Stroke(ink[:, 0], ink[:, 1], VIEW)]
-    took = median_ms(lambda: drawn_over(curve, STEREO, over), repeats=9)
+    took = median_ms(lambda: oversketch(curve, STEREO, over), repeats=9)
     yield row("a curve modified by one stroke", took, "≤ 60 ms")
     level = Camera(eye=(600.0, 40.0, 200.0))
     took = processor_ms(lambda: advice(level, CentrePlane(), (0.0, 0.0, 0.0), state.diagonal))

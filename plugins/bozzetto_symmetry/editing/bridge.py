@@ -44,7 +44,7 @@ class _End(NamedTuple):
     speed: float
 
 
-def bridged(first: Spline, second: Spline) -> Spline:
+def bridge(first: Spline, second: Spline) -> Spline:
     """Return one spline along the first to its end, over a bridge, and along the second.
 
     The directions agree at both ends of the bridge, and so does the parameter's speed. The
@@ -62,20 +62,20 @@ def bridged(first: Spline, second: Spline) -> Spline:
     UserError
         If an end has no direction, or the ends lie upon one another and point back.
     """
-    return chained(_with_bridge(first, second, loop=False))
+    return chain(_with_bridge(first, second, loop=False))
 
 
-def looped(spline: Spline) -> Spline:
+def close_with_bridge(spline: Spline) -> Spline:
     """Return a closed spline over 0 … 1: along an open one, and over a bridge back to its start.
 
-    It begins in the middle of the bridge. Ends are cut back as `bridged` does.
+    It begins in the middle of the bridge. Ends are cut back as `bridge` does.
 
     Raises
     ------
     UserError
-        As `bridged`.
+        As `bridge`.
     """
-    return closed(chained(_with_bridge(spline, spline, loop=True)))
+    return close_chain(chain(_with_bridge(spline, spline, loop=True)))
 
 
 def _with_bridge(first: Spline, second: Spline, *, loop: bool) -> list[Spline]:
@@ -170,7 +170,7 @@ def _bending(spline: Spline, *, last: bool = False, cut: float | None = None) ->
     return float(np.trapezoid(curved**2 / speed**5, at))
 
 
-def chained(parts: list[Spline]) -> Spline:
+def chain(parts: list[Spline]) -> Spline:
     """Return splines that meet in one direction as one spline of continuous speed.
 
     It begins with the parameters of the first.
@@ -187,9 +187,9 @@ def chained(parts: list[Spline]) -> Spline:
     return whole
 
 
-def closed(spline: Spline) -> Spline:
+def close_chain(spline: Spline) -> Spline:
     """Return an open spline whose ends meet with one velocity as a closed one over 0 … 1."""
-    rounds = chained([spline, spline, spline])
+    rounds = chain([spline, spline, spline])
     count = len(spline.control_points) - 2
     # The middle round, from the second of the two knots where it begins.
     first = len(spline.control_points) + 1 - DEGREE

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, symmetrize
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ HOLD: Final = 1e-7
 """Weight, per weight of the places, with which a control point stays that they leave free."""
 
 
-def displaced(
+def displace(
     spline: Spline,
     at: ArrayLike,
     shifts: ArrayLike,
@@ -79,7 +79,7 @@ def displaced(
         if not len(knots):
             break
         finer = finer.refined(_both_sides(finer, knots) if symmetric else knots)
-        finer = made_symmetric(finer) if symmetric else finer
+        finer = symmetrize(finer) if symmetric else finer
         change, off = _change(finer, station, wanted, unit, moved, symmetric)
     return Spline(finer.knots, finer.control_points + change, finer.closed)
 

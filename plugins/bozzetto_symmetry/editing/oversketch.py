@@ -21,7 +21,7 @@ from bozzetto.ink.checked_points import is_on_sheet
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.ink.oversketch.snake import LOCATION, PRESSURE, RESTITUTION, modified
-from bozzetto_symmetry.editing.displacement import displaced
+from bozzetto_symmetry.editing.displacement import displace
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.model.perspective import pixel_size
@@ -52,7 +52,7 @@ class Forces:
     pressure: float = PRESSURE
 
 
-def drawn_over(
+def oversketch(
     curve: SpaceCurve,
     stereo: Stereo,
     strokes: Sequence[Stroke],
@@ -109,7 +109,7 @@ def drawn_over(
         goal = lifted(points, stereo.camera, bent.points)
     shifts = np.where(bent.moved[:, None], (goal - points) * image, 0.0)
     unit = pixel_size(stereo.camera, points)
-    spline = displaced(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")
+    spline = displace(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")
     return curve if spline is curve.spline else SpaceCurve(curve.reading, spline)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
@@ -34,7 +34,7 @@ LOOKS: Final = 256
 """Places by which lengths are measured."""
 
 
-def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
+def snap_end(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
     """Return a curve whose end is at a given place.
 
     The direction at the end stays. A stretch before it moves along, the less the farther it is
@@ -82,7 +82,7 @@ def _both_ends_moved(spline: Spline, place: Array) -> Spline:
     middle = halves_of(spline).middle
     way = place - spline.value(spline.range[1:])[0]
     fade = _Fade.of(spline, middle, way)
-    finer = made_symmetric(spline.refined(np.concatenate((fade.knots, 2.0 * middle - fade.knots))))
+    finer = symmetrize(spline.refined(np.concatenate((fade.knots, 2.0 * middle - fade.knots))))
     shift = fade.shares(finer, middle)[:, None] * way
     points = finer.control_points + shift + shift[::-1] * MIRROR
     points[-1], points[0] = place, place * MIRROR

@@ -8,7 +8,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
-from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 
 SHORTEST: Final = 1e-3
@@ -18,7 +18,7 @@ SLIVER: Final = 1e-11
 """Distance of a cut from a knot, as a share of the range, that counts as rounding."""
 
 
-def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
+def trim(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
     """Return a stretch of a curve.
 
     Shares of a curve across the plane count on its half, from the plane outwards (of a ring
@@ -58,11 +58,11 @@ def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
         return curve
     if low == 0.0:
         kept = piece(spline, 2.0 * halves.middle - far, far)
-        return SpaceCurve("self", made_symmetric(kept))
+        return SpaceCurve("self", symmetrize(kept))
     if halves.ring and high == 1.0:
         # About the other crossing; turned round, so that the half that counts comes second.
         kept = piece(spline, near, 2.0 * halves.end - near).reversed()
-        return SpaceCurve("self", made_symmetric(kept))
+        return SpaceCurve("self", symmetrize(kept))
     return SpaceCurve("pair", piece(spline, near, far))
 
 
@@ -90,7 +90,7 @@ def _at_knot(spline: Spline, at: float) -> float:
 
 
 def share_of(curve: SpaceCurve, parameter: float) -> float:
-    """Return the share, as `trimmed` takes it, of a parameter of a curve's spline."""
+    """Return the share, as `trim` takes it, of a parameter of a curve's spline."""
     if curve.reading == "self":
         halves = halves_of(curve.spline)
         away, _ = halves.folded([parameter])

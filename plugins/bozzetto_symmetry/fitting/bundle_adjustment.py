@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto_symmetry.fitting.initial_guess import approximated, half_of, stations_of
+from bozzetto_symmetry.fitting.initial_guess import approximate, half_of, stations_of
 from bozzetto_symmetry.fitting.normal_equations import Fit, Problem
-from bozzetto_symmetry.fitting.reprojection import Ink, inked
+from bozzetto_symmetry.fitting.reprojection import Ink, match_ink
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -70,7 +70,7 @@ class Sight:
 
 
 @dataclass(frozen=True, eq=False)
-class Bundled:
+class Adjusted:
     """A curve, and how well it follows the ink.
 
     Attributes
@@ -84,7 +84,7 @@ class Bundled:
     rms: float
 
 
-def bundled(
+def adjust_bundle(
     reading: Reading,
     points: ArrayLike,
     covariances: ArrayLike,
@@ -93,7 +93,7 @@ def bundled(
     closed: bool = False,
     ring: bool = False,
     controls: Controls = "adaptive",
-) -> Bundled:
+) -> Adjusted:
     """Fit one symmetric spline to all ink of all views.
 
     Least squares of the distances of the ink across the image of the curve, each over the
@@ -123,7 +123,7 @@ def bundled(
 
     Returns
     -------
-    Bundled
+    Adjusted
 
     Raises
     ------
@@ -152,7 +152,7 @@ def bundled(
         better = made.betters(best)
         best, idle = (made, 0) if better else (best, idle + 1)
     best = best.calmed()
-    return Bundled(best.problem.basis.curve(best.points), best.rms)
+    return Adjusted(best.problem.basis.curve(best.points), best.rms)
 
 
 def _shows_mirror_image(sights: Sequence[Sight], half: Array) -> bool:
@@ -174,7 +174,7 @@ def _fitted(
     sights: Sequence[Sight],
 ) -> Fit:
     """Return the best curve with one number of control points, from places in space."""
-    start = approximated(basis, points, covariances, stations)
+    start = approximate(basis, points, covariances, stations)
     inks = _matched(sights, basis, start)
     return Fit.at(Problem.of(basis, start, inks), start, inks, steps=0).settled()
 
@@ -182,7 +182,8 @@ def _fitted(
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:
     """Return the ink of the views, matched to a curve."""
     inks = [
-        inked(sight.stereo, sight.near, sight.far, sight.noise, basis, points) for sight in sights
+        match_ink(sight.stereo, sight.near, sight.far, sight.noise, basis, points)
+        for sight in sights
     ]
     found = tuple(ink for ink in inks if ink is not None)
     if not found:

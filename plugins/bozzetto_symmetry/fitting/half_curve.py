@@ -96,7 +96,7 @@ def halves_of(spline: Spline) -> Halves:
     return Halves(middle, middle + 0.5 * period, partner, ring=True)
 
 
-def made_symmetric(spline: Spline) -> Spline:
+def symmetrize(spline: Spline) -> Spline:
     """Return a spline that is symmetric up to rounding as one that is so exactly.
 
     Control points and their partners become exact negations of each other in y, and the

@@ -89,7 +89,7 @@ def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Arr
     lengths = trusted_steps(points, covariances, closed=basis.closed)
     stations = _shares(lengths, len(points))
     smooth = SymmetricBasis(basis.reading, STATIONS, basis.closed, basis.ring)
-    made = approximated(smooth, points, covariances, stations)
+    made = approximate(smooth, points, covariances, stations)
     low, high = smooth.half
     fine = np.linspace(0.0, 1.0, 20 * STATIONS + 1)
     way = smooth.at(smooth.values(low + (high - low) * fine * (1 - 1e-12)), made)
@@ -128,9 +128,7 @@ def _shares(lengths: Array, count: int) -> Array:
     return np.concatenate(([0.0], np.cumsum(lengths)))[:count] / total
 
 
-def approximated(
-    basis: SymmetricBasis, points: Array, covariances: Array, stations: Array
-) -> Array:
+def approximate(basis: SymmetricBasis, points: Array, covariances: Array, stations: Array) -> Array:
     """Return control points of a half through places, by least squares with their covariances.
 
     Parameters

@@ -67,7 +67,7 @@ class Estimate:
     covariances: Array
 
 
-def fused(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
+def fuse(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
     """Combine estimates of the same curve, each from a view of its own.
 
     They may run in different senses, begin at different places of a closed curve, and cover

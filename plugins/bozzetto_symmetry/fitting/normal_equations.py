@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximated, chord_length
+from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximate, chord_length
 from bozzetto_symmetry.fitting.reprojection import END_NOISE, Ink
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
@@ -187,7 +187,7 @@ class Fit:
         stations = np.linspace(0.0, 1.0, 4 * basis.count, endpoint=not basis.closed)
         low, high = basis.half
         places = old.at(old.values(low + (high - low) * stations), self.points)
-        start = approximated(basis, places, np.zeros((len(places), 3, 3)), stations)
+        start = approximate(basis, places, np.zeros((len(places), 3, 3)), stations)
         problem = Problem.of(basis, start, self.inks)
         return Fit.at(problem, start, self.inks, steps=0).settled()
 

@@ -211,7 +211,7 @@ class Deviation:
         return np.asarray((self.offset * self.normal).sum(axis=1))
 
 
-def inked(
+def match_ink(
     stereo: Stereo,
     near: Sequence[ArrayLike],
     far: Sequence[ArrayLike],

@@ -16,14 +16,14 @@ from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.merge import fading, settle
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.ink.polyline import length_of
-from bozzetto_symmetry.ink.stroke_grouping import any_over, bonds_between, grouped
+from bozzetto_symmetry.ink.stroke_grouping import any_drawn_over, bonds_between, group_strokes
 from bozzetto_symmetry.ink.stroke_line import (
     CLOSING,
     SPACING,
     Line,
-    drawn_line,
-    evenly_spaced,
     pen_down,
+    smooth_line,
+    space_evenly,
 )
 
 Array = NDArray[np.float64]
@@ -110,7 +110,7 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
             "some back, and press Enter after each curve."
         )
     # A closed line is compared with its gap, as the pen went.
-    groups = grouped([_line(strokes[k]).pixels for k in numbers], apart=apart)
+    groups = group_strokes([_line(strokes[k]).pixels for k in numbers], apart=apart)
     sides = []
     for group in groups:
         members = tuple(numbers[k] for k in group)
@@ -120,7 +120,7 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
 
 def _line(stroke: Stroke) -> Line:
     """Return one stroke smoothed; remembered, for the next stroke is compared with it again."""
-    return _lines.recall(stroke, lambda: drawn_line(pen_down(stroke)))
+    return _lines.recall(stroke, lambda: smooth_line(pen_down(stroke)))
 
 
 def _side(strokes: tuple[Stroke, ...]) -> Side:
@@ -132,29 +132,29 @@ def _side(strokes: tuple[Stroke, ...]) -> Side:
     def made() -> Side:
         lines = [_line(stroke) for stroke in strokes]
         places = [pen_down(stroke) for stroke in strokes]
-        if len(lines) > 1 and any_over([line.pixels for line in lines]):
+        if len(lines) > 1 and any_drawn_over([line.pixels for line in lines]):
             return _settled(places, fading(list(strokes)), ())
-        line = lines[0] if len(lines) == 1 else drawn_line(_chained(places))
+        line = lines[0] if len(lines) == 1 else smooth_line(_chained(places))
         return Side(line.pixels, line.closed, line.noise, ())
 
     return _sides.recall(strokes, made)
 
 
-def drawn_twice(one: Side, other: Side) -> Side | None:
+def merge_alongside(one: Side, other: Side) -> Side | None:
     """Return two sides that run alongside one another merged into the one that they may be."""
     if one.closed or other.closed or not bonds_between([one.pixels, other.pixels])[0][1].over:
         return None
     return _settled([one.pixels, other.pixels], np.ones(2), _members(one, other))
 
 
-def joined(one: Side, other: Side) -> Side | None:
+def join_ends(one: Side, other: Side) -> Side | None:
     """Return two sides as halves of one line, in the sense of the first, where their ends meet."""
     if one.closed or other.closed:
         return None
     gap = gap_between(one.pixels, other.pixels)[0]
     if gap > MEETING * min(length_of(one.pixels), length_of(other.pixels)):
         return None
-    line = evenly_spaced(_chained([one.pixels, other.pixels]))
+    line = space_evenly(_chained([one.pixels, other.pixels]))
     noise = max(one.noise, other.noise)
     return Side(line, False, noise, _members(one, other), one.sure and other.sure)
 
@@ -178,9 +178,9 @@ def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) 
     closed = found.closed
     if closed:
         line, closed = _opened(line[:-1], places)
-    pixels = evenly_spaced(_in_sense_of(places[0], line, closed), closed=closed)
+    pixels = space_evenly(_in_sense_of(places[0], line, closed), closed=closed)
     ring = np.vstack((pixels, pixels[:1])) if closed else pixels
-    ink = np.vstack([evenly_spaced(place) for place in places])
+    ink = np.vstack([space_evenly(place) for place in places])
     times = max(1.0, SPACING * len(ink) / max(length_of(ring), SPACING))
     scatter = float(1.4826 * np.median(distances_to_polyline(ink, ring)))
     return Side(pixels, closed, scatter / times**0.5, members, found.sure)
@@ -188,7 +188,7 @@ def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) 
 
 def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
     """Return a ring without the part that nobody drew, if that is too wide for a mere gap."""
-    ink = np.vstack([evenly_spaced(place) for place in places])
+    ink = np.vstack([space_evenly(place) for place in places])
     step = length_of(np.vstack((ring, ring[:1]))) / len(ring)
     apart = np.linalg.norm(ring[:, None] - ink, axis=2)
     met = np.unique(apart.argmin(axis=0))

@@ -105,7 +105,7 @@ class _Trail:
         return self.places[at], way / max(float(np.linalg.norm(way)), 1e-300)
 
 
-def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
+def group_strokes(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     """Put strokes in one or two groups, the one of the first stroke first.
 
     Strokes that run alongside one another over a good part of the shorter one, or continue
@@ -227,7 +227,7 @@ def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
     return made
 
 
-def any_over(lines: Sequence[Array]) -> bool:
+def any_drawn_over(lines: Sequence[Array]) -> bool:
     """Return whether any two strokes were drawn over one another."""
     trails = [_Trail.of(line) for line in lines]
     return any(_between(one, other).over for one, other in combinations(trails, 2))

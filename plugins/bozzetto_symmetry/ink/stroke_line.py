@@ -94,10 +94,10 @@ def pen_down(stroke: Stroke) -> Array:
     if stroke.has_pressure:
         firm = np.flatnonzero(stroke.pressure >= LIFT * stroke.pressure.max())
         points = points[: firm[-1] + 1]
-    return thinned(points[distinct(points)])
+    return thin_out(points[distinct(points)])
 
 
-def thinned(points: Array) -> Array:
+def thin_out(points: Array) -> Array:
     """Return the samples of a line without those that no hand can have meant, (m, 2) px.
 
     A pen gives some hundred samples in a second. Of denser samples the first in each of
@@ -112,7 +112,7 @@ def thinned(points: Array) -> Array:
     return np.asarray(points[kept])
 
 
-def drawn_line(points: Array) -> Line:
+def smooth_line(points: Array) -> Line:
     """Smooth and space one stroke.
 
     Local cubic polynomials are fitted along the arc length of the ink. Their window is the
@@ -130,7 +130,7 @@ def drawn_line(points: Array) -> Line:
         If the stroke is a dot.
     """
     points = np.round(points, DECIMALS)
-    points = thinned(points[distinct(points)])
+    points = thin_out(points[distinct(points)])
     if len(points) < 2:
         raise UserError("The stroke is a dot. Draw the whole curve.")
     loop = _loop(points)
@@ -142,15 +142,15 @@ def drawn_line(points: Array) -> Line:
     step = max(spacing, GRID[0])
     noise = _residual(_on_grid(place, along, closed, step), PROBE, DEGREE, closed)
     if noise < STILL or spacing > GRID[1]:
-        return Line(evenly_spaced(fine, closed=closed), closed, hand_noise(fine, closed=closed))
+        return Line(space_evenly(fine, closed=closed), closed, hand_noise(fine, closed=closed))
     # The length of noisy ink grows with the sampling rate, that of smoothed ink does not.
     rough = _on_grid(place, _smoothed_lengths(place, closed), closed, step)
     soft = _smoothed(rough, closed)
     fine = _on_grid(soft, _lengths(soft, closed), closed, GRID[0])
-    return Line(evenly_spaced(fine, closed=closed), closed, hand_noise(rough, closed=closed))
+    return Line(space_evenly(fine, closed=closed), closed, hand_noise(rough, closed=closed))
 
 
-def evenly_spaced(points: Array, *, closed: bool = False) -> Array:
+def space_evenly(points: Array, *, closed: bool = False) -> Array:
     """Return points about `SPACING` apart along a polyline, (n, 2) px."""
     ring = np.vstack((points, points[:1])) if closed else points
     length = length_of(ring)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample
-from bozzetto_symmetry.stereo.correspondence import Pairing, paired
+from bozzetto_symmetry.stereo.correspondence import Pairing, pairing_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
@@ -118,7 +118,7 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
     for cut, one, other, way, (_, _, early) in zip(
         cuts, firsts, seconds, ways, halves, strict=True
     ):
-        pairing = paired(stereo, one, other, way, pinned=(True, closed))
+        pairing = pairing_of(stereo, one, other, way, pinned=(True, closed))
         made.append(Folding(pairing, _places(stroke, cut, closed), early))
     return tuple(sorted(made, key=lambda folding: folding.pairing.score))
 

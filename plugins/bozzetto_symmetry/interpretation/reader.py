@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto_symmetry.ink.sides import Side, drawn_twice, gap_between, joined
+from bozzetto_symmetry.ink.sides import Side, gap_between, join_ends, merge_alongside
 from bozzetto_symmetry.interpretation.candidate import Candidate, Read
 from bozzetto_symmetry.interpretation.pair import as_pair, overdrawn
 from bozzetto_symmetry.interpretation.self_symmetric import as_crossing
@@ -141,12 +141,12 @@ class Reader:
     @cached_property
     def _single(self) -> Side | None:
         """All ink as one side, where it may be one."""
-        return self._sides[0] if len(self._sides) == 1 else drawn_twice(*self._sides)
+        return self._sides[0] if len(self._sides) == 1 else merge_alongside(*self._sides)
 
     @cached_property
     def _joined(self) -> Side | None:
         """Two sides as halves of one line, where their ends meet."""
-        return joined(*self._sides) if len(self._sides) > 1 else None
+        return join_ends(*self._sides) if len(self._sides) > 1 else None
 
     @cached_property
     def _pairs(self) -> tuple[Candidate, ...]:

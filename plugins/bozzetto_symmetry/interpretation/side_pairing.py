@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample
-from bozzetto_symmetry.stereo.correspondence import Pairing, paired
+from bozzetto_symmetry.stereo.correspondence import Pairing, pairing_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
@@ -77,9 +77,9 @@ def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
         begin=OPEN_END * unit,
         end=OPEN_END * unit,
     )
-    backwards = paired(stereo, first, against, ways[1])
+    backwards = pairing_of(stereo, first, against, ways[1])
     return [
-        paired(stereo, first, along, ways[0]),
+        pairing_of(stereo, first, along, ways[0]),
         replace(backwards, far_stations=1.0 - backwards.far_stations, reversed=True),
     ]
 
@@ -98,7 +98,7 @@ def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
         tables = np.stack([differences(first, second) for second in seconds])
         ways = warpings(tables, step=UNEVEN * unit)
         best = min(range(len(cuts)), key=lambda k: ways[k].total)
-        found = paired(stereo, first, seconds[best], ways[best], closed=True)
+        found = pairing_of(stereo, first, seconds[best], ways[best], closed=True)
         stations = (found.stations + cut / count) % 1.0
         order = np.argsort(stations, kind="stable")
         theirs = (found.far_stations * count + cuts[best]) / count

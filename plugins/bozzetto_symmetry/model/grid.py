@@ -49,7 +49,7 @@ def grid_step(longest: float) -> float:
     return float(fits[0] * decade)
 
 
-def clipped(
+def clip_to_box(
     points: ArrayLike, directions: ArrayLike, centre: ArrayLike, size: ArrayLike
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return the parts of lines that lie in a box, by the method of slabs (Kay & Kajiya 1986).
@@ -111,7 +111,7 @@ def grid_in_box(
     parts = []
     for along, aside in ((first, second), (second, first)):
         places = middle + number[:, None] * step * aside
-        begin, end, inside = clipped(places, along, centre, size)
+        begin, end, inside = clip_to_box(places, along, centre, size)
         # Neither the edges themselves nor what only touches a corner.
         inside &= ~_on_edge(places + 0.5 * (begin + end)[:, None] * along, aside, centre, size)
         inside &= end - begin > FLUSH * step

@@ -21,7 +21,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import Trace, traced
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ SURE_PAIR: Final = 8.0
 up to 5, if an end is missing; two curves cost 16 and more."""
 
 
-def drawn_curves(
+def add_drawing(
     state: SymmetryState,
     strokes: Sequence[Stroke],
     readings: Mapping[str, AskedReading] | None = None,
@@ -79,11 +79,11 @@ def drawn_curves(
         state = state.with_node(curve)
     for stroke in strokes:
         if not stroke.group:
-            state = landed(state, (stroke,))
+            state = add_strokes(state, (stroke,))
     return state
 
 
-def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
+def add_strokes(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
     """Return the state with new ink, which becomes part of a curve or a curve of its own.
 
     Raises
@@ -99,7 +99,7 @@ def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
             strokes=Strokes(strokes),
             color=strokes[0].color,
         )
-        traced(owner, state)
+        trace_of(owner, state)
     else:
         owner = replace(owner, strokes=owner.strokes.extended(strokes))
     return state.with_node(owner)
@@ -144,7 +144,7 @@ def waiting_view(state: SymmetryState) -> Camera | None:
 
 def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
     try:
-        return traced(curve, state)
+        return trace_of(curve, state)
     except UserError:
         return None
 

@@ -22,7 +22,7 @@ from bozzetto.scene import Layer, Lines
 from bozzetto.view import Camera
 from bozzetto.view.rotations import triple
 from bozzetto_symmetry.model.axes import AXES, along
-from bozzetto_symmetry.model.grid import clipped
+from bozzetto_symmetry.model.grid import clip_to_box
 from bozzetto_symmetry.model.perspective import focal_length, pixel_size, toward_vanishing
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
@@ -241,7 +241,7 @@ def _on_far_wall(pixel: Array, camera: Camera, state: SymmetryState) -> tuple[Ar
     the middle of the box that faces the eye.
     """
     (origin,), (way,) = camera.rays(pixel)
-    _, end, inside = clipped([origin], [way], state.centre, state.size)
+    _, end, inside = clip_to_box([origin], [way], state.centre, state.size)
     if inside[0] and (end[0] > 0.0 or camera.kind == "orthographic"):
         place = origin + end[0] * way
         share = np.abs(place - state.centre) / np.asarray(state.size)

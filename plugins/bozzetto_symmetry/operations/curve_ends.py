@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
-from bozzetto_symmetry.editing.replay import edited
+from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Edit, Joint, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
@@ -88,7 +88,7 @@ def with_edit(state: SymmetryState, node: Curve, curve: SpaceCurve, edit: Edit) 
     UserError
         If the edit does not fit the curve.
     """
-    edited(curve, edit, state, solved)
+    apply_edit(curve, edit, state, solve_curve)
     return state.with_node(replace(node, edits=(*node.edits, edit)))
 
 

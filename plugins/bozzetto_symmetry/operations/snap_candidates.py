@@ -16,7 +16,7 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
         If no curve is chosen, it has no free end, or nothing is near its ends.
     """
     node = state.chosen
-    trace = None if node is None else traced(node, state)
+    trace = None if node is None else trace_of(node, state)
     if node is None or trace is None or trace.curve is None or trace.curve.closed:
         raise UserError("Choose a curve with free ends. They snap to what is near them.")
     others = [curve for other, curve in solved_curves(state) if other.id != node.id]

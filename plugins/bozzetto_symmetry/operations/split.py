@@ -51,7 +51,9 @@ def without_stretch(curve: SpaceCurve, stretch: Stretch) -> tuple[Stretch, ...]:
     return tuple((low, high) for low, high in left if high - low > STUB)
 
 
-def parted(state: SymmetryState, node: Curve, stretches: Sequence[Stretch]) -> SymmetryState:
+def replace_by_pieces(
+    state: SymmetryState, node: Curve, stretches: Sequence[Stretch]
+) -> SymmetryState:
     """Return a state in which a curve is replaced by pieces of it.
 
     The first piece keeps the curve's id and name and is chosen; the others come right after

@@ -59,7 +59,7 @@ def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
         keys = {(end.node.id, end.number) for end in (first, second)}
         if not keys & used:
             used |= keys
-            state = met(state, first, second)
+            state = meet_half_way(state, first, second)
     for end in _chosen(state, ends_of(solved_curves(state))):
         if not end.mirrored and (end.node.id, end.number) not in used:
             led = _led_to_curve(state, end)
@@ -98,7 +98,7 @@ def _length(end: End) -> float:
     return end.curve.spline.length * (0.5 if end.curve.reading == "self" else 1.0)
 
 
-def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
+def meet_half_way(state: SymmetryState, first: End, second: End) -> SymmetryState:
     """Return the state in which two ends meet half-way, cut back or extended.
 
     Every curve changes by the mean, over its whole length, of how far its places are from

@@ -19,9 +19,9 @@ from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Memory
-from bozzetto_symmetry.editing.replay import applied
-from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, bundled
-from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fused
+from bozzetto_symmetry.editing.replay import apply_edits
+from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle
+from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fuse
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
@@ -160,7 +160,7 @@ AMBIGUOUS: Final = 1.5
 """Margin below which the other reading is shown as well; above it 1.2 % of senses are wrong."""
 
 
-def traced(curve: Curve, state: SymmetryState) -> Trace:
+def trace_of(curve: Curve, state: SymmetryState) -> Trace:
     """Return the curve in space of a recipe, with how sure it is.
 
     Raises
@@ -207,19 +207,19 @@ def _traced(curve: Curve, state: SymmetryState) -> Trace:
         raise UserError(f"“{curve.name}” has no ink. Draw it, or delete it.")
     if not curve.edits:
         return _read(curve, state)
-    base = traced(replace(curve, edits=()), state)
+    base = trace_of(replace(curve, edits=()), state)
     if base.curve is None:
         return base
-    changed, warnings = applied(base.curve, curve.edits, state, solved)
+    changed, warnings = apply_edits(base.curve, curve.edits, state, solve_curve)
     points, sigma = _carried(base, changed)
     return replace(
         base, curve=changed, points=points, sigma=sigma, warnings=(*base.warnings, *warnings)
     )
 
 
-def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
+def solve_curve(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
     """Return the curve in space of a recipe; None while it waits for its other side."""
-    return traced(curve, state).curve
+    return trace_of(curve, state).curve
 
 
 def _read(curve: Curve, state: SymmetryState) -> Trace:
@@ -350,14 +350,14 @@ def _fit(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Co
     estimates = [
         Estimate(r.points, r.covariances * max(noise[k], 0.3) ** 2) for k, r in alike.items()
     ]
-    whole = estimates[0] if len(estimates) == 1 else fused(estimates, closed=first.closed)
+    whole = estimates[0] if len(estimates) == 1 else fuse(estimates, closed=first.closed)
     sights = [Sight(views[k].stereo, r.near, r.far, noise[k]) for k, r in alike.items()]
     sights += [
         _one_sided(view, noise[k], whole.points, first)
         for k, view in enumerate(views)
         if k not in alike
     ]
-    made = bundled(
+    made = adjust_bundle(
         first.reading, whole.points, whole.covariances, sights,
         closed=first.closed, ring=first.ring, controls=detail,
     )  # fmt: skip
@@ -411,7 +411,7 @@ def directions(state: SymmetryState) -> Array | None:
     found = []
     for curve in state.shown_curves[-NEWEST:]:
         try:
-            made = traced(curve, state).curve
+            made = trace_of(curve, state).curve
         except UserError:
             continue
         if made is not None:

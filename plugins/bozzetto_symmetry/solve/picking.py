@@ -18,7 +18,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 Array = NDArray[np.float64]
@@ -113,7 +113,7 @@ def solved_curves(state: SymmetryState) -> list[tuple[Curve, SpaceCurve]]:
     found = []
     for node in state.shown_curves:
         try:
-            curve = solved(node, state)
+            curve = solve_curve(node, state)
         except UserError:
             continue
         if curve is not None:

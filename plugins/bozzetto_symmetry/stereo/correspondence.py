@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_symmetry.stereo.correspondence_map import map_of_stations
-from bozzetto_symmetry.stereo.degenerate_runs import bridged, weak_runs
+from bozzetto_symmetry.stereo.degenerate_runs import bridge_weak_runs, weak_runs
 from bozzetto_symmetry.stereo.dynamic_time_warping import Warping
 from bozzetto_symmetry.stereo.epipolar_signal import (
     Signal,
@@ -90,7 +90,7 @@ class Pairing:
     closed: bool
 
 
-def paired(
+def pairing_of(
     stereo: Stereo,
     first: Signal,
     second: Signal,
@@ -134,7 +134,7 @@ def paired(
     way = stereo.toward_vanishing(near)
     far = near + ((roughly - near) * way).sum(axis=1, keepdims=True) * way
     weak = weak_runs(first, places, second, np.rint(at).astype(np.intp))
-    far = bridged(stereo, near, far, weak)
+    far = bridge_weak_runs(stereo, near, far, weak)
     coverage = (
         float(np.ptp(places)) / (len(first.angles) - 1.0),
         min(1.0, float(np.ptp(partners)) / (len(second.angles) - 1.0)),

@@ -59,7 +59,7 @@ def _long_runs(flags: Flags, shortest: float) -> Flags:
     return kept
 
 
-def bridged(stereo: Stereo, near: Array, far: Array, weak: Flags) -> Array:
+def bridge_weak_runs(stereo: Stereo, near: Array, far: Array, weak: Flags) -> Array:
     """Return partners on weak runs, from what is known at both their ends.
 
     Along the epipolar line the place of a partner is taken linear in that of the near one,

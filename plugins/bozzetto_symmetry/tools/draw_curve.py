@@ -14,10 +14,10 @@ from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.operations.assign_stroke import landed, waits
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.view.box import segments
 from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.live_preview import GrowingCurve
@@ -88,12 +88,12 @@ class DrawCurve:
         if not isinstance(gesture, Ink):
             raise UserError("Draw a curve with the pen.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        drawn = landed(state, gesture.strokes)
+            return erase(state, gesture.strokes[-1])
+        drawn = add_strokes(state, gesture.strokes)
         # Solved here, the curve is remembered when several ask for it at once.
         if drawn.chosen is not None:
             with suppress(UserError):
-                traced(drawn.chosen, drawn)
+                trace_of(drawn.chosen, drawn)
         return drawn
 
 
@@ -131,7 +131,7 @@ def _grown_from(curve: Curve, state: SymmetryState, gesture: Ink) -> Array | Non
     if not any(is_one_view(gesture.camera, stroke.camera) for stroke in curve.strokes):
         return None
     try:
-        trace = traced(curve, state)
+        trace = trace_of(curve, state)
     except UserError:
         return None
     if not waits(curve, trace):

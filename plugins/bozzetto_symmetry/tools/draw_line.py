@@ -14,7 +14,7 @@ from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.operations.construction_lines import CHOSEN_WIDTH, Straight, line_of
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.picking import solved_curves
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 
 
 class DrawLine:
@@ -48,7 +48,7 @@ class DrawLine:
             raise UserError("Draw the line with the pen.")
         for stroke in gesture.strokes:
             if stroke.tool == "eraser":
-                state = erased(state, stroke)
+                state = erase(state, stroke)
                 continue
             line = line_of(stroke, state, _known(state, context), context)
             state = state.with_node(

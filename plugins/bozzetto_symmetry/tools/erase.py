@@ -15,7 +15,7 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
-from bozzetto_symmetry.operations.split import Stretch, parted, without_stretch
+from bozzetto_symmetry.operations.split import Stretch, replace_by_pieces, without_stretch
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ LOOKS: Final = 64
 """Places of a path or of a construction line that are looked at."""
 
 
-def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
+def erase(state: SymmetryState, eraser: Stroke) -> SymmetryState:
     """Return the state without what the eraser's path lies over.
 
     A curve goes whole where most of it is rubbed over; else the stretch that is rubbed over
@@ -92,7 +92,7 @@ def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) ->
     if not flags.any():
         return state
     left = without_stretch(side.curve, _stretch(side, flags))
-    return parted(state, side.node, left)
+    return replace_by_pieces(state, side.node, left)
 
 
 def _stretch(side: Seen, flags: NDArray[np.bool_]) -> Stretch:

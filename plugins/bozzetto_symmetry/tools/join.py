@@ -13,10 +13,10 @@ from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_joint
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.view.scene import curve_lines
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ class JoinCurves:
         stroke = gesture.strokes[-1]
         try:
             made = _joined(state, stroke)
-            curve = solved(made.chosen, made) if made.chosen is not None else None
+            curve = solve_curve(made.chosen, made) if made.chosen is not None else None
         except UserError:
             return Scene()
         if curve is None:
@@ -69,7 +69,7 @@ class JoinCurves:
         if not isinstance(gesture, Ink):
             raise UserError("Draw from the end of one curve to the end of another.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
+            return erase(state, gesture.strokes[-1])
         for stroke in gesture.strokes:
             state = _joined(state, stroke)
         return state

@@ -12,14 +12,14 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
-from bozzetto_symmetry.editing.replay import edited
+from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import Curve, Edit, Modification, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import Seen, seen_curves, target_of
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.view.scene import curve_lines
 
 WIDTH: Final = 2.5
@@ -69,7 +69,7 @@ class Modify:
         if not isinstance(gesture, Ink):
             raise UserError("Draw over a curve with the pen.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
+            return erase(state, gesture.strokes[-1])
         for stroke in gesture.strokes:
             node, _ = _changed(state, stroke)
             state = state.with_node(node)
@@ -83,9 +83,9 @@ def _changed(state: SymmetryState, stroke: Stroke) -> tuple[Curve, SpaceCurve]:
         raise UserError(_NOTHING)
     before, change = _modification(target, stroke)
     base = replace(target.node, edits=before)
-    start = target.curve if before == target.node.edits else solved(base, state)
+    start = target.curve if before == target.node.edits else solve_curve(base, state)
     assert start is not None  # no edit makes a curve wait again
-    curve = edited(start, change, state, solved)
+    curve = apply_edit(start, change, state, solve_curve)
     return replace(base, edits=(*before, change)), curve
 
 

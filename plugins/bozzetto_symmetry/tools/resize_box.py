@@ -17,7 +17,7 @@ from bozzetto_symmetry.model.facts import FARTHEST, SIZE_LIMITS, SYMMETRIES
 from bozzetto_symmetry.model.grid import grid_step
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.view.box import BOX_TOOL, CENTRE, FACES, box_layers
-from bozzetto_symmetry.view.vanishing_lines import hanging_on_view
+from bozzetto_symmetry.view.vanishing_lines import view_dependent_scene
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class ResizeBox:
             shaped = self.apply(state, gesture, context)
         except UserError:
             return Scene()
-        return Scene(box_layers(shaped)) + hanging_on_view(shaped, gesture.camera)
+        return Scene(box_layers(shaped)) + view_dependent_scene(shaped, gesture.camera)
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
         """Size or move the box; a touch beside all handles changes nothing.

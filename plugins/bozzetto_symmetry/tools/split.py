@@ -14,9 +14,9 @@ from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import SymmetryState
-from bozzetto_symmetry.operations.split import cut_at, parted
+from bozzetto_symmetry.operations.split import cut_at, replace_by_pieces
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 
 Array = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ class Split:
         if not isinstance(gesture, Ink):
             raise UserError("Draw a short stroke across a curve to cut it.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
+            return erase(state, gesture.strokes[-1])
         for stroke in gesture.strokes:
             state = _cut(state, stroke.points, stroke.camera)
         return state
@@ -101,7 +101,7 @@ def _cut(state: SymmetryState, ink: Array, camera: Camera) -> SymmetryState:
     for side, _ in cuts:
         if side.node.id in shares:
             pieces = cut_at(side.curve, shares.pop(side.node.id))
-            state = parted(state, side.node, pieces)
+            state = replace_by_pieces(state, side.node, pieces)
     return state
 
 

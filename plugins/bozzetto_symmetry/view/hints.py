@@ -8,7 +8,7 @@ from typing import Final
 from bozzetto.errors import UserError
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import waits
-from bozzetto_symmetry.solve.curve_solver import Trace, traced
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 
 FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
 """The hint for an empty box, and where no curve is chosen."""
@@ -45,7 +45,7 @@ def next_step(state: SymmetryState) -> str:
     if chosen is None:
         return FIRST
     try:
-        trace = traced(chosen, state)
+        trace = trace_of(chosen, state)
     except UserError as problem:
         return problem.message
     return " ".join((*trace.warnings, *_expected(chosen, trace)))

@@ -56,6 +56,9 @@ class GrowingCurve:
         self._slopes = tuple(np.gradient(signal.angles) for signal in self._senses)
         self._step = max(known.step, 1.0)
         self._price = UNEVEN * spread(known)
+        self._places: Array
+        self._revised: list[Array]
+        self._sense: int
         self._forget()
 
     def points(self, pixels: ArrayLike) -> Array:
@@ -85,7 +88,7 @@ class GrowingCurve:
         for settled in self._settled:
             settled[:] = [np.vstack((np.zeros((0, 3)), *settled))]
         found = np.vstack((*self._settled[self._sense], self._revised[self._sense]))
-        return found[np.isfinite(found).all(axis=1)]
+        return np.asarray(found[np.isfinite(found).all(axis=1)])
 
     def _forget(self) -> None:
         self._places = np.zeros((0, 2))

@@ -20,7 +20,7 @@ from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.view.box import box_layers
 from bozzetto_symmetry.view.uncertainty_bands import heat_bands
-from bozzetto_symmetry.view.unmatched_ink import loose_ends
+from bozzetto_symmetry.view.unmatched_ink import unmatched_ink
 
 Array = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
             if trace.ghost is not None:
                 items = curve_lines(trace.ghost, state, camera_of(trace), "ghost", 1.0, 0.7)
                 layers.append(Layer("ghost", items))
-            if not curve.edits and (loose := loose_ends(trace)):
+            if not curve.edits and (loose := unmatched_ink(trace)):
                 pieces = [state.plane.placement.points(end) for end in loose]
                 layers.append(Layer("loose ends", (joined(pieces, "warning", LOOSE_WIDTH),)))
     waiting = [(c, t) for c, t in shown if t.reading == "half"]

@@ -23,7 +23,7 @@ SHORTEST: Final = 12.0
 """Length, px, from which such ink is shown."""
 
 
-def loose_ends(trace: Trace) -> list[Array]:
+def unmatched_ink(trace: Trace) -> list[Array]:
     """Return the stretches of ink that lie on neither picture of the curve.
 
     Parameters

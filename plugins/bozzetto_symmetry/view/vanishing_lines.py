@@ -68,13 +68,13 @@ def seen_from(state: SymmetryState, camera: Camera) -> Scene:
     camera : Camera
         In the model's frame.
     """
-    hanging = hanging_on_view(state, camera)
+    hanging = view_dependent_scene(state, camera)
     if state.nodes:
         return hanging
     return Scene(tuple(layer for layer in box_layers(state) if not layer.tool)) + hanging
 
 
-def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
+def view_dependent_scene(state: SymmetryState, camera: Camera) -> Scene:
     """Return what belongs to the box in one view; it is shown over the box itself.
 
     The edges in front are firmer, the walls behind bear grids, and where vanishing lines are

@@ -10,7 +10,7 @@ import pytest
 from bozzetto.scene import Label, Lines
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
-from bozzetto_symmetry.model.grid import clipped
+from bozzetto_symmetry.model.grid import clip_to_box
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.view.box import box_layers
@@ -44,7 +44,7 @@ def test_lines_of_sight_leave_the_box_through_its_back_faces(camera: Camera) -> 
     back = back_faces(STATE, camera)
     pixels = np.random.default_rng(2).uniform((0, 0), camera.viewport, (2000, 2))
     origins, ways = camera.rays(pixels)
-    begin, end, inside = clipped(origins, ways, STATE.centre, STATE.size)
+    begin, end, inside = clip_to_box(origins, ways, STATE.centre, STATE.size)
 
     def walls(at: np.ndarray, seen: np.ndarray) -> set[tuple[int, int]]:
         share = (origins + at[:, None] * ways - STATE.centre)[seen] / STATE.size
