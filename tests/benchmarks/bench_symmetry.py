@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import statistics
+import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -151,6 +153,14 @@ def tracing() -> Iterator[Row]:
             lambda fresh=fresh: trace_of(Curve(strokes=Strokes(fresh())), state), repeats=9
         )
         yield row(f"{name}, from ink to curve", took)
+    times = []
+    for _ in range(9):  # of the last drawing, the pair of three strokes a side
+        strokes = fresh()
+        trace_of(Curve(strokes=Strokes(strokes[:-1])), state)
+        start = time.process_time()
+        trace_of(Curve(strokes=Strokes(strokes)), state)
+        times.append(1000.0 * (time.process_time() - start))
+    yield row("the same pair, its last stroke, processor time", statistics.median(times))
 
 
 def drawings() -> dict[str, tuple[Stroke, ...]]:

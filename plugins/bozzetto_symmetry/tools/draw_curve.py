@@ -138,7 +138,7 @@ def _grown_from(curve: Curve, state: SymmetryState, gesture: Ink) -> Array | Non
         return None
     (view,) = (v for v in trace.views if is_one_view(gesture.camera, v.strokes[0].camera))
     drawn = on_canvas(gesture.strokes[-1], view.strokes[0].camera).points
-    pixels = view.sides[0].pixels
-    question = (view.stereo, pixels.tobytes(), drawn[:1].tobytes())
-    growing = _growing.recall(question, lambda: GrowingCurve(view.stereo, pixels))
+    growing = _growing.recall(
+        (view, drawn[:1].tobytes()), lambda: GrowingCurve(view.stereo, view.sides[0].pixels)
+    )
     return growing.points(drawn)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.plugin import Memory
 from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
@@ -21,6 +22,9 @@ the error of a hand."""
 
 SHORTEST: Final = 12.0
 """Length, px, from which such ink is shown."""
+
+
+_known: Memory[list[Array]] = Memory(limit=64)
 
 
 def unmatched_ink(trace: Trace) -> list[Array]:
@@ -39,7 +43,10 @@ def unmatched_ink(trace: Trace) -> list[Array]:
     """
     if trace.curve is None:
         return []
-    return [end for view in trace.views for end in _in_view(view, trace.points)]
+    return _known.recall(
+        (trace.curve, trace.views),
+        lambda: [end for view in trace.views for end in _in_view(view, trace.points)],
+    )
 
 
 def _in_view(view: View, points: Array) -> Iterator[Array]:
