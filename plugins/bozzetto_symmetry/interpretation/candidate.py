@@ -106,16 +106,16 @@ class Candidate:
     @cached_property
     def whole(self) -> Read:
         """The reading with all places."""
-        return replace(self.build(self.half), source=(self,))
+        return self.build(self.half)
 
     def in_box(self, box: Array | None) -> Read:
         """Return the reading beside a box (2, 3) mm, without the places that stray from it."""
         left_out = strays(self.half.points, box)
-        read = self.whole
+        read, source = self.whole, (self, b"")
         if left_out.any():
-            made = self.build(self.half.without(left_out))
-            read = replace(made, source=(self, left_out.tobytes()))
-        return replace(read, cost=read.cost + OUTSIDE * self.half.share_outside(box))
+            read, source = self.build(self.half.without(left_out)), (self, left_out.tobytes())
+        cost = read.cost + OUTSIDE * self.half.share_outside(box)
+        return replace(read, cost=cost, source=source)
 
 
 def price(misfit: float, half: HalfInSpace, missing: float) -> float:

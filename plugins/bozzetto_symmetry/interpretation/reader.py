@@ -188,7 +188,7 @@ class Reader:
 
     def _differ(self, one: Read, other: Read) -> bool:
         """Return whether two readings put the curve in different places."""
-        if len(one.source) > 1 or len(other.source) > 1:  # the box has left out strays
+        if one.source[1] or other.source[1]:  # the box has left out strays
             return _are_apart(one, other)
         pair = one.source[0], other.source[0]
         if pair not in self._differences:
