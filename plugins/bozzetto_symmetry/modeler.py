@@ -33,7 +33,7 @@ FIRST_NEEDED: Final = (
 """What reading and fitting a curve imports: up to a second's work."""
 
 ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState().height)}
-"""Where the box stands of which a file says nothing: things stand on the ground, at z = 0."""
+"""Where a box stands that no file describes: things stand on the ground, at z = 0."""
 
 
 WAITS_ELSEWHERE: Final = (
@@ -68,8 +68,8 @@ class Symmetry:
 
     def create(self, context: Context) -> SymmetryState:
         """Return an empty box: the one that a file gives, or 200 × 100 × 100 mm on the ground."""
-        told = box_facts(context.facts)
-        return replace(SymmetryState(), **({} if told else ON_GROUND), **told)
+        given = box_facts(context.facts)
+        return replace(SymmetryState(), **({} if given else ON_GROUND), **given)
 
     def tools(self) -> Sequence[Tool[SymmetryState]]:
         """Return the tools of the pen, most used first."""
@@ -80,8 +80,6 @@ class Symmetry:
 
         Strokes of one name are one curve; others go where they belong. Where the file gives no box,
         it is one with room for all the ink.
-
-        Where the file tells no box, it is one with room for all the ink.
 
         Raises
         ------

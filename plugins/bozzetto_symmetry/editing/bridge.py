@@ -60,7 +60,7 @@ def bridge(first: Spline, second: Spline) -> Spline:
     Raises
     ------
     UserError
-        If an end has no direction, or the ends lie upon one another and point back.
+        If an end has no direction, or the ends coincide and point back at one another.
     """
     return chain(_with_bridge(first, second, loop=False))
 

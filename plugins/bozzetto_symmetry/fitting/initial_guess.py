@@ -167,8 +167,6 @@ def polygon_of(basis: SymmetricBasis, points: Array, stations: Array) -> Array:
     """Return control points (count, 3) at even shares of the half on the chain through the points.
 
     The ends are the first and the last point exactly; coordinates that are not free are 0.
-
-    The ends are the first and the last point exactly; what is not free to move is nought.
     """
     even = np.linspace(0.0, 1.0, basis.count, endpoint=not basis.closed)
     made = interpolate(even, stations, points)

@@ -53,7 +53,7 @@ uncertainty of where that end belongs. The added part must be known to this shar
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Places of a curve with their covariances, as one view tells them.
+    """Places of a curve with their covariances, as one view gives them.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def fuse(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
     They may run in different senses, begin at different places of a closed curve, and cover
     different parts of it. The result runs like the best of them, and is extended where
     another one knows more of the curve. Where estimates contradict one another by more than their
-    covariances allow, those of the result are larger by as much (Birge 1932).
+    covariances allow, those of the result grow by the same factor (Birge 1932).
 
     Parameters
     ----------

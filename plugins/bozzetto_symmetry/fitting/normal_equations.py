@@ -47,7 +47,7 @@ to explain shape."""
 
 HIDDEN: Final = 2.0
 """How many times as large as what is left between ink and curve a hand's noise is at least:
-it is slow, and a curve goes along with half of it."""
+it is slow, and a curve follows half of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +212,7 @@ class Fit:
 def _equations(ink: Ink, basis: SymmetricBasis, points: Array) -> tuple[Array, Array, Array]:
     """Return rows and right side of one view: across the ink, and along it at the ends it shows.
 
-    Third are rows that say how far a step goes along the ink.
+    Third are the rows of a step along the ink.
     """
     off = ink.deviation(basis, points)
     scale = np.sqrt(ink.share) / ink.noise

@@ -66,7 +66,7 @@ def across(points: ArrayLike, *, ring: bool = False) -> Spline:
     Parameters
     ----------
     points : (k, 3) array_like
-        From the control point on the plane outwards; its y is taken for 0. Of a ring the
+        From the control point on the plane outwards; its y counts as 0. Of a ring the
         last one is on the plane again.
     ring : bool
         The curve is closed and crosses the plane twice.

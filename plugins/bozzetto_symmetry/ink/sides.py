@@ -89,7 +89,7 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
     strokes : sequence of Stroke
         Of one camera, in the order drawn. Dots are left out.
     apart : bool
-        Two sides are kept apart that would surely be taken for one.
+        Two sides are kept apart that would otherwise surely be one.
 
     Returns
     -------

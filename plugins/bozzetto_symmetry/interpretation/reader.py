@@ -48,10 +48,10 @@ IN_BOX: Final = 0.02
 """Share of the box's size by which a curve in the plane may leave it."""
 
 TWO_SIDES: Final = 25.0
-"""Price of leaving a side waiting though there are two, px."""
+"""Price of leaving sides waiting although there are two, px."""
 
 GAP: Final = 0.35
-"""Price of a pixel between halves that are taken for one curve across the plane."""
+"""Price of a pixel of gap between halves that are read as one curve across the plane."""
 
 MET: Final = 3.0
 """Gap, px, above which ends that are seen near one another need not have been drawn to meet."""
@@ -60,7 +60,7 @@ ALIKE: Final = 0.02
 """Median distance, in lengths of the curve, below which two readings are one and the same."""
 
 KEPT: Final = 4
-"""Most readings of one kind that are handed on."""
+"""Most readings of one kind that are returned."""
 
 UNMATCHED: Final = "The two sides do not match: each waits for its partner."
 PARTLY: Final = "Part of the stroke does not meet the centre plane."

@@ -138,7 +138,7 @@ def _roundness(points: Array) -> float:
     """Return how round a loop in space is: its area by the square of its length, 1 for a circle.
 
     Matched the other way round, a loop changes places with one that is wide in depth where
-    it was wide in height: both fit alike, and of the two people mean the rounder one.
+    it was wide in height. Both fit equally well, and people mean the rounder one.
     """
     seen = points[np.isfinite(points).all(axis=1)]
     if len(seen) < 3:

@@ -43,8 +43,6 @@ def plane_section(state: SymmetryState) -> Array:
     """Return the corners of the centre plane's section with the box, in order, (n, 3) mm.
 
     There are none where the plane passes the box by, or only touches it.
-
-    None where the plane passes the box by, or only touches it.
     """
     corners, normal = box_corners(state), np.asarray(state.plane.normal)
     across, up = state.plane.placement.directions(AXES[[0, 2]])

@@ -193,7 +193,7 @@ class SymmetryState:
     centre : (x, y, z)
         Middle of the box, mm.
     free_plane : CentrePlane
-        The plane of symmetry where it is none of the box's own.
+        The plane of symmetry where it is not one of the box.
     """
 
     nodes: tuple[Curve | Line | Group, ...] = ()

@@ -49,7 +49,7 @@ class CentrePlane:
     def placement(self) -> Placement:
         """The way from the plane's frame, where the plane is y = 0, to the model's frame.
 
-        The least turn that takes the y axis to the normal; for a plane along two axes its
+        The smallest turn that takes the y axis to the normal; for a plane along two axes its
         numbers are exact, and for y = 0 nothing moves at all.
         """
         normal = np.asarray(self.normal)

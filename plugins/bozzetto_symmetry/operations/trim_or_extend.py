@@ -101,17 +101,17 @@ def _length(end: End) -> float:
 def meet_half_way(state: SymmetryState, first: End, second: End) -> SymmetryState:
     """Return the state in which two ends meet half-way, cut back or extended.
 
-    Every curve changes by the mean, over its whole length, of how far its places are from
-    what it becomes: half the square of what is cut off or added straight ahead, and half of
-    the way that the end then goes aside, over half of the stretch that goes along. The places
-    at which both curves together change least are taken.
+    The change of a curve is the mean distance, over its whole length, of its places from what
+    it becomes. A length that is cut off or added straight ahead counts by half its square; the
+    end then moves to the meeting point, by half the gap, and takes a stretch of the curve with
+    it. The places at which both curves together change least are chosen.
     """
     one, other = _now(state, first), _now(state, second)
     places, cuts, parameters = zip(*(_stretch(end) for end in (one, other)), strict=True)
     gap = np.linalg.norm(places[0][:, None] - places[1], axis=2)
     cost = _changed(cuts[0][:, None], gap, one) + _changed(cuts[1], gap, other)
     if one.node.id == other.node.id and one.number == other.number:
-        # An end and its own image are cut alike.
+        # An end and its own image are cut at the same place.
         cost = np.where(np.eye(len(cost), dtype=bool), cost, np.inf)
     best = np.unravel_index(int(np.argmin(cost)), cost.shape)
     middle = 0.5 * (places[0][best[0]] + places[1][best[1]])
@@ -162,8 +162,6 @@ def _stretch(end: End) -> tuple[Array, Array, Array]:
     """Return places about an end, how much would be cut off for each, mm, and their parameters.
 
     What is below 0 extends the curve straight ahead.
-
-    What is less than nought leads on, straight ahead.
     """
     spline = end.curve.spline
     begin, last = spline.range

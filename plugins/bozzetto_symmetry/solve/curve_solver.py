@@ -229,8 +229,8 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
     main = _main(readings)
     first = _chosen(readings[main], curve.other)
     if first.reading == "half":
-        told = first.warnings or (WAITING,)
-        return Trace("half", cost=first.cost, views=views, warnings=told)
+        warnings = first.warnings or (WAITING,)
+        return Trace("half", cost=first.cost, views=views, warnings=warnings)
     alike = {main: first}
     for number, found in enumerate(readings):
         if number == main:

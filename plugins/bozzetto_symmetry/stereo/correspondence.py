@@ -53,8 +53,8 @@ class Pairing:
     near : (k, 2) float
         On the first side, in its order, px.
     far : (k, 2) float
-        Their partners, on the same epipolar lines to rounding, px. Where hand and epipolar
-        lines do not allow for it they are beside the other side's ink by as much.
+        Their partners, on the same epipolar lines to rounding, px. Where the hand did not
+        draw on them, the partners lie beside the other side's ink.
     stations : (k,) float
         Share of the first side's length, 0 … 1, at each of `near`; not decreasing.
     far_stations : (k,) float

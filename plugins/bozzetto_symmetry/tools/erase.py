@@ -27,7 +27,7 @@ MOST: Final = 0.6
 """Share of a curve that must be rubbed over for all of it to go."""
 
 ALONG: Final = 0.5
-"""Share of the path over the curve that it covers most, from which another is meant, too."""
+"""Share of the path over a curve, against the curve it covers most, from which it is meant too."""
 
 LOOKS: Final = 64
 """Places of a path or of a construction line that are looked at."""

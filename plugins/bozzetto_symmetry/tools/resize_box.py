@@ -60,7 +60,7 @@ class ResizeBox:
         Raises
         ------
         UserError
-            If the handle is none of the box, or the drag says nothing from this side.
+            If the handle does not belong to the box, or the drag means nothing in this view.
         """
         if not isinstance(gesture, Drag):
             return state

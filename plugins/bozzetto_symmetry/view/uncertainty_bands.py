@@ -24,7 +24,7 @@ WIDTHS: Final = (2.5, 3.0, 3.5)
 """Pixels: what is less known is wider, whatever its colour."""
 
 WORST: Final = 2
-"""The heat that is drawn in dashes: a line that nobody should take for a line."""
+"""The heat that is drawn in dashes: nobody should trust such a line."""
 
 DASHES: Final = 40
 """Dashes that a whole curve would have, with gaps as long between them."""

@@ -55,7 +55,7 @@ SPREAD: Final = 0.25 / np.sqrt(3.0)
 """Half the edge of the cube in diagonals of the box: its own diagonal is half the box's."""
 
 LEAST: Final = 1.02
-"""Gain from which a view that is not good is turned at all."""
+"""Gain from which a turn is advised for a view that is not good."""
 
 MOST: Final = 12
 """Directions looked at; more of them change a median little."""
