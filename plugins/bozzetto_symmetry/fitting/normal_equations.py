@@ -93,7 +93,7 @@ def _loose_ends(basis: SymmetricBasis, inks: Sequence[Ink]) -> list[float]:
     if basis.periodic:
         return []
     ends = basis.half[1:] if basis.reading == "self" else basis.half
-    return [end for end in ends if not any((ink.feet[ink.held] == end).any() for ink in inks)]
+    return [end for end in ends if not any((ink.parameters[ink.held] == end).any() for ink in inks)]
 
 
 def _end_row(basis: SymmetricBasis, start: Array, end: float, ink: Ink) -> Array:

@@ -55,7 +55,7 @@ AT_END: Final = (6.0, 0.04)
 the ink's length, whichever is more) shows that end."""
 
 
-COLUMNS: Final = ("pixels", "factors", "share", "along", "piece", "held", "feet")
+COLUMNS: Final = ("pixels", "factors", "share", "along", "piece", "held", "parameters")
 """Fields of `Ink` with a value for every sample."""
 
 
@@ -79,7 +79,7 @@ class Ink:
         Which piece of ink each sample is of.
     held : (n,) bool
         Samples that show an end of the curve.
-    feet : (n,) float
+    parameters : (n,) float
         Parameters of the nearest places of the curve's image.
     """
 
@@ -91,7 +91,7 @@ class Ink:
     along: Array
     piece: Index
     held: NDArray[np.bool_]
-    feet: Array
+    parameters: Array
 
     @classmethod
     def of(
@@ -128,9 +128,9 @@ class Ink:
 
     def deviation(self, basis: SymmetricBasis, points: Array) -> Deviation:
         """Return how far the ink is from the image of a curve at its present parameters."""
-        values = basis.values(self.feet)
+        values = basis.values(self.parameters)
         place = basis.at(values, points) * self.factors
-        tangent = basis.at(basis.values(self.feet, 1), points) * self.factors
+        tangent = basis.at(basis.values(self.parameters, 1), points) * self.factors
         slopes = image_slopes(self.stereo, place)
         return Deviation(
             values,
@@ -154,21 +154,21 @@ class Ink:
             step = np.zeros(len(speed))
             np.divide((off.offset * off.tangent).sum(axis=1), speed, out=step, where=speed > 0)
             step = np.where(ink.held | ~np.isfinite(step), 0.0, np.clip(step, -reach, reach))
-            ink = replace(ink, feet=basis.whole.within(ink.feet + step))
+            ink = replace(ink, parameters=basis.whole.within(ink.parameters + step))
         return ink
 
     def _in_order(self, basis: SymmetricBasis) -> Ink:
         """Return the ink in its order: a parameter that turned back goes between its neighbours."""
-        ways = np.diff(self.feet)
+        ways = np.diff(self.parameters)
         if basis.periodic:
             ways = np.mod(ways + 0.5, 1.0) - 0.5
         inner = (self.piece[2:] == self.piece[:-2]) & ~self.held[1:-1]
         turned = 1 + np.flatnonzero(inner & (ways[:-1] * ways[1:] < 0.0))
         if not len(turned):
             return self
-        feet = self.feet.copy()
-        feet[turned] = self.feet[turned - 1] + 0.5 * (ways[turned - 1] + ways[turned])
-        return replace(self, feet=feet)
+        parameters = self.parameters.copy()
+        parameters[turned] = self.parameters[turned - 1] + 0.5 * (ways[turned - 1] + ways[turned])
+        return replace(self, parameters=parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,18 +265,20 @@ def match_ink(
 def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis) -> Ink:
     """Return one piece of ink with its parameters, and which of its ends show ends of the curve."""
     length = float(ink.along[-1])
-    feet = _feet(ink.pixels, length, image, at, closed=basis.closed)
+    parameters = _passed_parameters(ink.pixels, length, image, at, closed=basis.closed)
     held = ink.held.copy()
     if not basis.periodic:
         close = max(AT_END[0], AT_END[1] * length)
         for end in (1,) if basis.reading == "self" else (0, 1):
-            tip = -int(np.argmin(np.abs(feet[[0, -1]] - basis.half[end])))
+            tip = -int(np.argmin(np.abs(parameters[[0, -1]] - basis.half[end])))
             if np.linalg.norm(ink.pixels[tip] - image[-end]) <= close:
-                held[tip], feet[tip] = True, basis.half[end]
-    return replace(ink, feet=feet, held=held)
+                held[tip], parameters[tip] = True, basis.half[end]
+    return replace(ink, parameters=parameters, held=held)
 
 
-def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool) -> Array:
+def _passed_parameters(
+    place: Array, length: float, image: Array, at: Array, *, closed: bool
+) -> Array:
     """Return the parameters of the places of the image that ink passes, in order."""
     count = min(len(place), MATCHED)
     chosen = np.linspace(0, len(place) - 1, count).round().astype(int)
@@ -286,8 +288,8 @@ def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool)
     lengths = 0.5 * (steps + np.roll(steps, 1))
     nodes = ordered_feet(place[chosen], length / count, image, lengths, closed=closed)
     step = float(at[1] - at[0])
-    laid = at[0] + step * np.arange(len(at) * (LAPS if closed else 1))
-    return np.asarray(np.interp(np.arange(len(place)), chosen, laid[nodes]))
+    numbered = at[0] + step * np.arange(len(at) * (LAPS if closed else 1))
+    return np.asarray(np.interp(np.arange(len(place)), chosen, numbered[nodes]))
 
 
 def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | None:
@@ -295,7 +297,7 @@ def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | Non
     low, high = basis.whole.range
     off = ink.deviation(basis, points)
     slid = np.abs((off.offset * off.along).sum(axis=1))
-    clamped = (ink.feet <= low) | (ink.feet >= high)
+    clamped = (ink.parameters <= low) | (ink.parameters >= high)
     kept = ink.held | ~(clamped & (slid > SPACING))
     if not kept.any():
         return None

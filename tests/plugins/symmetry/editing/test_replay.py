@@ -33,7 +33,7 @@ class Made(NamedTuple):
 
 
 def applied(*arguments) -> Made:
-    return Made(*replay.applied(*arguments))
+    return Made(*replay.apply_edits(*arguments))
 
 
 def nobody(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
