@@ -1,4 +1,4 @@
-"""What can be done to the chosen curve at one word: above all, to read it in another way."""
+"""Commands on the chosen curve: above all, to read it in another way."""
 
 from __future__ import annotations
 
@@ -12,21 +12,19 @@ from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.operations.curve_ends import with_nearest_joined
 from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
 from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
-from bozzetto_symmetry.solve.curve_solver import traced
-
-__all__ = ["all_commands"]
+from bozzetto_symmetry.solve.curve_solver import trace_of
 
 READINGS: Final[tuple[AskedReading, ...]] = ("pair", "self", "plane", "half")
 """In the order in which the key goes through them."""
 
 
 def all_commands() -> Sequence[Command]:
-    """The commands, in the order of the menu."""
+    """Return the commands in the order of the menu."""
     return (
         Command(
             id="switch-reading",
             title="Switch reading",
-            help="Take the chosen curve for what else it can be: both sides, across, in the plane.",
+            help="Read the chosen curve in another way: both sides, across, or in the plane.",
             run=_switched,
             key="X",
             enabled=_has_curve,
@@ -34,7 +32,7 @@ def all_commands() -> Sequence[Command]:
         Command(
             id="other-matching",
             title="Take the other matching",
-            help="Let the two sides of the chosen curve belong together in the other way.",
+            help="Match the two sides of the chosen curve in the other way that fits.",
             run=_matched_otherwise,
             key="C",
             enabled=_has_curve,
@@ -42,20 +40,20 @@ def all_commands() -> Sequence[Command]:
         Command(
             id="join-nearest",
             title="Join to the nearest end",
-            help="Make the chosen curve and the one whose end is nearest one smooth curve.",
+            help="Join the chosen curve smoothly to the curve whose end is nearest.",
             run=with_nearest_joined,
             enabled=_has_curve,
         ),
         Command(
             id="trim-ends",
             title="Trim ends that meet",
-            help="Cut ends that pass by one another, and lead on those that fall a little short.",
+            help="Cut ends that overshoot, and extend ends that fall a little short.",
             run=with_ends_met,
         ),
         Command(
             id="snap-ends",
             title="Snap ends",
-            help="Take the ends of the chosen curve to ends, curves, edges or planes near them.",
+            help="Move the ends of the chosen curve to ends, curves, edges or planes near them.",
             run=with_ends_caught,
             enabled=_has_curve,
         ),
@@ -63,24 +61,23 @@ def all_commands() -> Sequence[Command]:
 
 
 def _has_curve(state: SymmetryState) -> bool:
-    return any(curve.id == state.selected for curve in state.curves)
+    return state.chosen is not None
 
 
 def _chosen(state: SymmetryState) -> Curve:
-    for curve in state.curves:
-        if curve.id == state.selected:
-            return curve
-    raise UserError("No curve is chosen. Choose one in the list.")
+    if state.chosen is None:
+        raise UserError("No curve is chosen. Choose one in the list.")
+    return state.chosen
 
 
 def _switched(state: SymmetryState, context: Context) -> SymmetryState:
-    """The next reading that the ink allows."""
+    """Return the state with the next reading that the ink of the chosen curve allows."""
     curve = _chosen(state)
-    now = READINGS.index(traced(curve, state).reading)
+    now = READINGS.index(trace_of(curve, state).reading)
     for step in range(1, len(READINGS)):
         tried = replace(curve, reading=READINGS[(now + step) % len(READINGS)], other=False)
         try:
-            traced(tried, state)
+            trace_of(tried, state)
         except UserError:
             continue
         return state.with_node(tried)
@@ -88,9 +85,9 @@ def _switched(state: SymmetryState, context: Context) -> SymmetryState:
 
 
 def _matched_otherwise(state: SymmetryState, context: Context) -> SymmetryState:
-    """The second-best matching, or the best one again."""
+    """Return the state with the second-best matching of the chosen curve, or the best one again."""
     curve = _chosen(state)
     turned = replace(curve, other=not curve.other)
-    if traced(curve, state).choices < 2:
+    if trace_of(curve, state).choices < 2:
         raise UserError("There is no other way in which these strokes belong together.")
     return state.with_node(turned)

@@ -1,4 +1,4 @@
-"""The curves for other programs: exact splines in the frame of the model."""
+"""Curves for other programs: exact splines in the frame of the model."""
 
 from __future__ import annotations
 
@@ -7,17 +7,14 @@ from dataclasses import replace
 
 from bozzetto.geometry import Shapes
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.solve.curve_solver import Trace
-
-__all__ = ["shapes_of"]
 
 
 def shapes_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Shapes:
-    """All curves that are shown; the mirror image of a pair comes after it."""
+    """Return all curves that are shown; the mirror image of a pair comes after it."""
     place = state.plane.placement
     handed = []
-    for curve in shown_curves(state):
+    for curve in state.shown_curves:
         trace = traces.get(curve.id)
         if trace is None or trace.curve is None:
             continue

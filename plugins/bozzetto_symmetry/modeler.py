@@ -1,4 +1,4 @@
-"""The symmetry modeler's place in the program: ink in; symmetric curves in space out."""
+"""The symmetry modeler: ink in; symmetric curves in space out."""
 
 from __future__ import annotations
 
@@ -19,15 +19,13 @@ from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.ink.same_view import is_one_view
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Group, Line, SymmetryState
-from bozzetto_symmetry.operations.assign_stroke import drawn_curves, waiting_view
+from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
 from bozzetto_symmetry.report import cautions_of, report_of
-from bozzetto_symmetry.solve.curve_solver import Trace, directions, traced
+from bozzetto_symmetry.solve.curve_solver import Trace, directions, trace_of
 from bozzetto_symmetry.tools import all_tools
 from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
 from bozzetto_symmetry.view.view_advice import advice
-
-__all__ = ["Symmetry", "SymmetryResult"]
 
 FIRST_NEEDED: Final = (
     "scipy.interpolate", "scipy.linalg", "scipy.ndimage", "scipy.sparse.linalg", "scipy.spatial",
@@ -35,22 +33,24 @@ FIRST_NEEDED: Final = (
 """What reading and fitting a curve imports: up to a second's work."""
 
 ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState().height)}
-"""Where the box stands of which a file says nothing: things stand on the ground, at z = 0."""
+"""Where a box stands that no file describes: things stand on the ground, at z = 0."""
 
 
-WAITS_ELSEWHERE: Final = "A side waits in the view in which it was drawn."
+WAITS_ELSEWHERE: Final = (
+    "The chosen curve waits for its other side. Draw it in the view of the first one."
+)
 
 
 @dataclass(frozen=True, eq=False)
 class SymmetryResult:
-    """What the recipes gave.
+    """The curves that the recipes gave.
 
     Attributes
     ----------
     traces : dict of str to Trace
         By the id of the curve, in their order.
     problems : dict of str to str
-        Curves whose strokes cannot be what they are said to be, and why.
+        Curves that could not be read, by id, and why.
     """
 
     traces: Mapping[str, Trace]
@@ -67,18 +67,19 @@ class Symmetry:
     part_types = (Curve, Line, Group)
 
     def create(self, context: Context) -> SymmetryState:
-        """An empty box: the one that a file asks for, or 200 × 100 × 100 mm on the ground."""
-        told = box_facts(context.facts)
-        return replace(SymmetryState(), **({} if told else ON_GROUND), **told)
+        """Return an empty box: the one that a file gives, or 200 × 100 × 100 mm on the ground."""
+        given = box_facts(context.facts)
+        return replace(SymmetryState(), **({} if given else ON_GROUND), **given)
 
     def tools(self) -> Sequence[Tool[SymmetryState]]:
-        """What the pen can do, most used first."""
+        """Return the tools of the pen, most used first."""
         return all_tools()
 
     def read_drawing(self, drawing: Drawing, context: Context) -> SymmetryState:
-        """The curves of a drawing: strokes of one name are one curve, others find their own.
+        """Return the curves of a drawing.
 
-        Where the file tells no box, it is one with room for all the ink.
+        Strokes of one name are one curve; others go where they belong. Where the file gives no box,
+        it is one with room for all the ink.
 
         Raises
         ------
@@ -90,46 +91,46 @@ class Symmetry:
         strokes, state = tuple(drawing.strokes), self.create(context)
         if context.facts.get("box") is None:
             state = replace(state, **box_around(strokes, state.plane))
-        return drawn_curves(state, strokes, readings_of(context.facts))
+        return add_drawing(state, strokes, readings_of(context.facts))
 
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
-        """Every curve by itself; what did not change is remembered."""
+        """Solve every curve by itself; what did not change is remembered."""
         traces: dict[str, Trace] = {}
         problems: dict[str, str] = {}
         for number, curve in enumerate(state.curves):
             job.checkpoint(number / len(state.curves), curve.name)
             try:
-                traces[curve.id] = traced(curve, state)
+                traces[curve.id] = trace_of(curve, state)
             except UserError as problem:
                 problems[curve.id] = problem.message
         return SymmetryResult(traces, problems)
 
     def scene(self, state: SymmetryState, result: SymmetryResult | None) -> Scene:
-        """The see-through box, the curves, and how sure each of them is."""
+        """Return the see-through box, the curves, and how sure each of them is."""
         return scene_of(state, {} if result is None else result.traces)
 
     def shapes(self, state: SymmetryState, result: SymmetryResult) -> Shapes:
-        """The curves, exact; of a pair both."""
+        """Return the curves, exact; of a pair both."""
         return shapes_of(state, result.traces)
 
     def curves(self, state: SymmetryState, result: SymmetryResult) -> tuple[ShapeCurve, ...]:
-        """The same curves, for the tools of other models to hold on to."""
+        """Return the same curves, for the tools of other models to snap to."""
         return shapes_of(state, result.traces).curves
 
     def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
-        """Readings, control points and uncertainties of all curves."""
+        """Return readings, control points and uncertainties of all curves."""
         return report_of(state, result.traces, result.problems)
 
     def cautions(self, state: SymmetryState, result: SymmetryResult) -> tuple[Caution, ...]:
-        """Curves that are missing or not sure, and why."""
+        """Return curves that are missing or not sure, and why."""
         return cautions_of(state, result.traces, result.problems)
 
     def commands(self) -> Sequence[Command]:
-        """What can be done to the chosen curve at one word."""
+        """Return the commands on the chosen curve."""
         return all_commands()
 
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
-        """How exact a curve becomes that is drawn in a view, and what of the box hangs on it.
+        """Return how exact a curve becomes in a view, and what of the box depends on the view.
 
         While the chosen curve waits for its other side, the way back to its view. Of an empty
         box it is asked before anything is drawn: time to import what the first curve needs, so
@@ -150,29 +151,29 @@ class Symmetry:
     # -- parts --
 
     def parts(self, state: SymmetryState) -> tuple[Curve | Line | Group, ...]:
-        """The curves, lines and groups."""
+        """Return the curves, lines and groups."""
         return state.nodes
 
     def selected_part(self, state: SymmetryState) -> str:
-        """The one that is chosen."""
+        """Return the id of the chosen one."""
         return state.selected
 
     def is_group(self, part: Curve | Line | Group) -> bool:
-        """Whether it holds others."""
+        """Return whether a part holds others."""
         return isinstance(part, Group)
 
     def with_parts(
         self, state: SymmetryState, parts: tuple[Curve | Line | Group, ...], selected: str
     ) -> SymmetryState:
-        """The same state with other nodes."""
+        """Return the same state with other nodes."""
         return replace(state, nodes=parts, selected=selected)
 
     def new_group(self, state: SymmetryState) -> Group:
-        """An empty group."""
+        """Return an empty group."""
         return Group(id=state.unused_id(), name=state.unused_name("Group"))
 
     # -- documents --
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Nothing to do: this is the first version."""
+        """Return the state as it is: this is the first version."""
         return state

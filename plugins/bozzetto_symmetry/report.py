@@ -1,4 +1,4 @@
-"""What is told about the curves: plain values in the frame of the model, mm."""
+"""The report on the curves: plain values in the frame of the model, mm."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from bozzetto.plugin import Caution
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace
 
-__all__ = ["cautions_of", "report_of"]
-
 
 def report_of(
     state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
 ) -> dict[str, Any]:
-    """How every curve was read, its spline, and how sure its places are.
+    """Return how every curve was read, its spline, and how sure its places are.
 
     Returns
     -------
@@ -28,15 +26,14 @@ def report_of(
         curve of a hand that errs by 1 px, mm), ``"rms"`` (ink from the curve's image,
         px) and ``"warnings"``; of a pair the mirror image's ``"mirrored_control_points"``.
     """
-    told = []
-    for curve in state.curves:
-        if curve.id in traces:
-            told.append(_told(curve, traces[curve.id], state))
-        else:
-            told.append({**_nothing(curve), "warnings": [problems.get(curve.id, "")]})
     plane = state.plane
     return {
-        "curves": told,
+        "curves": [
+            _entry(curve, traces[curve.id], state)
+            if curve.id in traces
+            else _nothing(curve) | {"warnings": [problems.get(curve.id, "")]}
+            for curve in state.curves
+        ],
         "box": {"center": list(state.centre), "size": list(state.size)},
         "plane": {"point": list(plane.point), "normal": list(plane.normal)},
         "unit": "mm",
@@ -46,13 +43,13 @@ def report_of(
 def cautions_of(
     state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
 ) -> tuple[Caution, ...]:
-    """Curves that could not be read, that wait for their other side, or are not sure."""
-    told = []
+    """Return cautions about curves that could not be read, wait for a side, or are not sure."""
+    cautions = []
     for curve in state.curves:
         trace = traces.get(curve.id)
-        words = (problems.get(curve.id, ""),) if trace is None else trace.warnings
-        told += [Caution(f"“{curve.name}”: {said}") for said in words if said]
-    return tuple(told)
+        warnings = (problems.get(curve.id, ""),) if trace is None else trace.warnings
+        cautions += [Caution(f"“{curve.name}”: {text}") for text in warnings if text]
+    return tuple(cautions)
 
 
 def _nothing(curve: Curve) -> dict[str, Any]:
@@ -63,18 +60,18 @@ def _nothing(curve: Curve) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _told(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
-    told = _nothing(curve) | {
+def _entry(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
+    entry = _nothing(curve) | {
         "reading": trace.reading,
         "margin": trace.margin,
         "rms": trace.rms,
         "warnings": list(trace.warnings),
     }
     if trace.curve is None:
-        return told
+        return entry
     place = state.plane.placement
     handed = trace.curve.to_curves()
-    told |= {
+    entry |= {
         "degree": handed[0].degree,
         "closed": trace.curve.closed,
         "knots": handed[0].knots.tolist(),
@@ -83,5 +80,5 @@ def _told(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
         "sigma": trace.sigma.tolist(),
     }
     if len(handed) > 1:
-        told["mirrored_control_points"] = place.points(handed[1].control_points).tolist()
-    return told
+        entry["mirrored_control_points"] = place.points(handed[1].control_points).tolist()
+    return entry

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import statistics
+import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -10,18 +12,19 @@ import numpy as np
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
-from bozzetto_symmetry.editing.oversketch import drawn_over
-from bozzetto_symmetry.fitting.bundle_adjustment import Sight, bundled
+from bozzetto_symmetry.editing.oversketch import oversketch
+from bozzetto_symmetry.fitting.bundle_adjustment import Sight, adjust_bundle
 from bozzetto_symmetry.ink.sides import sides_of
+from bozzetto_symmetry.interpretation.folding import foldings
 from bozzetto_symmetry.interpretation.reader import read
-from bozzetto_symmetry.interpretation.side_pairing import foldings, pairings
+from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row, warpings
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
-from bozzetto_symmetry.view.live_preview import Growing
+from bozzetto_symmetry.view.live_preview import GrowingCurve
 from bozzetto_symmetry.view.view_advice import advice
 from tests.benchmarks.timing import Row, in_turn, median_ms, processor_ms
 from tests.plugins.symmetry.scenes import ACROSS, LOOPS, PAIRS, RINGS, S, camera, drawn
@@ -123,7 +126,7 @@ def growing() -> Iterator[Row]:
         ink = resample(far, spacing=gap)
 
         def grown(ink: np.ndarray = ink) -> None:
-            side = Growing(STEREO, near)
+            side = GrowingCurve(STEREO, near)
             for count in range(1, len(ink) + 1):
                 side.points(ink[:count])
 
@@ -147,9 +150,17 @@ def tracing() -> Iterator[Row]:
     for name, strokes in drawings().items():
         fresh = unknown(strokes)
         took = median_ms(
-            lambda fresh=fresh: traced(Curve(strokes=Strokes(fresh())), state), repeats=9
+            lambda fresh=fresh: trace_of(Curve(strokes=Strokes(fresh())), state), repeats=9
         )
         yield row(f"{name}, from ink to curve", took)
+    times = []
+    for _ in range(9):  # of the last drawing, the pair of three strokes a side
+        strokes = fresh()
+        trace_of(Curve(strokes=Strokes(strokes[:-1])), state)
+        start = time.process_time()
+        trace_of(Curve(strokes=Strokes(strokes)), state)
+        times.append(1000.0 * (time.process_time() - start))
+    yield row("the same pair, its last stroke, processor time", statistics.median(times))
 
 
 def drawings() -> dict[str, tuple[Stroke, ...]]:
@@ -200,13 +211,13 @@ def fitting() -> Iterator[Row]:
     ]
     covariances = np.tile(np.eye(3), (len(side), 1, 1))
     ours, dense = in_turn(
-        lambda: bundled("pair", side, covariances, sights, controls="seven"),
+        lambda: adjust_bundle("pair", side, covariances, sights, controls="seven"),
         lambda: dense_fit(side, sights),
         repeats=5,
     )
     name = "scipy.optimize.least_squares, dense"
     yield row("fit of 7 control points to two views", ours, "", name, dense)
-    took = median_ms(lambda: bundled("pair", side, covariances, sights), repeats=7)
+    took = median_ms(lambda: adjust_bundle("pair", side, covariances, sights), repeats=7)
     yield row("the same, as many as the ink needs", took)
 
 
@@ -237,12 +248,12 @@ def using() -> Iterator[Row]:
     state = SymmetryState()
     side = PAIRS["S-wave"]
     strokes = drawings()["plain pair"]
-    curve = traced(Curve(strokes=Strokes(strokes)), state).curve
+    curve = trace_of(Curve(strokes=Strokes(strokes)), state).curve
     assert curve is not None
     hump = np.sin(np.pi * np.clip((S - 0.3) / 0.4, 0.0, 1.0))[:, None] ** 2
     ink = VIEW.project(side + hump * (0.0, 0.0, 8.0))[0][90:210]
     over = [Stroke(ink[:, 0], ink[:, 1], VIEW)]
-    took = median_ms(lambda: drawn_over(curve, STEREO, over), repeats=9)
+    took = median_ms(lambda: oversketch(curve, STEREO, over), repeats=9)
     yield row("a curve modified by one stroke", took, "≤ 60 ms")
     level = Camera(eye=(600.0, 40.0, 200.0))
     took = processor_ms(lambda: advice(level, CentrePlane(), (0.0, 0.0, 0.0), state.diagonal))

@@ -1,1 +1,1 @@
-"""Steps that are kept beside the ink and done again. Imports fitting and below."""
+"""Changes of curves that are kept beside the ink and replayed. Imports fitting and below."""

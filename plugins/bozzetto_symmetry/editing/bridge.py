@@ -1,6 +1,6 @@
-"""Open splines in a row as one spline, with bridges that are as fair as they can be.
+"""Open splines in a row as one spline, joined by bridges of least bending.
 
-What is joined stays what it is, exactly; only a stretch before each end may be cut back
+The joined splines stay exactly what they are; only a stretch before each end may be cut back
 where the bridge would bend too sharply. All in space, mm.
 """
 
@@ -16,22 +16,21 @@ from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto_symmetry.editing.trim import piece
 
-__all__ = ["bridged", "chained", "closed", "looped"]
-
 Array = NDArray[np.float64]
 
 CUT_BACK: Final = (0.0, *(float(share) for share in np.geomspace(0.002, 0.25, 15)))
 """Shares of the shorter curve that are tried to be cut back at both ends."""
 
-DEAR: Final = 25.0
-"""What cutting back costs against bending: a kink of half a radian is rounded over a
+CUTTING_PRICE: Final = 25.0
+"""Price of cutting back against bending: a kink of half a radian is rounded over a
 twentieth of the shorter curve."""
 
 TOUCHING: Final = 1e-7
-"""Gap, as a share of the shorter curve, and turn, radians, that are none."""
+"""Gap, as a share of the shorter curve, and turn, radians, that count as none."""
 
 SLOW: Final = 1e-3
-"""Speed, as a share of the greatest, below which a curve's bending is not told any better."""
+"""Least speed, as a share of the greatest, that bending is divided by: near a cusp it has no
+other bound."""
 
 LOOKS: Final = 256
 """Places by which lengths and bending are measured."""
@@ -45,8 +44,8 @@ class _End(NamedTuple):
     speed: float
 
 
-def bridged(first: Spline, second: Spline) -> Spline:
-    """One spline along the first to its end, over a bridge, and along the second.
+def bridge(first: Spline, second: Spline) -> Spline:
+    """Return one spline along the first to its end, over a bridge, and along the second.
 
     The directions agree at both ends of the bridge, and so does the parameter's speed. The
     bridge, and how far the ends are cut back, are those of least bending (the integral of
@@ -61,26 +60,26 @@ def bridged(first: Spline, second: Spline) -> Spline:
     Raises
     ------
     UserError
-        If an end has no direction, or the ends lie upon one another and point back.
+        If an end has no direction, or the ends coincide and point back at one another.
     """
-    return chained(_with_bridge(first, second, loop=False))
+    return chain(_with_bridge(first, second, loop=False))
 
 
-def looped(spline: Spline) -> Spline:
-    """A closed spline over 0 … 1: along an open one, and over a bridge back to its start.
+def close_with_bridge(spline: Spline) -> Spline:
+    """Return a closed spline over 0 … 1: along an open one, and over a bridge back to its start.
 
-    It begins in the middle of the bridge. Ends are cut back as `bridged` does.
+    It begins in the middle of the bridge. Ends are cut back as `bridge` does.
 
     Raises
     ------
     UserError
-        As `bridged`.
+        As `bridge`.
     """
-    return closed(chained(_with_bridge(spline, spline, loop=True)))
+    return close_chain(chain(_with_bridge(spline, spline, loop=True)))
 
 
 def _with_bridge(first: Spline, second: Spline, *, loop: bool) -> list[Spline]:
-    """The pieces in a row; for a loop both halves of the bridge come around the curve."""
+    """Return the pieces in a row. For a loop the halves of the bridge stand at both ends."""
     length = min(first.length, second.length)
     best: tuple[float, list[Spline]] | None = None
     for share in CUT_BACK:
@@ -92,7 +91,7 @@ def _with_bridge(first: Spline, second: Spline, *, loop: bool) -> list[Spline]:
         turn = float(np.linalg.norm(there.direction - here.direction))
         even = not loop or abs(here.speed - there.speed) <= TOUCHING * here.speed
         bridge: tuple[Spline, ...] = ()
-        price = 2.0 * DEAR * share
+        price = 2.0 * CUTTING_PRICE * share
         if gap > TOUCHING:
             bridge = (_bridge(here, there, paced=loop),)
             saved = _bending(first, last=True, cut=cut) + _bending(second, last=False, cut=cut)
@@ -117,7 +116,7 @@ def _end(spline: Spline, *, last: bool) -> _End:
 
 
 def _bridge(here: _End, there: _End, *, paced: bool) -> Spline:
-    """The cubic between two ends that follows a circle where there is one through both.
+    """Return the cubic between two ends that follows a circle where one touches both.
 
     Its speeds are chord / cos²(θ/4) for a turn of θ, those of a circle's arc; for a loop
     they are as different as the speeds of the curve's ends.
@@ -138,7 +137,7 @@ def _bridge(here: _End, there: _End, *, paced: bool) -> Spline:
 
 
 def _shortened(spline: Spline, start: float, end: float) -> Spline:
-    """Without stretches of these lengths, mm, at its ends."""
+    """Return a spline without a stretch at its start and one at its end, both in mm."""
     if start == end == 0.0:
         return spline
     at, along = _along(spline)
@@ -152,7 +151,10 @@ def _along(spline: Spline) -> tuple[Array, Array]:
 
 
 def _bending(spline: Spline, *, last: bool = False, cut: float | None = None) -> float:
-    """Integral of the squared curvature, 1/mm; of an end's stretch of a length where one is cut."""
+    """Return the integral of the squared curvature, 1/mm, along a spline or a stretch at its end.
+
+    The stretch is `cut` mm long, and is the last one of the spline if `last`.
+    """
     low, high = spline.range
     if cut is not None:
         at, along = _along(spline)
@@ -168,8 +170,8 @@ def _bending(spline: Spline, *, last: bool = False, cut: float | None = None) ->
     return float(np.trapezoid(curved**2 / speed**5, at))
 
 
-def chained(parts: list[Spline]) -> Spline:
-    """Splines that meet, each in the direction of the one before, as one of continuous speed.
+def chain(parts: list[Spline]) -> Spline:
+    """Return splines that meet in one direction as one spline of continuous speed.
 
     It begins with the parameters of the first.
     """
@@ -185,9 +187,9 @@ def chained(parts: list[Spline]) -> Spline:
     return whole
 
 
-def closed(spline: Spline) -> Spline:
-    """An open spline whose ends meet with one velocity as a closed one over 0 … 1."""
-    rounds = chained([spline, spline, spline])
+def close_chain(spline: Spline) -> Spline:
+    """Return an open spline whose ends meet with one velocity as a closed one over 0 … 1."""
+    rounds = chain([spline, spline, spline])
     count = len(spline.control_points) - 2
     # The middle round, from the second of the two knots where it begins.
     first = len(spline.control_points) + 1 - DEGREE

@@ -1,6 +1,6 @@
-"""A spline that is changed in places only: knots where they are needed, and a displacement.
+"""A spline that is changed in places only.
 
-The curve itself is not fitted anew. Knots are added without changing it, and then those
+The curve itself is not fitted again. Knots are added without changing it, and then those
 control points are moved that act nowhere else than where the curve has to move: all the
 rest stays what it is, to rounding.
 """
@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, symmetrize
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["displaced"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -34,7 +32,7 @@ HOLD: Final = 1e-7
 """Weight, per weight of the places, with which a control point stays that they leave free."""
 
 
-def displaced(
+def displace(
     spline: Spline,
     at: ArrayLike,
     shifts: ArrayLike,
@@ -81,13 +79,16 @@ def displaced(
         if not len(knots):
             break
         finer = finer.refined(_both_sides(finer, knots) if symmetric else knots)
-        finer = made_symmetric(finer) if symmetric else finer
+        finer = symmetrize(finer) if symmetric else finer
         change, off = _change(finer, station, wanted, unit, moved, symmetric)
     return Spline(finer.knots, finer.control_points + change, finer.closed)
 
 
 def _known(halves: Halves, at: Array, moved: Flags) -> Flags:
-    """Places that say what the curve should do: those at rest do not, where their image moves."""
+    """Return which places say what the curve should do.
+
+    A place at rest does not where its mirror image moves.
+    """
     away, beyond = halves.folded(at)
     known = moved.copy()
     for side in (beyond, ~beyond):
@@ -105,7 +106,7 @@ def _known(halves: Halves, at: Array, moved: Flags) -> Flags:
 def _change(
     spline: Spline, at: Array, shifts: Array, unit: Array, moved: Flags, symmetric: bool
 ) -> tuple[Array, Array]:
-    """Displacement of the control points, and how far each place is off then, px."""
+    """Return the displacement of the control points, and how far each place is off then, px."""
     basis = _basis(spline, at)
     numbers = np.arange(basis.shape[1])
     partner = halves_of(spline).partner if symmetric else numbers
@@ -131,7 +132,10 @@ def _change(
 
 
 def _basis(spline: Spline, at: Array) -> Array:
-    """What each control point counts at each place, (n, k); of a closed curve those that differ."""
+    """Return the weight of each control point at each place, (n, k).
+
+    Repeated control points of a closed curve count once.
+    """
     from scipy.interpolate import BSpline
 
     begin, end = spline.range
@@ -145,7 +149,7 @@ def _basis(spline: Spline, at: Array) -> Array:
 
 
 def _halvings(spline: Spline, at: Array, off: Flags) -> Array:
-    """Middles of the spans that hold a place that is off, and places enough."""
+    """Return the middles of the spans that hold a place that is off, and places enough."""
     breaks = np.unique(spline.knots[DEGREE:-DEGREE])
     count = len(breaks) - 1
     span = np.clip(np.searchsorted(breaks, spline.within(at), "right") - 1, 0, count - 1)

@@ -1,23 +1,21 @@
-"""Ends of curves in space made one; in the plane's frame (y = 0), mm."""
+"""Joins of curves in space; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
-from bozzetto_symmetry.editing.bridge import bridged, chained, closed, looped
+from bozzetto_symmetry.editing.bridge import bridge, chain, close_chain, close_with_bridge
 from bozzetto_symmetry.editing.trim import piece
-from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
-
-__all__ = ["closed_up", "joined", "joined_across"]
 
 _CLOSED = "A closed curve has no end to join. Split it first."
 
 
-def joined(
+def join_curves(
     curve: SpaceCurve, end: int, other: SpaceCurve, other_end: int, *, mirrored: bool = False
 ) -> SpaceCurve:
-    """Two curves as one that runs smoothly over the place where they meet.
+    """Return two curves as one that runs smoothly over the place where they meet.
 
     Parameters
     ----------
@@ -48,28 +46,29 @@ def joined(
             "ends to one another instead."
         )
     if other.reading == "self" and curve.reading == "pair":
-        return joined(other, 1, curve, end, mirrored=mirrored)
+        return join_curves(other, 1, curve, end, mirrored=mirrored)
     added = _image(other.spline) if mirrored else other.spline
     added = added.reversed() if other_end == 1 or other.reading == "self" else added
     if curve.reading != "self":
         base = curve.spline if end == 1 else curve.spline.reversed()
-        spline = bridged(base, added)
+        spline = bridge(base, added)
         return SpaceCurve(curve.reading, spline if end == 1 else spline.reversed())
     half = _half(curve.spline)
     if other.reading == "self":
         back = piece(added, added.range[0], halves_of(added).middle)
-        return SpaceCurve("self", _ring(bridged(half, back)))
-    return SpaceCurve("self", _unfolded(bridged(half, added)))
+        return SpaceCurve("self", _ring(bridge(half, back)))
+    return SpaceCurve("self", _unfolded(bridge(half, added)))
 
 
-def joined_across(curve: SpaceCurve, end: int) -> SpaceCurve:
-    """A curve joined to its own mirror image, where it crosses the plane at a right angle.
+def join_across(curve: SpaceCurve, end: int) -> SpaceCurve:
+    """Return a curve joined to its own mirror image, crossing the plane at a right angle.
 
     One of a pair becomes a curve across the plane; that becomes a ring.
 
     Parameters
     ----------
     curve : SpaceCurve
+        One of a pair, or a curve across the plane.
     end : {0, 1}
         The end at the plane; of a curve across the plane its free end is taken.
 
@@ -84,14 +83,14 @@ def joined_across(curve: SpaceCurve, end: int) -> SpaceCurve:
         raise UserError("A curve in the centre plane is its own mirror image already.")
     if curve.reading == "pair":
         away = curve.spline if end == 0 else curve.spline.reversed()
-        return SpaceCurve("self", made_symmetric(bridged(_image(away).reversed(), away)))
+        return SpaceCurve("self", symmetrize(bridge(_image(away).reversed(), away)))
     # From the new crossing back to the old one; a ring begins at the old one.
-    ring = looped(curve.spline.reversed())
+    ring = close_with_bridge(curve.spline.reversed())
     return SpaceCurve("self", _ring(piece(ring, 0.0, 0.5).reversed()))
 
 
-def closed_up(curve: SpaceCurve) -> SpaceCurve:
-    """A curve whose two ends are joined to one another.
+def close_up(curve: SpaceCurve) -> SpaceCurve:
+    """Return a curve whose two ends are joined to one another.
 
     Raises
     ------
@@ -99,10 +98,10 @@ def closed_up(curve: SpaceCurve) -> SpaceCurve:
         If it is closed already.
     """
     if curve.reading == "self":
-        return joined_across(curve, 1)
+        return join_across(curve, 1)
     if curve.closed:
         raise UserError(_CLOSED)
-    return SpaceCurve(curve.reading, looped(curve.spline))
+    return SpaceCurve(curve.reading, close_with_bridge(curve.spline))
 
 
 def _image(spline: Spline) -> Spline:
@@ -115,10 +114,10 @@ def _half(spline: Spline) -> Spline:
 
 
 def _unfolded(half: Spline) -> Spline:
-    """The curve across the plane whose half is given; it leaves the plane at a right angle."""
-    return made_symmetric(chained([_image(half).reversed(), half]))
+    """Return the curve across the plane from its half, leaving the plane at a right angle."""
+    return symmetrize(chain([_image(half).reversed(), half]))
 
 
 def _ring(half: Spline) -> Spline:
-    """The closed curve across the plane whose half runs from the plane to the plane."""
-    return made_symmetric(closed(chained([half, _image(half).reversed()])))
+    """Return the closed curve across the plane whose half runs from the plane to the plane."""
+    return symmetrize(close_chain(chain([half, _image(half).reversed()])))

@@ -1,8 +1,8 @@
-"""A curve in space that gives way to strokes drawn over it in one view.
+"""A curve in space that follows strokes drawn over it in one view.
 
-Kara & Shimada, section 13.2: the curve's picture is an active contour that the strokes
-pull, and what it becomes is lifted back with the least surprise. The curve's own control
-points follow, so what was not drawn over stays.
+Kara & Shimada, section 13.2: the picture of the curve is an active contour that the strokes
+pull, and its new course is lifted back into space with the least change. The control points of
+the curve follow, so what was not drawn over stays.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from bozzetto.ink.checked_points import is_on_sheet
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.ink.oversketch.snake import LOCATION, PRESSURE, RESTITUTION, modified
-from bozzetto_symmetry.editing.displacement import displaced
+from bozzetto_symmetry.editing.displacement import displace
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.ink.polyline import runs
+from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-__all__ = ["Forces", "drawn_over"]
 
 Array = NDArray[np.float64]
 
@@ -45,14 +45,14 @@ little about it: the plane is seen within three degrees of its edge then."""
 
 @dataclass(frozen=True)
 class Forces:
-    """What pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
+    """Weights of what pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
 
     restitution: float = RESTITUTION
     location: float = LOCATION
     pressure: float = PRESSURE
 
 
-def drawn_over(
+def oversketch(
     curve: SpaceCurve,
     stereo: Stereo,
     strokes: Sequence[Stroke],
@@ -60,7 +60,7 @@ def drawn_over(
     mirrored: bool = False,
     forces: Forces | None = None,
 ) -> SpaceCurve:
-    """The curve after strokes drawn over it.
+    """Return the curve after strokes drawn over it.
 
     Only what was drawn over changes, and a short stretch beyond. A pair stays one, exactly;
     so does a curve across the plane, which crosses it at a right angle as before; and one in
@@ -69,12 +69,15 @@ def drawn_over(
     Parameters
     ----------
     curve : SpaceCurve
+        The curve in space, in the frame of the plane.
     stereo : Stereo
         Of the camera through which the strokes were drawn.
     strokes : sequence of Stroke
+        What was drawn, in one view.
     mirrored : bool
         Of a pair: they were drawn over the mirror image.
     forces : Forces, optional
+        What pulls and what resists; the usual weights by default.
 
     Returns
     -------
@@ -105,13 +108,13 @@ def drawn_over(
     else:
         goal = lifted(points, stereo.camera, bent.points)
     shifts = np.where(bent.moved[:, None], (goal - points) * image, 0.0)
-    unit = _pixel(stereo, points)
-    spline = displaced(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")
+    unit = pixel_size(stereo.camera, points)
+    spline = displace(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")
     return curve if spline is curve.spline else SpaceCurve(curve.reading, spline)
 
 
 def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, bool]:
-    """Places at equal steps along the picture: parameters, points, and whether they close.
+    """Return places at equal steps along the picture: parameters, points, and whether they close.
 
     Of a curve that passes the eye the longest part that is seen.
     """
@@ -119,7 +122,7 @@ def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, 
     dense = np.linspace(begin, end, LOOKS)
     pixels = stereo.project(spline.value(dense) * image)
     seen = np.array([is_on_sheet(place) for place in pixels])
-    first, last = _longest_run(seen)
+    first, last = max(runs(seen), key=lambda run: run[1] - run[0], default=(0, 0))
     if last - first < 2:
         raise UserError("The curve is not seen from here. Turn the view, then draw over it.")
     whole = spline.closed and last - first == LOOKS
@@ -130,31 +133,13 @@ def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, 
     return at, spline.value(at) * image, whole
 
 
-def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags, [0])).astype(int)))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
-        return 0, 0
-    first, last = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-    return int(first), int(last)
-
-
 def _in_plane(stereo: Stereo, pixels: Array, points: Array, before: Array) -> Array:
-    """Where the new places are seen in the centre plane."""
+    """Return where the new places are seen in the centre plane, (n, 3) mm."""
     goal = stereo.on_plane(pixels)
-    way = np.linalg.norm(goal - points, axis=1) / _pixel(stereo, points)
+    way = np.linalg.norm(goal - points, axis=1) / pixel_size(stereo.camera, points)
     if not (way <= STEEPEST * np.linalg.norm(pixels - before, axis=1) + 1.0).all():
         raise UserError(
             "Where the stroke leads, the centre plane is seen edge-on or not at all. Turn the "
             "view, then draw over the curve."
         )
     return goal
-
-
-def _pixel(stereo: Stereo, points: Array) -> Array:
-    """Length of a pixel at points in front of the eye, mm."""
-    camera = stereo.camera
-    if stereo.parallel:
-        return np.full(len(points), 1.0 / camera.pixels_per_mm)
-    depth = camera.view_space(points)[:, 2]
-    return np.asarray(depth / (camera.distance * camera.pixels_per_mm))

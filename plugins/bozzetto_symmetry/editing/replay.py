@@ -1,16 +1,15 @@
-"""What was done to a curve since it was drawn, done again in order."""
+"""The edits of a curve, done in their order."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
-from bozzetto_symmetry.editing.join import closed_up, joined, joined_across
-from bozzetto_symmetry.editing.oversketch import Forces, drawn_over
-from bozzetto_symmetry.editing.snap import snapped
-from bozzetto_symmetry.editing.trim import trimmed
+from bozzetto_symmetry.editing.join import close_up, join_across, join_curves
+from bozzetto_symmetry.editing.oversketch import Forces, oversketch
+from bozzetto_symmetry.editing.snap import snap_end
+from bozzetto_symmetry.editing.trim import trim
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import (
     Curve,
@@ -23,52 +22,45 @@ from bozzetto_symmetry.model.state import (
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["Edited", "Solve", "applied", "edited"]
-
 Solve = Callable[[Curve, SymmetryState], SpaceCurve | None]
 """The curve in space of another recipe; None where it has none yet."""
 
 _edited: Memory[SpaceCurve] = Memory(limit=512)
 
 
-@dataclass(frozen=True, eq=False)
-class Edited:
-    """A curve after its edits.
-
-    Attributes
-    ----------
-    curve : SpaceCurve
-    warnings : tuple of str
-        Why edits that no longer fit were left out.
-    """
-
-    curve: SpaceCurve
-    warnings: tuple[str, ...] = ()
-
-
-def applied(curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solve: Solve) -> Edited:
-    """Do all edits in order. One that does not fit the curve any more is left out.
+def apply_edits(
+    curve: SpaceCurve, edits: Sequence[Edit], state: SymmetryState, solve: Solve
+) -> tuple[SpaceCurve, tuple[str, ...]]:
+    """Do all edits in order, leaving out those that do not fit the curve any more.
 
     Parameters
     ----------
     curve : SpaceCurve
         As it was drawn, in the frame of the centre plane.
     edits : sequence of Edit
+        What was done to the curve since it was drawn.
     state : SymmetryState
         For its plane and for what pulls in a modification.
     solve : callable
         What the recipes of joined curves give.
+
+    Returns
+    -------
+    curve : SpaceCurve
+        The curve after its edits.
+    warnings : tuple of str
+        Why edits that no longer fit were left out.
     """
     warnings: list[str] = []
     for edit in edits:
         try:
-            curve = edited(curve, edit, state, solve)
+            curve = apply_edit(curve, edit, state, solve)
         except UserError as problem:
             warnings.append(f"A change of the curve was left out. {problem.message}")
-    return Edited(curve, tuple(dict.fromkeys(warnings)))
+    return curve, tuple(dict.fromkeys(warnings))
 
 
-def edited(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:
+def apply_edit(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:
     """Do one edit; remembered, so that one more costs no more than itself.
 
     Raises
@@ -88,9 +80,9 @@ def _done(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> 
         case Modification():
             return _modified(curve, edit, state)
         case Trim():
-            return trimmed(curve, edit.begin, edit.end)
+            return trim(curve, edit.begin, edit.end)
         case Snap():
-            return snapped(curve, edit.end, state.plane.inverse.points(edit.point)[0])
+            return snap_end(curve, edit.end, state.plane.inverse.points(edit.point)[0])
         case Joint():
             return _joined(curve, edit, state, solve)
 
@@ -98,7 +90,7 @@ def _done(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> 
 def _modified(curve: SpaceCurve, edit: Modification, state: SymmetryState) -> SpaceCurve:
     if not len(edit.strokes):
         return curve
-    return drawn_over(
+    return oversketch(
         curve,
         Stereo.of(edit.strokes[0].camera, state.plane),
         tuple(edit.strokes),
@@ -109,8 +101,8 @@ def _modified(curve: SpaceCurve, edit: Modification, state: SymmetryState) -> Sp
 
 def _joined(curve: SpaceCurve, edit: Joint, state: SymmetryState, solve: Solve) -> SpaceCurve:
     if edit.other is None:
-        return joined_across(curve, edit.end) if edit.mirrored else closed_up(curve)
+        return join_across(curve, edit.end) if edit.mirrored else close_up(curve)
     other = solve(edit.other, state)
     if other is None:
         raise UserError("The curve that was joined has only one side. Draw the other one, too.")
-    return joined(curve, edit.end, other, edit.other_end, mirrored=edit.mirrored)
+    return join_curves(curve, edit.end, other, edit.other_end, mirrored=edit.mirrored)

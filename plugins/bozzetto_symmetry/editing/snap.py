@@ -1,4 +1,4 @@
-"""An end of a curve that is taken to a place; in the plane's frame (y = 0), mm."""
+"""Ends of curves moved to given places; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -11,40 +11,39 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["snapped"]
 
 Array = NDArray[np.float64]
 
 FADE: Final = 8.0
-"""An end carries the curve along over this many times the way that it goes; the curve turns
-by a few degrees, and by less than a fifth of a radian at most."""
+"""Length of the stretch that moves with an end, over the distance that the end moves; the curve
+turns by a few degrees, and by less than a fifth of a radian at most."""
 
 LEAST_FADE: Final = 0.1
-"""Least share of the curve that goes along."""
+"""Least share of the curve that moves with an end."""
 
 STEPS: Final = 8
-"""Knots on the stretch that goes along, at least: its displacement has one bend each way."""
+"""Least number of knots on that stretch: its displacement has one bend each way."""
 
 ON_PLANE: Final = 1e-12
-"""Distance from the plane, as a share of that from the origin, that is rounding."""
+"""Distance from the plane, as a share of that from the origin, that counts as rounding."""
 
 LOOKS: Final = 256
 """Places by which lengths are measured."""
 
 
-def snapped(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
-    """A curve whose end is at a given place.
+def snap_end(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
+    """Return a curve whose end is at a given place.
 
-    The direction at the end stays; a stretch before it goes along, the less the farther it is
-    from the end, and the rest does not move.
+    The direction at the end stays. A stretch before it moves along, the less the farther it is
+    from the end; the rest does not move.
 
     Parameters
     ----------
     curve : SpaceCurve
+        An open curve, in the frame of the plane.
     end : {0, 1}
         Of a curve across the plane its one free end is 1.
     point : (3,) array_like
@@ -79,11 +78,11 @@ def _end_moved(spline: Spline, place: Array) -> Spline:
 
 
 def _both_ends_moved(spline: Spline, place: Array) -> Spline:
-    """Of a curve across the plane the free end, and its mirror image."""
+    """Return a curve across the plane with its free end, and the image of that, moved."""
     middle = halves_of(spline).middle
     way = place - spline.value(spline.range[1:])[0]
     fade = _Fade.of(spline, middle, way)
-    finer = made_symmetric(spline.refined(np.concatenate((fade.knots, 2.0 * middle - fade.knots))))
+    finer = symmetrize(spline.refined(np.concatenate((fade.knots, 2.0 * middle - fade.knots))))
     shift = fade.shares(finer, middle)[:, None] * way
     points = finer.control_points + shift + shift[::-1] * MIRROR
     points[-1], points[0] = place, place * MIRROR
@@ -92,7 +91,7 @@ def _both_ends_moved(spline: Spline, place: Array) -> Spline:
 
 @dataclass(frozen=True, eq=False)
 class _Fade:
-    """A stretch before the end of a spline: parameters, and the share of the way of each."""
+    """A stretch before the end of a spline: parameters, and what share of the way each one goes."""
 
     at: Array
     share: Array
@@ -108,12 +107,15 @@ class _Fade:
 
     @property
     def knots(self) -> Array:
-        """Where the displacement needs knots."""
+        """Parameters at which the displacement needs knots."""
         begin = self.at[max(0, int(np.argmax(self.share > 0.0)) - 1)]
         return np.linspace(begin, self.at[-1], STEPS + 1)[:-1]
 
     def shares(self, spline: Spline, middle: float = -np.inf) -> Array:
-        """What each control point has of the way; the last two all, which keeps the direction."""
+        """Return the share of the way of each control point.
+
+        The last two go all the way, which keeps the direction at the end.
+        """
         places = (spline.knots[1:-3] + spline.knots[2:-2] + spline.knots[3:-1]) / DEGREE
         share = np.interp(places, self.at, self.share)
         share[-2:] = 1.0

@@ -1,4 +1,4 @@
-"""Stretches of curves in space, exact to rounding; in the plane's frame (y = 0), mm."""
+"""Stretches of curves in space, exact to rounding; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -8,20 +8,18 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
-from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
-
-__all__ = ["SHORTEST", "piece", "share_of", "trimmed"]
 
 SHORTEST: Final = 1e-3
 """Least share of a curve that is kept: less is a dot."""
 
 SLIVER: Final = 1e-11
-"""Distance of a cut from a knot, as a share of the range, that is rounding."""
+"""Distance of a cut from a knot, as a share of the range, that counts as rounding."""
 
 
-def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
-    """Only a stretch of a curve.
+def trim(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
+    """Return a stretch of a curve.
 
     Shares of a curve across the plane count on its half, from the plane outwards (of a ring
     from one crossing to the other). A stretch that begins on the plane stays a curve across
@@ -30,6 +28,7 @@ def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
     Parameters
     ----------
     curve : SpaceCurve
+        In the frame of the plane.
     begin, end : float
         Shares of the parameter range. On a closed curve that does not cross the plane
         `end` may be above 1: the stretch runs over the seam.
@@ -59,16 +58,16 @@ def trimmed(curve: SpaceCurve, begin: float, end: float) -> SpaceCurve:
         return curve
     if low == 0.0:
         kept = piece(spline, 2.0 * halves.middle - far, far)
-        return SpaceCurve("self", made_symmetric(kept))
+        return SpaceCurve("self", symmetrize(kept))
     if halves.ring and high == 1.0:
         # About the other crossing; turned round, so that the half that counts comes second.
         kept = piece(spline, near, 2.0 * halves.end - near).reversed()
-        return SpaceCurve("self", made_symmetric(kept))
+        return SpaceCurve("self", symmetrize(kept))
     return SpaceCurve("pair", piece(spline, near, far))
 
 
 def piece(spline: Spline, low: float, high: float) -> Spline:
-    """The open piece of a spline between two parameters; of a closed one it may run on."""
+    """Return the open piece of a spline between two parameters; of a closed one it may run on."""
     low, high = _at_knot(spline, low), _at_knot(spline, high)
     if not spline.closed:
         begin, end = spline.range
@@ -83,7 +82,7 @@ def piece(spline: Spline, low: float, high: float) -> Spline:
 
 
 def _at_knot(spline: Spline, at: float) -> float:
-    """The parameter, or the knot beside it: a span of no width would have no direction."""
+    """Return a parameter, or the knot beside it: a span of no width would have no direction."""
     begin, end = spline.range
     inside = float(spline.within([at])[0])
     knot = float(spline.knots[np.argmin(np.abs(spline.knots - inside))])
@@ -91,7 +90,7 @@ def _at_knot(spline: Spline, at: float) -> float:
 
 
 def share_of(curve: SpaceCurve, parameter: float) -> float:
-    """The share, as `trimmed` takes it, of a place of a curve's spline."""
+    """Return the share, as `trim` takes it, of a parameter of a curve's spline."""
     if curve.reading == "self":
         halves = halves_of(curve.spline)
         away, _ = halves.folded([parameter])

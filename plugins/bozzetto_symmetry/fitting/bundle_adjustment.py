@@ -10,35 +10,42 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto_symmetry.fitting.initial_guess import approximated, half_of, stations_of
+from bozzetto_symmetry.fitting.initial_guess import approximate, half_of, stations_of
 from bozzetto_symmetry.fitting.normal_equations import Fit, Problem
-from bozzetto_symmetry.fitting.point_constraints import FEWEST, MORE, MOST, Controls, through
-from bozzetto_symmetry.fitting.reprojection import Ink, inked
+from bozzetto_symmetry.fitting.reprojection import Ink, match_ink
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = ["Bundled", "Sight", "bundled", "through"]
-
 Array = NDArray[np.float64]
+Controls = Literal["adaptive", "seven"]
+
+FEWEST: Final = 7
+"""Control points of a half to begin with (Bae, Kijima & Kim 2004 always take seven)."""
+
+MORE: Final = 3
+"""Control points added until the curve is good."""
+
+MOST: Final = 25
+"""Control points of a half at which adding ends."""
 
 ENOUGH: Final = 0.1
 """Distance of the ink from the image of the curve (rms, px) at which more control points are
 of no use: a tenth of what a hand can do, for the error in space is several times as large."""
 
 NOISE_FACTOR: Final = 0.7
-"""The same as a multiple of the hand's noise. That is slow, and a curve goes along with about
+"""The same limit as a multiple of the hand's noise. The noise is slow, and a curve follows about
 half of it: what is left at the full noise is shape."""
 
 LOST: Final = 4.0
-"""Distance (rms, px) above which the feet of the ink may be on the wrong branches."""
+"""Distance (rms, px) above which the ink may be matched to the wrong branches of the curve."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +58,7 @@ class Sight:
     near : tuple of (n, 2) float
         Pieces of ink, px, that show the half that was drawn.
     far : tuple of (n, 2) float
-        Those that show its mirror image.
+        Pieces of ink that show its mirror image.
     noise : float
         Standard deviation of the hand across the ink, px.
     """
@@ -63,7 +70,7 @@ class Sight:
 
 
 @dataclass(frozen=True, eq=False)
-class Bundled:
+class Adjusted:
     """A curve, and how well it follows the ink.
 
     Attributes
@@ -77,7 +84,7 @@ class Bundled:
     rms: float
 
 
-def bundled(
+def adjust_bundle(
     reading: Reading,
     points: ArrayLike,
     covariances: ArrayLike,
@@ -86,24 +93,26 @@ def bundled(
     closed: bool = False,
     ring: bool = False,
     controls: Controls = "adaptive",
-) -> Bundled:
+) -> Adjusted:
     """Fit one symmetric spline to all ink of all views.
 
     Least squares of the distances of the ink across the image of the curve, each over the
-    noise of its hand, with feet found anew at every step (Gauss–Newton, tangent distance
+    noise of its hand, with closest points updated at every step (Gauss–Newton, tangent distance
     minimisation; Wang, Pottmann & Liu 2006, section 3.3), and of the curve's third
     derivative, which decides only where the ink does not.
 
     Parameters
     ----------
     reading : {"pair", "self", "plane"}
+        What the curve is.
     points : (k, 3) array_like
         Where the curve is, roughly, mm, in order: along the side that was drawn; of a curve
         across the plane along all of it, beginning with the half that was drawn first, or
         along that half from the plane outwards. Those that are not finite are left out.
     covariances : (k, 3, 3) array_like
-        Of these places, mm².
+        Covariances of these places, mm².
     sights : sequence of Sight
+        The ink of each view.
     closed : bool
         The side that was drawn is closed.
     ring : bool
@@ -114,7 +123,7 @@ def bundled(
 
     Returns
     -------
-    Bundled
+    Adjusted
 
     Raises
     ------
@@ -143,11 +152,11 @@ def bundled(
         better = made.betters(best)
         best, idle = (made, 0) if better else (best, idle + 1)
     best = best.calmed()
-    return Bundled(best.problem.basis.curve(best.points), best.rms)
+    return Adjusted(best.problem.basis.curve(best.points), best.rms)
 
 
 def _shows_mirror_image(sights: Sequence[Sight], half: Array) -> bool:
-    """Whether the ink of the half that was drawn first shows the other half of the points."""
+    """Return whether the ink of the half drawn first shows the other half of the points."""
     for sight in sights:
         for ink in sight.near:
             images = [sight.stereo.project(half * side) for side in (np.ones(3), MIRROR)]
@@ -164,16 +173,17 @@ def _fitted(
     stations: Array,
     sights: Sequence[Sight],
 ) -> Fit:
-    """The best curve with one number of control points, from places in space."""
-    start = approximated(basis, points, covariances, stations)
+    """Return the best curve with one number of control points, from places in space."""
+    start = approximate(basis, points, covariances, stations)
     inks = _matched(sights, basis, start)
     return Fit.at(Problem.of(basis, start, inks), start, inks, steps=0).settled()
 
 
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:
-    """The ink of the views, matched to a curve."""
+    """Return the ink of the views, matched to a curve."""
     inks = [
-        inked(sight.stereo, sight.near, sight.far, sight.noise, basis, points) for sight in sights
+        match_ink(sight.stereo, sight.near, sight.far, sight.noise, basis, points)
+        for sight in sights
     ]
     found = tuple(ink for ink in inks if ink is not None)
     if not found:

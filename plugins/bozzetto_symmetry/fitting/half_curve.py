@@ -1,4 +1,4 @@
-"""How a symmetric spline folds over at the centre plane; in the plane's frame (y = 0), mm."""
+"""The two halves of a symmetric spline; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -11,19 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
-__all__ = ["Halves", "halves_of", "made_symmetric"]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 ALIKE: Final = 1e-6
-"""Departure from symmetry, as a share of the curve's size or range, that is rounding. A ring
+"""Departure from symmetry, as a share of the curve's size or range, that counts as rounding. A ring
 is symmetric about two places only, and elsewhere by far more."""
 
 
 @dataclass(frozen=True, eq=False)
 class Halves:
-    """Where a symmetric spline crosses the plane, and what belongs together on its sides.
+    """Where a symmetric spline crosses the plane, and which of its control points are partners.
 
     Attributes
     ----------
@@ -49,7 +47,7 @@ class Halves:
         return self.end - self.middle
 
     def folded(self, parameters: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
-        """Distances from the middle, 0 … `span`, and which parameters are on the other half.
+        """Return distances from the middle, 0 … `span`, and which parameters are on the other half.
 
         Parameters
         ----------
@@ -62,7 +60,7 @@ class Halves:
 
 
 def halves_of(spline: Spline) -> Halves:
-    """The halves of a curve across the plane.
+    """Return the halves of a curve across the plane.
 
     Of the two crossings of a ring the one nearer to where its range begins is the middle.
 
@@ -98,8 +96,8 @@ def halves_of(spline: Spline) -> Halves:
     return Halves(middle, middle + 0.5 * period, partner, ring=True)
 
 
-def made_symmetric(spline: Spline) -> Spline:
-    """A spline that is symmetric up to rounding, exactly so.
+def symmetrize(spline: Spline) -> Spline:
+    """Return a spline that is symmetric up to rounding as one that is so exactly.
 
     Control points and their partners become exact negations of each other in y, and the
     knots of an open curve symmetric about 0.

@@ -1,4 +1,4 @@
-"""A first symmetric curve through places in space that are known better and worse."""
+"""A first symmetric curve through places in space of different certainty."""
 
 from __future__ import annotations
 
@@ -9,16 +9,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
-
-__all__ = [
-    "ROUGHNESS",
-    "approximated",
-    "half_of",
-    "length_of",
-    "polygon_of",
-    "stations_of",
-    "trusted_steps",
-]
+from bozzetto_symmetry.ink.polyline import interpolate
 
 Array = NDArray[np.float64]
 
@@ -34,8 +25,8 @@ GUESSED: Final = 0.01
 known it was put on a bridge, which is a better guess than none."""
 
 DOUBTFUL: Final = 0.01
-"""Standard deviation, as a share of the length, from which steps along a direction say
-little about the length of the way."""
+"""Standard deviation, as a share of the length, from which steps in a direction say little about
+the length of the way."""
 
 BOTH: Final = 0.5
 """Share of the greatest height above the plane that a curve across it reaches on the other
@@ -48,13 +39,13 @@ STATIONS: Final = 10
 """Control points of the curve by which places are given their stations."""
 
 
-def length_of(points: Array) -> float:
-    """Of the chain through points, mm."""
+def chord_length(points: Array) -> float:
+    """Return the length of the chain through points (n, 3), mm."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[Array, Array]:
-    """The half of a curve, in the order of its parameter, from what may be all of it.
+    """Return the half of a curve, in the order of its parameter, from what may be all of it.
 
     A curve across the plane given whole, from one free end to the other, begins with the
     half that was drawn first; a ring given whole goes round once from where it leaves the
@@ -89,7 +80,7 @@ def half_of(points: Array, covariances: Array, basis: SymmetricBasis) -> tuple[A
 
 
 def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Array:
-    """Shares of the half's parameters, (n,), by the length of the way.
+    """Return shares of the half's parameters, (n,), by the length of the way.
 
     Where places are known badly in one direction they jump about in it, and their chords are
     far too long: a step counts by what is known of it. Then the way is measured on a smooth
@@ -98,7 +89,7 @@ def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Arr
     lengths = trusted_steps(points, covariances, closed=basis.closed)
     stations = _shares(lengths, len(points))
     smooth = SymmetricBasis(basis.reading, STATIONS, basis.closed, basis.ring)
-    made = approximated(smooth, points, covariances, stations)
+    made = approximate(smooth, points, covariances, stations)
     low, high = smooth.half
     fine = np.linspace(0.0, 1.0, 20 * STATIONS + 1)
     way = smooth.at(smooth.values(low + (high - low) * fine * (1 - 1e-12)), made)
@@ -107,12 +98,14 @@ def stations_of(points: Array, covariances: Array, basis: SymmetricBasis) -> Arr
 
 
 def trusted_steps(points: Array, covariances: Array, *, closed: bool) -> Array:
-    """Lengths of the steps from place to place, less what is mere doubt, mm.
+    """Return the lengths of the steps from place to place, less their uncertainty, mm.
 
     Parameters
     ----------
     points : (n, 3) float
+        Places in their order, mm.
     covariances : (n, 3, 3) float
+        Covariances of the places, mm².
     closed : bool
         A last step leads back to the first place.
 
@@ -122,27 +115,28 @@ def trusted_steps(points: Array, covariances: Array, *, closed: bool) -> Array:
     """
     steps = np.diff(points, axis=0, append=points[:1] if closed else points[:0])
     spread = 0.5 * (covariances + np.roll(covariances, -1, axis=0))[: len(steps)]
-    doubt = (DOUBTFUL * length_of(points)) ** 2
+    doubt = (DOUBTFUL * chord_length(points)) ** 2
     trusted = np.linalg.solve(np.eye(3) + spread / doubt, steps[:, :, None])[:, :, 0]
     return np.asarray(np.sqrt(np.maximum((steps * trusted).sum(axis=1), 0.0)))
 
 
 def _shares(lengths: Array, count: int) -> Array:
-    """Shares of the whole way at each of `count` places."""
+    """Return the share of the whole way at each of `count` places."""
     total = float(lengths.sum())
     if not total > 0:
         return np.linspace(0.0, 1.0, count)
     return np.concatenate(([0.0], np.cumsum(lengths)))[:count] / total
 
 
-def approximated(
-    basis: SymmetricBasis, points: Array, covariances: Array, stations: Array
-) -> Array:
-    """Control points of a half through places, by least squares with their covariances.
+def approximate(basis: SymmetricBasis, points: Array, covariances: Array, stations: Array) -> Array:
+    """Return control points of a half through places, by least squares with their covariances.
 
     Parameters
     ----------
+    basis : SymmetricBasis
+        The curves among which the best one is sought.
     points : (n, 3) float
+        Places along the half, mm.
     covariances : (n, 3, 3) float
         mm²; only their ratios count.
     stations : (n,) float
@@ -152,7 +146,7 @@ def approximated(
     -------
     (count, 3) float
     """
-    length = length_of(points)
+    length = chord_length(points)
     floor = (KNOWN * length) ** 2 * np.eye(3)
     least = np.eye(3) / (GUESSED * length) ** 2
     weight = np.asarray(np.linalg.cholesky(np.linalg.inv(covariances + floor) + least))
@@ -170,12 +164,12 @@ def approximated(
 
 
 def polygon_of(basis: SymmetricBasis, points: Array, stations: Array) -> Array:
-    """Control points (count, 3) at even shares of the half on the chain through the points.
+    """Return control points (count, 3) at even shares of the half on the chain through the points.
 
-    The ends are the first and the last point exactly; what is not free to move is nought.
+    The ends are the first and the last point exactly; coordinates that are not free are 0.
     """
     even = np.linspace(0.0, 1.0, basis.count, endpoint=not basis.closed)
-    made = np.column_stack([np.interp(even, stations, points[:, axis]) for axis in range(3)])
+    made = interpolate(even, stations, points)
     if not basis.closed:
         made[[0, -1]] = points[[0, -1]]
     return np.where(basis.free.reshape(-1, 3), made, 0.0)

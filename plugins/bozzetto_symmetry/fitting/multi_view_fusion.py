@@ -1,7 +1,7 @@
-"""What several views say about one curve, in one.
+"""One estimate of a curve from those of several views.
 
 Every view knows a curve well in some directions and badly in others. Their places are
-brought together along the curve, where they contradict one another least for what each
+matched along the curve, where they contradict one another least for what each
 claims to know, and combined by their inverse covariances: the mean that has the least
 variance (Gauss; Aitken 1935).
 """
@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
 from bozzetto_symmetry.fitting.initial_guess import trusted_steps
-
-__all__ = ["Estimate", "fused"]
+from bozzetto_symmetry.ink.polyline import interpolate
 
 Array = NDArray[np.float64]
 
@@ -48,13 +47,13 @@ one from the worse view then counts less in proportion: it is a wrong partner, o
 that is worse than it claims."""
 
 TAIL: Final = 0.05
-"""Share of an estimate beyond the end of the best one that leads it on: less is the
-uncertainty of where that end belongs. What leads on must be known to this share of its size."""
+"""Share of an estimate beyond the end of the best one that extends it: less is the
+uncertainty of where that end belongs. The added part must be known to this share of its size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What one view says about a curve.
+    """Places of a curve with their covariances, as one view gives them.
 
     Parameters
     ----------
@@ -68,13 +67,13 @@ class Estimate:
     covariances: Array
 
 
-def fused(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
+def fuse(estimates: Sequence[Estimate], *, closed: bool = False) -> Estimate:
     """Combine estimates of the same curve, each from a view of its own.
 
     They may run in different senses, begin at different places of a closed curve, and cover
-    different parts of it. The result runs like the best of them, and is led on where another
-    one knows more of the curve. Where estimates contradict one another by more than their
-    covariances allow, those of the result are larger by as much (Birge 1932).
+    different parts of it. The result runs like the best of them, and is extended where
+    another one knows more of the curve. Where estimates contradict one another by more than their
+    covariances allow, those of the result grow by the same factor (Birge 1932).
 
     Parameters
     ----------
@@ -131,7 +130,7 @@ def _longer(one: Estimate, other: Estimate) -> Estimate:
 
 
 def _finite(estimate: Estimate) -> Estimate:
-    """What is finite, with covariances that can be inverted; what is next to unknown bridged.
+    """Return the finite places, with covariances that can be inverted.
 
     A place that may be anywhere along a ray can lie far away from the curve. It is put on the
     chain of the others instead, and known badly in all directions.
@@ -147,40 +146,40 @@ def _finite(estimate: Estimate) -> Estimate:
     if 1 < blind.sum() + 1 < len(blind):
         at = np.arange(len(points))
         seen = at[~blind]
-        chain = np.column_stack([np.interp(at, seen, points[seen, axis]) for axis in range(3)])
+        chain = interpolate(at, seen, points[seen])
         points = np.where(blind[:, None], chain, points)
         covariances = covariances + blind[:, None, None] * (BLIND * size) ** 2 * np.eye(3)
     return Estimate(points, covariances)
 
 
 def _typical(estimate: Estimate) -> Array:
-    """A covariance of middling size in the directions that are middling, (3, 3) mm²."""
+    """Return a covariance of the median size and the mean shape, (3, 3) mm²."""
     sizes = np.trace(estimate.covariances, axis1=1, axis2=2)
     shapes = estimate.covariances / sizes[:, None, None]
     return np.asarray(shapes.mean(axis=0) * float(np.median(sizes)))
 
 
 def _trouble(estimate: Estimate) -> float:
-    """Median variance, mm²."""
+    """Return the median variance, mm²."""
     return float(np.median(np.trace(estimate.covariances, axis1=1, axis2=2)))
 
 
 def _resampled(estimate: Estimate, count: int, closed: bool) -> Estimate:
-    """At places that are evenly spaced by what is known of the steps between them."""
+    """Return an estimate at places that are evenly spaced by trusted steps."""
     points, covariances = estimate.points, estimate.covariances
     steps = trusted_steps(points, covariances, closed=closed)
     along = np.concatenate(([0.0], np.cumsum(steps)))
     at = np.linspace(0.0, along[-1], count, endpoint=not closed)
     columns = np.hstack((points, covariances.reshape(-1, 9)))
     columns = np.vstack((columns, columns[:1])) if closed else columns
-    made = np.column_stack([np.interp(at, along, column) for column in columns.T])
+    made = interpolate(at, along, columns)
     return Estimate(made[:, :3], made[:, 3:].reshape(-1, 3, 3))
 
 
 def _partners(
     whole: Estimate, other: Estimate, closed: bool
 ) -> tuple[Estimate, NDArray[np.bool_], tuple[Estimate, Estimate]]:
-    """What another estimate says about the places of one.
+    """Return what another estimate says about the places of one.
 
     Returns
     -------
@@ -219,7 +218,7 @@ def _partners(
 
 
 def _leads_on(tail: Estimate, other: Estimate) -> bool:
-    """Whether a stretch is long enough, and known well enough, to be more of the curve."""
+    """Return whether a stretch is long enough, and known well enough, to be more of the curve."""
     if len(tail.points) < TAIL * len(other.points):
         return False
     return _trouble(tail) < (TAIL * float(np.ptp(other.points, axis=0).max())) ** 2
@@ -228,7 +227,7 @@ def _leads_on(tail: Estimate, other: Estimate) -> bool:
 def _between(
     other: Estimate, chosen: NDArray[np.intp], rows: Array, nodes: Array, closed: bool
 ) -> Estimate:
-    """What an estimate says where it is nearest to the rows, up to half a node from the chosen."""
+    """Return an estimate where it is nearest to the rows, up to half a node from the chosen."""
     count = len(nodes)
     ahead, behind = chosen + 1, chosen - 1
     if closed:

@@ -1,4 +1,4 @@
-"""The equations of a symmetric curve against its ink, and steps to their best solution."""
+"""The equations of a symmetric curve against its ink, and the steps that solve them."""
 
 from __future__ import annotations
 
@@ -9,12 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximated, length_of
+from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximate, chord_length
 from bozzetto_symmetry.fitting.reprojection import END_NOISE, Ink
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
-
-__all__ = ["Fit", "Problem"]
 
 Array = NDArray[np.float64]
 
@@ -34,14 +32,14 @@ DAMPING: Final = 1e-3
 the weight of a step along the image is 1."""
 
 LEASH: Final = 0.1
-"""Standard deviation of the first guess as a share of the length: it holds what no ink does."""
+"""Standard deviation of the first guess as a share of the length: it holds places without ink."""
 
 HELD: Final = 20
 """Places of a half that the first guess holds."""
 
 PEN: Final = 1.2
 """Distance of the ink (rms, px) above which anything that brings the curve nearer is better:
-it can be seen."""
+the distance is visible."""
 
 SHAPE: Final = 1.5
 """Power of the number of control points by which the distance of the ink must fall for them
@@ -49,12 +47,12 @@ to explain shape."""
 
 HIDDEN: Final = 2.0
 """How many times as large as what is left between ink and curve a hand's noise is at least:
-it is slow, and a curve goes along with half of it."""
+it is slow, and a curve follows half of it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What holds a curve beside the ink.
+    """What holds a curve besides the ink.
 
     Attributes
     ----------
@@ -70,11 +68,11 @@ class Problem:
 
     @classmethod
     def of(cls, basis: SymmetricBasis, start: Array, inks: Sequence[Ink]) -> Problem:
-        """Smoothness, the first guess (count, 3) mm, and its ends where no ink shows them."""
+        """Return rows of smoothness, of the first guess (count, 3) mm, and of ends without ink."""
         low, high = basis.half
         at = np.linspace(low, high, HELD, endpoint=not basis.periodic)
         values = basis.values(at)
-        length = length_of(basis.at(values, start))
+        length = chord_length(basis.at(values, start))
         leash = [
             basis.rows(values, np.tile(axis, (len(at), 1))) / (LEASH * length) for axis in np.eye(3)
         ]
@@ -91,15 +89,15 @@ class Problem:
 
 
 def _loose_ends(basis: SymmetricBasis, inks: Sequence[Ink]) -> list[float]:
-    """Parameters of the ends of the half that no ink shows."""
+    """Return the parameters of the ends of the half that no ink shows."""
     if basis.periodic:
         return []
     ends = basis.half[1:] if basis.reading == "self" else basis.half
-    return [end for end in ends if not any((ink.feet[ink.held] == end).any() for ink in inks)]
+    return [end for end in ends if not any((ink.parameters[ink.held] == end).any() for ink in inks)]
 
 
 def _end_row(basis: SymmetricBasis, start: Array, end: float, ink: Ink) -> Array:
-    """An end stays where it is along the curve, as well as a hand could say."""
+    """Return the row that holds an end along the curve, as well as a hand could place it."""
     values = basis.values([end])
     tangent = basis.at(basis.values([end], 1), start)
     slopes = image_slopes(ink.stereo, basis.at(values, start))[0]
@@ -109,7 +107,7 @@ def _end_row(basis: SymmetricBasis, start: Array, end: float, ink: Ink) -> Array
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A curve on the way, with the feet of the ink on it.
+    """A curve during the fit, with the closest points of the ink on it.
 
     Attributes
     ----------
@@ -139,7 +137,7 @@ class Fit:
 
     @classmethod
     def at(cls, problem: Problem, points: Array, inks: Sequence[Ink], steps: int = 1) -> Fit:
-        """The equations at a curve, after some steps of the feet towards it."""
+        """Return the equations at a curve, after some steps of the closest points towards it."""
         basis = problem.basis
         inks = tuple(ink.settled(basis, points, steps=steps) for ink in inks)
         rest = problem.target - problem.matrix @ points.ravel()[basis.free]
@@ -160,14 +158,14 @@ class Fit:
         return cls(problem, points, inks, normal, sliding, right, cost, (squares / count) ** 0.5)
 
     def stepped(self, slide: float) -> Fit:
-        """After one damped Gauss–Newton step."""
+        """Return the fit after one damped Gauss–Newton step."""
         damping = self.sliding + DAMPING * np.diag(np.diag(self.normal))
         step = np.asarray(np.linalg.solve(self.normal + slide * damping, self.right))
         points = self.problem.basis.moved(self.points, step)
         return Fit.at(self.problem, points, self.inks)
 
     def settled(self) -> Fit:
-        """The best curve in steps from this one."""
+        """Return the best curve that steps from this one reach."""
         fit = self
         slide, better, worse, most = SLIDE
         for _ in range(ROUNDS):
@@ -184,26 +182,26 @@ class Fit:
         return fit
 
     def refined(self, basis: SymmetricBasis) -> Fit:
-        """The best curve with more control points, from nearly the same curve."""
+        """Return the best curve with more control points, starting from nearly this one."""
         old = self.problem.basis
         stations = np.linspace(0.0, 1.0, 4 * basis.count, endpoint=not basis.closed)
         low, high = basis.half
         places = old.at(old.values(low + (high - low) * stations), self.points)
-        start = approximated(basis, places, np.zeros((len(places), 3, 3)), stations)
+        start = approximate(basis, places, np.zeros((len(places), 3, 3)), stations)
         problem = Problem.of(basis, start, self.inks)
         return Fit.at(problem, start, self.inks, steps=0).settled()
 
     def betters(self, other: Fit) -> bool:
-        """Whether it explains the ink better by more than its control points could anyhow.
+        """Return whether this fit explains more shape than the other one.
 
-        Shape that was missing falls by the fourth power of their number, a corner by the
-        first and a half; what a slow hand adds falls no faster than the number rises.
+        The distance of missing shape falls by the fourth power of the number of control points,
+        that of a corner by the power 1.5; what a slow hand adds falls no faster than the first.
         """
         count, before = self.problem.basis.count, other.problem.basis.count
         return self.rms < other.rms * (1.0 if other.rms > PEN else (before / count) ** SHAPE)
 
     def calmed(self) -> Fit:
-        """The same with the noise of the hands as large as the curve shows it to be."""
+        """Return the fit with the noise of the hands as large as the curve shows it to be."""
         level = HIDDEN * self.rms
         if all(ink.noise >= level for ink in self.inks):
             return self
@@ -212,9 +210,9 @@ class Fit:
 
 
 def _equations(ink: Ink, basis: SymmetricBasis, points: Array) -> tuple[Array, Array, Array]:
-    """Rows and right side of one view: across the ink, and along it at the ends it shows.
+    """Return rows and right side of one view: across the ink, and along it at the ends it shows.
 
-    Third are rows that say how far a step goes along the ink.
+    Third are the rows of a step along the ink.
     """
     off = ink.deviation(basis, points)
     scale = np.sqrt(ink.share) / ink.noise

@@ -1,4 +1,4 @@
-"""The ink of one view beside the image of a curve: which place shows which, and how far off."""
+"""The ink of one view beside the image of a curve."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
-
-__all__ = ["LEAST_NOISE", "TREMOR", "Deviation", "Ink", "inked"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -40,7 +38,7 @@ SPACING: Final = 4.0
 """Distance of the samples of ink, px: a third of the least tremor."""
 
 MOST_SAMPLES: Final = 300
-"""Of one piece of ink; on longer ink they are further apart."""
+"""Most samples of one piece of ink; on longer ink they are further apart."""
 
 CLOSED: Final = 0.05
 """Gap between the ends of a piece of ink, as a share of its length, below which it goes round a
@@ -57,8 +55,8 @@ AT_END: Final = (6.0, 0.04)
 the ink's length, whichever is more) shows that end."""
 
 
-COLUMNS: Final = ("pixels", "factors", "share", "along", "piece", "held", "feet")
-"""What there is for every sample of ink."""
+COLUMNS: Final = ("pixels", "factors", "share", "along", "piece", "held", "parameters")
+"""Fields of `Ink` with a value for every sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +68,7 @@ class Ink:
     stereo : Stereo
     pixels : (n, 2) float
     factors : (n, 3) float
-        What the coordinates of the curve are multiplied by: the mirror, for the far side.
+        Factors of the coordinates of the curve: the mirror, for the far side.
     noise : float
         Standard deviation of the hand across the ink, px, not below `LEAST_NOISE`.
     share : (n,) float
@@ -81,7 +79,7 @@ class Ink:
         Which piece of ink each sample is of.
     held : (n,) bool
         Samples that show an end of the curve.
-    feet : (n,) float
+    parameters : (n,) float
         Parameters of the nearest places of the curve's image.
     """
 
@@ -93,7 +91,7 @@ class Ink:
     along: Array
     piece: Index
     held: NDArray[np.bool_]
-    feet: Array
+    parameters: Array
 
     @classmethod
     def of(
@@ -105,7 +103,7 @@ class Ink:
         piece: int,
         closed: bool,
     ) -> Ink | None:
-        """Samples of one piece of ink, not yet matched to a curve; None if it is a dot."""
+        """Return samples of one piece of ink, not yet matched to a curve; None if it is a dot."""
         drawn = np.reshape(np.asarray(pixels, float), (-1, 2))
         length = float(arc_length(drawn)[-1]) if len(drawn) > 1 else 0.0
         if not length > 0:
@@ -129,10 +127,10 @@ class Ink:
         )
 
     def deviation(self, basis: SymmetricBasis, points: Array) -> Deviation:
-        """How far the ink is from the image of a curve, with the feet as they are."""
-        values = basis.values(self.feet)
+        """Return how far the ink is from the image of a curve at its present parameters."""
+        values = basis.values(self.parameters)
         place = basis.at(values, points) * self.factors
-        tangent = basis.at(basis.values(self.feet, 1), points) * self.factors
+        tangent = basis.at(basis.values(self.parameters, 1), points) * self.factors
         slopes = image_slopes(self.stereo, place)
         return Deviation(
             values,
@@ -142,7 +140,7 @@ class Ink:
         )
 
     def settled(self, basis: SymmetricBasis, points: Array, *, steps: int = 1) -> Ink:
-        """With the feet moved towards the nearest places of the curve's image.
+        """Return the ink with its parameters moved towards the closest points of the curve's image.
 
         A Gauss–Newton step of Hoschek's (1988) parameter correction; ends that are held stay,
         and samples keep their order: in a hairpin the nearest place may be on the other leg.
@@ -156,35 +154,35 @@ class Ink:
             step = np.zeros(len(speed))
             np.divide((off.offset * off.tangent).sum(axis=1), speed, out=step, where=speed > 0)
             step = np.where(ink.held | ~np.isfinite(step), 0.0, np.clip(step, -reach, reach))
-            ink = replace(ink, feet=basis.whole.within(ink.feet + step))
+            ink = replace(ink, parameters=basis.whole.within(ink.parameters + step))
         return ink
 
     def _in_order(self, basis: SymmetricBasis) -> Ink:
-        """With feet that turned back put between those of the samples beside."""
-        ways = np.diff(self.feet)
+        """Return the ink in its order: a parameter that turned back goes between its neighbours."""
+        ways = np.diff(self.parameters)
         if basis.periodic:
             ways = np.mod(ways + 0.5, 1.0) - 0.5
         inner = (self.piece[2:] == self.piece[:-2]) & ~self.held[1:-1]
         turned = 1 + np.flatnonzero(inner & (ways[:-1] * ways[1:] < 0.0))
         if not len(turned):
             return self
-        feet = self.feet.copy()
-        feet[turned] = self.feet[turned - 1] + 0.5 * (ways[turned - 1] + ways[turned])
-        return replace(self, feet=feet)
+        parameters = self.parameters.copy()
+        parameters[turned] = self.parameters[turned - 1] + 0.5 * (ways[turned - 1] + ways[turned])
+        return replace(self, parameters=parameters)
 
 
 @dataclass(frozen=True, eq=False)
 class Deviation:
-    """Of samples of ink from the image of a curve.
+    """Distances of samples of ink from the image of a curve.
 
     Attributes
     ----------
     values : (n, 3, k) float
-        Of the basis at the feet.
+        Basis functions at the parameters of the samples.
     slopes : (n, 2, 3) float
         Derivatives of the image by the place on the curve, px/mm.
     offset : (n, 2) float
-        From the image of the foot to the ink, px; NaN where the foot is not seen.
+        From the image of the closest point to the ink, px; NaN where that point is not seen.
     tangent : (n, 2) float
         Derivative of the image by the parameter, px.
     """
@@ -209,11 +207,11 @@ class Deviation:
 
     @property
     def across(self) -> Array:
-        """Distance of the ink across the image, px, with its sign."""
+        """Distances of the ink across the image, (n,) px, with their signs."""
         return np.asarray((self.offset * self.normal).sum(axis=1))
 
 
-def inked(
+def match_ink(
     stereo: Stereo,
     near: Sequence[ArrayLike],
     far: Sequence[ArrayLike],
@@ -221,12 +219,16 @@ def inked(
     basis: SymmetricBasis,
     points: Array,
 ) -> Ink | None:
-    """The ink of one view, matched to the image of a curve that is roughly right.
+    """Match the ink of one view to the image of a curve that is roughly right.
 
     Ink beyond the ends of the curve is left out: nothing is known about its partner.
 
     Parameters
     ----------
+    basis : SymmetricBasis
+        The curves among which the curve is one.
+    stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : sequence of (n, 2) float
         Pieces of ink that show the half, and its mirror image, px; in any sense.
     noise : float
@@ -261,21 +263,23 @@ def inked(
 
 
 def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis) -> Ink:
-    """One piece of ink with its feet, and which of its ends show an end of the curve."""
+    """Return one piece of ink with its parameters, and which of its ends show ends of the curve."""
     length = float(ink.along[-1])
-    feet = _feet(ink.pixels, length, image, at, closed=basis.closed)
+    parameters = _passed_parameters(ink.pixels, length, image, at, closed=basis.closed)
     held = ink.held.copy()
     if not basis.periodic:
         close = max(AT_END[0], AT_END[1] * length)
         for end in (1,) if basis.reading == "self" else (0, 1):
-            tip = -int(np.argmin(np.abs(feet[[0, -1]] - basis.half[end])))
+            tip = -int(np.argmin(np.abs(parameters[[0, -1]] - basis.half[end])))
             if np.linalg.norm(ink.pixels[tip] - image[-end]) <= close:
-                held[tip], feet[tip] = True, basis.half[end]
-    return replace(ink, feet=feet, held=held)
+                held[tip], parameters[tip] = True, basis.half[end]
+    return replace(ink, parameters=parameters, held=held)
 
 
-def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool) -> Array:
-    """Parameters of the places of the image that ink passes, in order."""
+def _passed_parameters(
+    place: Array, length: float, image: Array, at: Array, *, closed: bool
+) -> Array:
+    """Return the parameters of the places of the image that ink passes, in order."""
     count = min(len(place), MATCHED)
     chosen = np.linspace(0, len(place) - 1, count).round().astype(int)
     steps = np.linalg.norm(np.diff(image, axis=0, append=image[:1]), axis=1)
@@ -284,16 +288,16 @@ def _feet(place: Array, length: float, image: Array, at: Array, *, closed: bool)
     lengths = 0.5 * (steps + np.roll(steps, 1))
     nodes = ordered_feet(place[chosen], length / count, image, lengths, closed=closed)
     step = float(at[1] - at[0])
-    laid = at[0] + step * np.arange(len(at) * (LAPS if closed else 1))
-    return np.asarray(np.interp(np.arange(len(place)), chosen, laid[nodes]))
+    numbered = at[0] + step * np.arange(len(at) * (LAPS if closed else 1))
+    return np.asarray(np.interp(np.arange(len(place)), chosen, numbered[nodes]))
 
 
 def _without_beyond(ink: Ink, basis: SymmetricBasis, points: Array) -> Ink | None:
-    """Only the ink beside the curve, not what runs on beyond its ends."""
+    """Return the ink beside the curve, without what runs on beyond its ends."""
     low, high = basis.whole.range
     off = ink.deviation(basis, points)
     slid = np.abs((off.offset * off.along).sum(axis=1))
-    clamped = (ink.feet <= low) | (ink.feet >= high)
+    clamped = (ink.parameters <= low) | (ink.parameters >= high)
     kept = ink.held | ~(clamped & (slid > SPACING))
     if not kept.any():
         return None

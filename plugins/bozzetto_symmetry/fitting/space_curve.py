@@ -1,4 +1,4 @@
-"""Symmetric curves in space, exact by construction; in the centre plane's frame (y = 0), mm."""
+"""Symmetric curves in space, exact by construction; in the frame of the plane (y = 0), mm."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from bozzetto.geometry import Curve
 from bozzetto.geometry.shapes import Color
 from bozzetto.geometry.spline import DEGREE, Spline, uniform_knots
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["Reading", "SpaceCurve", "across"]
 
 Array = NDArray[np.float64]
 
@@ -42,13 +40,13 @@ class SpaceCurve:
         return self.spline.closed
 
     def curves(self) -> tuple[Spline, ...]:
-        """What is in space: the spline, and of a pair its exact mirror image."""
+        """Return the spline that was drawn, and of a pair its exact mirror image."""
         if self.reading == "pair":
             return self.spline, self.spline.mirrored((0.0, 1.0, 0.0))
         return (self.spline,)
 
     def to_curves(self, color: Color | None = None) -> tuple[Curve, ...]:
-        """What is handed over: `curves` with clamped ends, mirror images to the last bit.
+        """Return `curves` with clamped ends for other programs, mirror images to the last bit.
 
         Clamping a ring inserts knots, and rounds: the two halves are then made equal again.
         """
@@ -60,7 +58,7 @@ class SpaceCurve:
 
 
 def across(points: ArrayLike, *, ring: bool = False) -> Spline:
-    """The symmetric spline across the plane from the control points of one half.
+    """Return the symmetric spline across the plane from the control points of one half.
 
     With knots and control points symmetric about the middle the curve is its own mirror
     image, and it crosses the plane at a right angle with continuous curvature.
@@ -68,9 +66,10 @@ def across(points: ArrayLike, *, ring: bool = False) -> Spline:
     Parameters
     ----------
     points : (k, 3) array_like
-        From the control point on the plane outwards; its y is taken for 0. Of a ring the
+        From the control point on the plane outwards; its y counts as 0. Of a ring the
         last one is on the plane again.
     ring : bool
+        The curve is closed and crosses the plane twice.
 
     Returns
     -------

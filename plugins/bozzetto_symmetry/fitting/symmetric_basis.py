@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.spline import DEGREE, Spline, derived_points
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve, across
 
-__all__ = ["SymmetricBasis"]
-
 Array = NDArray[np.float64]
 
 
@@ -50,11 +48,11 @@ class SymmetricBasis:
 
     @property
     def half(self) -> tuple[float, float]:
-        """Parameters of the half: from the plane outwards of a curve across it."""
+        """First and last parameter of the half; if the curve crosses the plane, it begins on it."""
         return (0.0, 0.5) if self.reading == "self" and self.ring else (0.0, 1.0)
 
     def curve(self, points: ArrayLike) -> SpaceCurve:
-        """The curve from the control points of a half, (count, 3) mm."""
+        """Return the curve from the control points of a half, (count, 3) mm."""
         return SpaceCurve(self.reading, self._spline(points))
 
     def _spline(self, points: ArrayLike) -> Spline:
@@ -74,7 +72,7 @@ class SymmetricBasis:
 
     @cached_property
     def _parts(self) -> Array:
-        """Control points of the whole from those of the half: (m, 2 count), even and odd."""
+        """Control points of the whole by those of the half: (m, 2 count), even and odd."""
         one = np.eye(self.count)
         columns = [self._spline(np.column_stack((c, c, 0.0 * c))).control_points for c in one]
         parts = np.stack(columns, axis=2)
@@ -82,12 +80,12 @@ class SymmetricBasis:
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """Which of the coordinates (count × 3, point by point) can differ from nought."""
+        """Which of the coordinates (count × 3, point by point) can differ from 0."""
         odd = np.asarray((self._parts[:, self.count :] != 0).any(axis=0))
         return np.asarray(np.column_stack((np.ones_like(odd), odd, np.ones_like(odd))).ravel())
 
     def values(self, parameters: ArrayLike, order: int = 0) -> Array:
-        """Basis functions, or their derivatives, at parameters of the whole spline.
+        """Return basis functions, or their derivatives, at parameters of the whole spline.
 
         Returns
         -------
@@ -103,7 +101,7 @@ class SymmetricBasis:
         return np.stack((even, odd, even), axis=1)
 
     def bending(self) -> Array:
-        """Third derivatives along a half, as rows for the coordinates that are free.
+        """Return third derivatives along a half, as rows for the coordinates that are free.
 
         The sum of their squares is the integral of the squared third derivative, by a
         parameter that runs from 0 to 1 along the half, over it.
@@ -124,7 +122,7 @@ class SymmetricBasis:
         return np.asarray(rows.reshape(3 * len(third), -1)[:, self.free])
 
     def rows(self, values: Array, slopes: Array) -> Array:
-        """Derivatives by the free coordinates of what is linear in places on the curve.
+        """Return derivatives by the free coordinates of what is linear in places on the curve.
 
         Parameters
         ----------
@@ -141,11 +139,11 @@ class SymmetricBasis:
         return np.asarray(made.reshape(-1, 3 * self.count)[:, self.free])
 
     def at(self, values: Array, points: Array) -> Array:
-        """Places (n, 3) from basis values (n, 3, count) and control points of the half."""
+        """Return places (n, 3) from basis values (n, 3, count) and control points of the half."""
         return np.asarray(np.einsum("nak,ka->na", values, points))
 
     def moved(self, points: Array, step: Array) -> Array:
-        """Control points of the half after a step in the free coordinates."""
+        """Return the control points of the half after a step in the free coordinates."""
         made = points.ravel().copy()
         made[self.free] += step
         return made.reshape(-1, 3)

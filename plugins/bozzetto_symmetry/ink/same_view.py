@@ -10,15 +10,12 @@ import numpy as np
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 
-__all__ = ["by_view", "is_one_view", "on_canvas"]
-
-
 SAME: Final = 1e-9
 """Difference between two cameras that carrying them into another frame can make."""
 
 
 def is_one_view(one: Camera, other: Camera) -> bool:
-    """Whether two cameras show the same, whatever the sizes of their canvases.
+    """Return whether two cameras show the same, whatever the sizes of their canvases.
 
     The point about which a view turns, and which way counts as up, do not matter.
     """
@@ -34,7 +31,7 @@ def is_one_view(one: Camera, other: Camera) -> bool:
 
 
 def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:
-    """A stroke as it would be on the canvas of a camera of the same view.
+    """Return a stroke as it would be on the canvas of a camera of the same view.
 
     The canvas is as high as the view, whatever its width: places keep their distance from
     the middle, in heights of the canvas.
@@ -56,7 +53,7 @@ def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:
 
 
 def by_view(strokes: Iterable[Stroke]) -> tuple[tuple[Stroke, ...], ...]:
-    """Strokes of each view, on the canvas of the first of them, in the order drawn."""
+    """Return the strokes of each view, on the canvas of the first of them, in the order drawn."""
     views: list[list[Stroke]] = []
     for stroke in strokes:
         for drawn in views:

@@ -1,9 +1,9 @@
-"""From the strokes of one view to one or two settled sides of a curve."""
+"""The strokes of one view as one or two sides of a curve."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -12,33 +12,37 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length, resample
+from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.merge import fading, settle
-from bozzetto_symmetry.ink.stroke_grouping import any_over, bonds_between, grouped
+from bozzetto.plugin import Memory
+from bozzetto_symmetry.ink.polyline import length_of
+from bozzetto_symmetry.ink.stroke_grouping import any_drawn_over, bonds_between, group_strokes
 from bozzetto_symmetry.ink.stroke_line import (
     CLOSING,
     SPACING,
     Line,
-    drawn_line,
-    evenly_spaced,
     pen_down,
+    smooth_line,
+    space_evenly,
 )
-
-__all__ = ["Side", "drawn_twice", "gap_between", "joined", "sides_of"]
 
 Array = NDArray[np.float64]
 
 DOT: Final = 1e-3
-"""Extent of a stroke that is none, px."""
+"""Extent below which a stroke is a dot, px."""
 
 MOST_STROKES: Final = 150
-"""Most strokes of one curve in one view: each is compared with each, some seconds' work."""
+"""Most strokes of one curve in one view: comparing each with each takes some seconds then."""
 
 MEETING: Final = 0.08
 """Widest gap between the halves of one curve across the plane, as a share of the shorter one."""
 
 UNDRAWN: Final = 3
-"""Steps of a settled ring without ink that are no gap: the ink has steps of its own."""
+"""Steps of a merged ring without ink that do not count as a gap: the ink has steps of its own."""
+
+
+_lines: Memory[Line] = Memory(limit=512)
+_sides: Memory[Side] = Memory(limit=256)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +56,12 @@ class Side:
         first point.
     closed : bool
     noise : float
-        Standard deviation of the line across itself, px: what of the hand can be told from
-        the form, over the root of how often the line was drawn. Never below 0.
+        Standard deviation of the line across itself, px: what can be separated
+        of the hand from the form, over the root of how often the line was drawn. At least 0.
     strokes : tuple of int
         Which of the given strokes.
     sure : bool
-        Whether several strokes settle into one line well.
+        Whether several strokes merge well into one line.
     """
 
     pixels: Array
@@ -68,24 +72,24 @@ class Side:
 
     @property
     def unrolled(self) -> Array:
-        """The side as an open line: a closed one ends where it begins, (m, 2) px."""
+        """The side as an open line, (m, 2) px: a closed one ends where it begins."""
         return np.vstack((self.pixels, self.pixels[:1])) if self.closed else self.pixels
 
 
-def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]:
-    """Put the strokes of one view in sides, and settle each.
+def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, ...]:
+    """Put the strokes of one view in sides, and merge the strokes of each.
 
     A side may be scribbled over with many strokes in any sense, drawn in consecutive pieces,
     and in turn with the other one (`bozzetto_symmetry.ink.stroke_grouping`). A side of one stroke,
-    or of pieces that continue one another, keeps its own form; strokes over one another settle,
-    older ones fading.
+    or of pieces that continue one another, keeps its own form; strokes over one another are
+    merged, and older ones count less.
 
     Parameters
     ----------
     strokes : sequence of Stroke
         Of one camera, in the order drawn. Dots are left out.
-    asked : {"auto", "pair", "self", "plane", "half"}
-        "pair" keeps two sides apart that would surely be taken for one.
+    apart : bool
+        Two sides are kept apart that would otherwise surely be one.
 
     Returns
     -------
@@ -97,63 +101,66 @@ def sides_of(strokes: Sequence[Stroke], asked: str = "auto") -> tuple[Side, ...]
     UserError
         If there is no stroke with a length.
     """
-    drawn = {
-        k: points
-        for k, s in enumerate(strokes)
-        if np.ptp(points := pen_down(s), axis=0).max() > DOT
-    }
-    if not drawn:
+    numbers = [k for k, s in enumerate(strokes) if np.ptp(pen_down(s), axis=0).max() > DOT]
+    if not numbers:
         raise UserError("There is only a dot. Draw the whole curve.")
-    if len(drawn) > MOST_STROKES:
+    if len(numbers) > MOST_STROKES:
         raise UserError(
-            f"{len(drawn)} strokes are too many for one curve; it can have {MOST_STROKES}. Take "
+            f"{len(numbers)} strokes are too many for one curve; it can have {MOST_STROKES}. Take "
             "some back, and press Enter after each curve."
         )
-    numbers = list(drawn)
-    lines = [drawn_line(drawn[k]) for k in numbers]
     # A closed line is compared with its gap, as the pen went.
-    groups = grouped([line.pixels for line in lines], apart=asked == "pair")
+    groups = group_strokes([_line(strokes[k]).pixels for k in numbers], apart=apart)
     sides = []
     for group in groups:
         members = tuple(numbers[k] for k in group)
-        if len(group) == 1:
-            line = lines[group[0]]
-            sides.append(Side(line.pixels, line.closed, line.noise, members))
-        else:
-            sides.append(_united({k: strokes[k] for k in members}, [lines[k] for k in group]))
+        sides.append(replace(_side(tuple(strokes[k] for k in members)), strokes=members))
     return tuple(sides)
 
 
-def _united(strokes: dict[int, Stroke], lines: Sequence[Line]) -> Side:
-    """One side of several strokes: pieces one after the other, or all settled together."""
-    places = [pen_down(stroke) for stroke in strokes.values()]
-    if not any_over([line.pixels for line in lines]):
-        line = drawn_line(_chained(places))
-        return Side(line.pixels, line.closed, line.noise, tuple(strokes))
-    return _settled(places, fading(list(strokes.values())), tuple(strokes))
+def _line(stroke: Stroke) -> Line:
+    """Return one stroke smoothed; remembered, for the next stroke is compared with it again."""
+    return _lines.recall(stroke, lambda: smooth_line(pen_down(stroke)))
 
 
-def drawn_twice(one: Side, other: Side) -> Side | None:
-    """Two sides settled into the one that they may be, where they run alongside one another."""
+def _side(strokes: tuple[Stroke, ...]) -> Side:
+    """Return one side of some strokes; remembered, for the next stroke may be of the other one.
+
+    It is a single stroke, pieces one after the other, or all strokes settled together.
+    """
+
+    def made() -> Side:
+        lines = [_line(stroke) for stroke in strokes]
+        places = [pen_down(stroke) for stroke in strokes]
+        if len(lines) > 1 and any_drawn_over([line.pixels for line in lines]):
+            return _settled(places, fading(list(strokes)), ())
+        line = lines[0] if len(lines) == 1 else smooth_line(_chained(places))
+        return Side(line.pixels, line.closed, line.noise, ())
+
+    return _sides.recall(strokes, made)
+
+
+def merge_alongside(one: Side, other: Side) -> Side | None:
+    """Return two sides that run alongside one another merged into the one that they may be."""
     if one.closed or other.closed or not bonds_between([one.pixels, other.pixels])[0][1].over:
         return None
     return _settled([one.pixels, other.pixels], np.ones(2), _members(one, other))
 
 
-def joined(one: Side, other: Side) -> Side | None:
-    """Two sides as halves of one line, in the sense of the first, where their ends meet."""
+def join_ends(one: Side, other: Side) -> Side | None:
+    """Return two sides as halves of one line, in the sense of the first, where their ends meet."""
     if one.closed or other.closed:
         return None
     gap = gap_between(one.pixels, other.pixels)[0]
-    if gap > MEETING * min(_length(one.pixels), _length(other.pixels)):
+    if gap > MEETING * min(length_of(one.pixels), length_of(other.pixels)):
         return None
-    line = evenly_spaced(_chained([one.pixels, other.pixels]))
+    line = space_evenly(_chained([one.pixels, other.pixels]))
     noise = max(one.noise, other.noise)
     return Side(line, False, noise, _members(one, other), one.sure and other.sure)
 
 
 def gap_between(one: Array, other: Array) -> tuple[float, Array, bool]:
-    """How near two lines' ends come, px; where; and whether it is the last end of the first."""
+    """Return how near the ends of two lines come, px; where; and whether the first's last end."""
     first, second = one[[0, -1]], other[[0, -1]]
     gaps = np.linalg.norm(first[:, None] - second, axis=2)
     which, that = np.unravel_index(int(gaps.argmin()), gaps.shape)
@@ -165,24 +172,24 @@ def _members(one: Side, other: Side) -> tuple[int, ...]:
 
 
 def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) -> Side:
-    """Lines over one another as one, in the sense of the first."""
+    """Return lines over one another merged into one, in the sense of the first."""
     found = settle(places, weights)
     line = found.points
     closed = found.closed
     if closed:
         line, closed = _opened(line[:-1], places)
-    pixels = evenly_spaced(_in_sense_of(places[0], line, closed), closed=closed)
+    pixels = space_evenly(_in_sense_of(places[0], line, closed), closed=closed)
     ring = np.vstack((pixels, pixels[:1])) if closed else pixels
-    ink = np.vstack([evenly_spaced(place) for place in places])
-    times = max(1.0, SPACING * len(ink) / max(_length(ring), SPACING))
+    ink = np.vstack([space_evenly(place) for place in places])
+    times = max(1.0, SPACING * len(ink) / max(length_of(ring), SPACING))
     scatter = float(1.4826 * np.median(distances_to_polyline(ink, ring)))
     return Side(pixels, closed, scatter / times**0.5, members, found.sure)
 
 
 def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
-    """A ring without the part that nobody drew, if that is too wide for a mere gap."""
-    ink = np.vstack([evenly_spaced(place) for place in places])
-    step = _length(np.vstack((ring, ring[:1]))) / len(ring)
+    """Return a ring without the part that nobody drew, if that is too wide for a mere gap."""
+    ink = np.vstack([space_evenly(place) for place in places])
+    step = length_of(np.vstack((ring, ring[:1]))) / len(ring)
     apart = np.linalg.norm(ring[:, None] - ink, axis=2)
     met = np.unique(apart.argmin(axis=0))
     behind = np.diff(np.append(met, met[0] + len(ring)))
@@ -194,12 +201,8 @@ def _opened(ring: Array, places: Sequence[Array]) -> tuple[Array, bool]:
     return np.roll(ring, -begin, axis=0)[: len(ring) - behind[widest] + 1], False
 
 
-def _length(points: Array) -> float:
-    return float(arc_length(points)[-1])
-
-
 def _chained(places: Sequence[Array]) -> Array:
-    """Pieces in one line, each joined where the gap is least; in the sense of the first."""
+    """Return pieces in one line, each joined where the gap is least; in the sense of the first."""
     chain, rest = places[0], list(places[1:])
     while rest:
         joints = [
@@ -218,7 +221,7 @@ def _chained(places: Sequence[Array]) -> Array:
 
 
 def _in_sense_of(stroke: Array, points: Array, closed: bool) -> Array:
-    """The settled line in the sense of a stroke; a ring begins where that begins."""
+    """Return the merged line in the sense of a stroke; a ring begins where that begins."""
     line = points
     ink = resample(stroke, count=64)
     feet = np.linalg.norm(ink[:, None] - line, axis=2).argmin(axis=1)

@@ -10,9 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length, resample
-
-__all__ = ["Bond", "any_over", "bonds_between", "grouped"]
+from bozzetto.ink.curves.resample import resample
+from bozzetto_symmetry.ink.polyline import length_of
 
 Array = NDArray[np.float64]
 
@@ -54,7 +53,7 @@ END: Final = 10.0
 """Length over which the direction of an end is taken, px."""
 
 CONTRAST: Final = 1.3
-"""How much farther apart than the strokes of either are two groups that are surely one."""
+"""Distance of two groups that are surely one, over that of the strokes within them."""
 
 BENT: Final = 0.25
 """Price of a bend of 90° where strokes have to be united, as a share of the shorter one's
@@ -63,7 +62,7 @@ length."""
 
 @dataclass(frozen=True)
 class Bond:
-    """How two strokes hang together.
+    """How two strokes belong together.
 
     Attributes
     ----------
@@ -91,14 +90,14 @@ class _Trail:
 
     @classmethod
     def of(cls, pixels: Array) -> _Trail:
-        length = float(arc_length(pixels)[-1])
+        length = length_of(pixels)
         places = resample(pixels, count=int(np.clip(length / STEP, 8, MOST_PLACES)))
         tangents = np.gradient(places, axis=0)
         tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-300)
         return cls(places, tangents, length)
 
     def end(self, last: bool) -> tuple[Array, Array]:
-        """The place of an end, and the direction in which the stroke leaves through it."""
+        """Return the place of an end, and the direction in which the stroke leaves through it."""
         spacing = self.length / (len(self.places) - 1)
         back = int(np.clip(round(END / max(spacing, 1e-9)), 1, len(self.places) - 1))
         at, inner = (-1, -1 - back) if last else (0, back)
@@ -106,7 +105,7 @@ class _Trail:
         return self.places[at], way / max(float(np.linalg.norm(way)), 1e-300)
 
 
-def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
+def group_strokes(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     """Put strokes in one or two groups, the one of the first stroke first.
 
     Strokes that run alongside one another over a good part of the shorter one, or continue
@@ -114,8 +113,8 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     groups are left, those are united that continue or accompany one another best. The last
     two are united only where nothing else can be meant: the two sides of a pair may be as
     near to one another as the strokes of a scribble, and the halves of a curve across the
-    plane continue one another. What two groups mean is for
-    `bozzetto_symmetry.interpretation.reader`.
+    plane continue one another. `bozzetto_symmetry.interpretation.reader`
+    decides what two groups mean.
 
     Parameters
     ----------
@@ -130,7 +129,7 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
     bonds = bonds_between(lines)
     groups = {k: {k} for k in range(count)}
     least = 1 if not apart else 2
-    sizes = [float(arc_length(line)[-1]) for line in lines]
+    sizes = [length_of(line) for line in lines]
     links = _Links(bonds, sizes)
     while len(groups) > least:
         first, second, bond = links.nearest()
@@ -143,7 +142,7 @@ def grouped(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
 
 
 class _Links:
-    """How all groups hang together; uniting two of them costs one row.
+    """The bonds between all groups; uniting two of them costs one row.
 
     Where several strokes run alongside, the mean of their distances counts, as in average
     linkage: one stroke that strays towards the other side does not unite the sides.
@@ -170,7 +169,7 @@ class _Links:
         self._gone = ~np.tri(count, k=-1, dtype=bool)
 
     def nearest(self) -> tuple[int, int, Bond]:
-        """The two groups that hang together best: surely so, then by their distance."""
+        """Return the two groups that belong together most: sure ones first, then by distance."""
         with np.errstate(invalid="ignore", divide="ignore"):
             along = np.where(self._over, self._total / self._weight, np.inf)
         surely = np.where(self._over, along, self._sure)
@@ -202,7 +201,7 @@ def _one_side(
     bond: Bond,
     sizes: Sequence[float],
 ) -> bool:
-    """Whether the last two groups are surely one side."""
+    """Return whether the last two groups are surely one side."""
     drawn_over = sum(bonds[i][j].part for i in groups[0] for j in groups[1])
     shorter = min(sum(sizes[i] for i in group) for group in groups)
     if not (bond.over and bond.sure) or drawn_over < GOOD_PART * shorter:
@@ -218,7 +217,7 @@ def _one_side(
 
 
 def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
-    """How each stroke hangs together with each other one."""
+    """Return the bond of each stroke with each other one."""
     trails = [_Trail.of(line) for line in lines]
     none = Bond(np.inf, False, False)
     made = [[none] * len(trails) for _ in trails]
@@ -228,8 +227,8 @@ def bonds_between(lines: Sequence[Array]) -> list[list[Bond]]:
     return made
 
 
-def any_over(lines: Sequence[Array]) -> bool:
-    """Whether any two strokes were drawn over one another."""
+def any_drawn_over(lines: Sequence[Array]) -> bool:
+    """Return whether any two strokes were drawn over one another."""
     trails = [_Trail.of(line) for line in lines]
     return any(_between(one, other).over for one, other in combinations(trails, 2))
 
@@ -260,7 +259,7 @@ def _between(one: _Trail, other: _Trail) -> Bond:
 
 
 def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: int) -> bool:
-    """Whether one stroke begins alongside the end of the other: a continued one, overlapping."""
+    """Return whether one stroke begins alongside the end of the other and so continues it."""
     if beside.sum() < 3 or beside.sum() != np.ptp(np.flatnonzero(beside)) + 1:
         return False
     own_end = bool(beside[0] or beside[-1])
@@ -269,7 +268,7 @@ def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: in
 
 
 def _continued(one: _Trail, other: _Trail) -> Bond:
-    """The best joint of an end of one stroke with an end of the other."""
+    """Return the best joint of an end of one stroke with an end of the other."""
     shorter = min(one.length, other.length)
     widest = float(np.clip(GAP_SHARE * shorter, *GAP))
     best = Bond(np.inf, False, False)

@@ -1,4 +1,4 @@
-"""One stroke as an evenly spaced line, smoothed no more than its own noise asks."""
+"""One stroke as an evenly spaced line, smoothed no more than its own noise requires."""
 
 from __future__ import annotations
 
@@ -10,16 +10,15 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
+from bozzetto.ink.curves.closing import END_SHARE, close_stroke, end_gap, is_closed_gesture
 from bozzetto.ink.curves.preprocess import prepare
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
-
-__all__ = ["Line", "drawn_line", "evenly_spaced", "hand_noise", "pen_down"]
+from bozzetto_symmetry.ink.polyline import interpolate, length_of
 
 Array = NDArray[np.float64]
 
 DECIMALS: Final = 6
-"""Of a place on the sheet, px: steps below them are no ink but rounding."""
+"""Decimals of a place on the sheet, px: finer steps are no ink but rounding."""
 
 SPACING: Final = 2.0
 """Distance of the points of a line, px."""
@@ -32,7 +31,7 @@ FEWEST: Final = 33
 
 GRID: Final = (1.0, 4.0)
 """Least and greatest spacing on which a stroke is smoothed, px; between them that of its samples.
-Sparser samples are taken as they are: what lies between them cannot be told from noise."""
+Sparser samples are taken as they are: what lies between them cannot be separated from noise."""
 
 MOST_SAMPLES: Final = 10_000
 """Most samples of one stroke: a hand that draws for a minute gives fewer."""
@@ -41,7 +40,7 @@ LIFT: Final = 0.05
 """Share of the greatest pressure below which the pen is leaving the sheet."""
 
 DEGREE: Final = 3
-"""Of the polynomials that smooth: a bend of radius 20 px moves by 0.01 px under the widest
+"""Degree of the polynomials that smooth: a bend of radius 20 px moves by 0.01 px under the widest
 window that is taken at such a bend, where a Gaussian of 4 px would move it by 0.4 px."""
 
 WIDTHS: Final = (5.0, 7.0, 10.0, 14.0, 20.0)
@@ -58,10 +57,10 @@ TOLERANCE: Final = 2.0
 too wide. Noise of samples that are averaged on a grid is no longer quite independent."""
 
 HAND_DEGREE: Final = 5
-"""Of the polynomials that tell the hand's slow waver from the form."""
+"""Degree of the polynomials that separate the slow wavering of the hand from the form."""
 
 HAND_SHARE: Final = 0.12
-"""Half width of the window that tells the hand from the form, as a share of the length."""
+"""Half width of the window that separates the hand from the form, as a share of the length."""
 
 HAND_WIDTH: Final = (20.0, 60.0)
 """Least and greatest of that half width, px."""
@@ -73,7 +72,7 @@ makes 95 % of a turn it is 0.11, and that is open."""
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A stroke made ready.
+    """A stroke as an evenly spaced line.
 
     Attributes
     ----------
@@ -90,19 +89,19 @@ class Line:
 
 
 def pen_down(stroke: Stroke) -> Array:
-    """The places of a stroke without the tail that the pen left while it was lifted, (n, 2) px."""
+    """Return the places of a stroke without the tail that the lifted pen left, (n, 2) px."""
     points = np.round(stroke.points, DECIMALS)
     if stroke.has_pressure:
         firm = np.flatnonzero(stroke.pressure >= LIFT * stroke.pressure.max())
         points = points[: firm[-1] + 1]
-    return thinned(points[distinct(points)])
+    return thin_out(points[distinct(points)])
 
 
-def thinned(points: Array) -> Array:
-    """Samples of a line without those that no hand can have meant, (m, 2) px.
+def thin_out(points: Array) -> Array:
+    """Return the samples of a line without those that no hand can have meant, (m, 2) px.
 
-    A pen gives some hundred samples in a second; of what comes denser than that only the first
-    in each of `MOST_SAMPLES` equal steps is kept, and the last.
+    A pen gives some hundred samples in a second. Of denser samples the first in each of
+    `MOST_SAMPLES` equal steps is kept, and the last of all.
     """
     if len(points) <= MOST_SAMPLES:
         return points
@@ -113,7 +112,7 @@ def thinned(points: Array) -> Array:
     return np.asarray(points[kept])
 
 
-def drawn_line(points: Array) -> Line:
+def smooth_line(points: Array) -> Line:
     """Smooth and space one stroke.
 
     Local cubic polynomials are fitted along the arc length of the ink. Their window is the
@@ -131,7 +130,7 @@ def drawn_line(points: Array) -> Line:
         If the stroke is a dot.
     """
     points = np.round(points, DECIMALS)
-    points = thinned(points[distinct(points)])
+    points = thin_out(points[distinct(points)])
     if len(points) < 2:
         raise UserError("The stroke is a dot. Draw the whole curve.")
     loop = _loop(points)
@@ -143,36 +142,38 @@ def drawn_line(points: Array) -> Line:
     step = max(spacing, GRID[0])
     noise = _residual(_on_grid(place, along, closed, step), PROBE, DEGREE, closed)
     if noise < STILL or spacing > GRID[1]:
-        return Line(evenly_spaced(fine, closed=closed), closed, hand_noise(fine, closed=closed))
+        return Line(space_evenly(fine, closed=closed), closed, hand_noise(fine, closed=closed))
     # The length of noisy ink grows with the sampling rate, that of smoothed ink does not.
     rough = _on_grid(place, _smoothed_lengths(place, closed), closed, step)
     soft = _smoothed(rough, closed)
     fine = _on_grid(soft, _lengths(soft, closed), closed, GRID[0])
-    return Line(evenly_spaced(fine, closed=closed), closed, hand_noise(rough, closed=closed))
+    return Line(space_evenly(fine, closed=closed), closed, hand_noise(rough, closed=closed))
 
 
-def evenly_spaced(points: Array, *, closed: bool = False) -> Array:
-    """Points about `SPACING` apart along a polyline, neither too few nor too many, (n, 2) px."""
+def space_evenly(points: Array, *, closed: bool = False) -> Array:
+    """Return points about `SPACING` apart along a polyline, (n, 2) px."""
     ring = np.vstack((points, points[:1])) if closed else points
-    length = float(arc_length(ring)[-1])
+    length = length_of(ring)
     count = int(np.clip(round(length / SPACING), FEWEST - 1, MOST - 1))
     return resample(points, count=count if closed else count + 1, closed=closed)
 
 
 def hand_noise(points: Array, *, closed: bool = False) -> float:
-    """Standard deviation across the line of what is no form, px.
+    """Return the standard deviation across the line of what is no form, px.
 
     What polynomials of degree five over a quarter of the line do not follow counts as
-    the hand. A waver slower than that cannot be told from the form, so the figure is a lower
-    bound; it is 0 where the stroke is too short to tell.
+    the hand. Slower wavering cannot be separated from the form, so the figure is a lower bound;
+    it is 0 where the stroke is too short.
 
     Parameters
     ----------
     points : (n, 2) float
         Equally spaced.
+    closed : bool
+        The line is a ring; its first point is not repeated.
     """
     ring = np.vstack((points, points[:1])) if closed else points
-    length = float(arc_length(ring)[-1])
+    length = length_of(ring)
     step = length / max(1, len(ring) - 1)
     half = float(np.clip(HAND_SHARE * length, *HAND_WIDTH))
     window = min(round(half / step), (len(points) - 1) // 2)
@@ -180,27 +181,29 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
 
 
 def _loop(points: Array) -> Array | None:
-    """The ring that a stroke closes, or None if it is open."""
-    if not is_closed_gesture(points):
-        return None
+    """Return the ring that a stroke closes, or None if it is open."""
+    gap, size = points[-1] - points[0], np.ptp(points, axis=0)
+    within = 2.0 * END_SHARE * length_of(points) + CLOSING * float(np.hypot(*size))
+    if float(np.hypot(*gap)) > within or not is_closed_gesture(points):
+        return None  # cutting the ends back cannot bring them together, or does not
     ring = close_stroke(points)
     return ring if end_gap(ring) <= CLOSING else None
 
 
 def _lengths(points: Array, closed: bool) -> Array:
-    """Arc length up to each point, and on a ring up to the first again."""
+    """Return the arc length up to each point, and on a ring up to the first again."""
     return arc_length(np.vstack((points, points[:1])) if closed else points)
 
 
 def _smoothed_lengths(points: Array, closed: bool) -> Array:
-    """The same, measured on the smoothed line."""
+    """Return the same as `_lengths`, measured on the smoothed line."""
     made = prepare(points, np.ones(len(points)), pixel=1.0, closed=closed)
     along = np.append(made.along, 1.0) if closed else made.along
     return np.asarray(np.maximum.accumulate(along) * _lengths(made.points, closed)[-1])
 
 
 def _on_grid(points: Array, along: Array, closed: bool, step: float) -> Array:
-    """Points at equal steps along the ink, on smooth curves between sparse samples."""
+    """Return points at equal steps along the ink, on smooth curves between sparse samples."""
     from scipy.interpolate import Akima1DInterpolator
 
     ring = np.vstack((points, points[:1])) if closed else points
@@ -209,7 +212,7 @@ def _on_grid(points: Array, along: Array, closed: bool, step: float) -> Array:
     knots, values = _averaged(along, ring, length / count)
     stations = np.linspace(0.0, length, count + 1)
     if len(knots) < 3:
-        fine = np.column_stack([np.interp(stations, knots, column) for column in values.T])
+        fine = interpolate(stations, knots, values)
     else:
         if closed:  # a few samples beyond either end, so that it goes on smoothly
             reach = min(3, len(knots) - 1)
@@ -221,7 +224,7 @@ def _on_grid(points: Array, along: Array, closed: bool, step: float) -> Array:
 
 
 def _averaged(along: Array, points: Array, step: float) -> tuple[Array, Array]:
-    """Means of the samples that share a cell of a grid; the first and the last sample stay."""
+    """Return means of the samples in each cell of a grid; the first and the last sample stay."""
     cell = np.floor(along / step).astype(np.intp)
     fresh = np.append(True, np.diff(cell) > 0)
     fresh[[1, -1]] = True
@@ -235,7 +238,7 @@ def _averaged(along: Array, points: Array, step: float) -> tuple[Array, Array]:
 
 
 def _smoothed(points: Array, closed: bool) -> Array:
-    """Under the widest window that changes the line no more than noise explains."""
+    """Return the line under the widest window that changes it no more than noise explains."""
     noise = _residual(points, PROBE, DEGREE, closed)
     step = float(_lengths(points, closed)[-1]) / len(points)
     soft, before = points, np.array([1.0])
@@ -256,14 +259,14 @@ def _smoothed(points: Array, closed: bool) -> Array:
 
 
 def _across(offsets: Array, points: Array) -> Array:
-    """The part of offsets at right angles to a line, (n,)."""
+    """Return the part of offsets at right angles to a line, (n,)."""
     tangent = np.gradient(points, axis=0)
     length = np.maximum(np.linalg.norm(tangent, axis=1), 1e-300)
     return np.asarray((tangent[:, 0] * offsets[:, 1] - tangent[:, 1] * offsets[:, 0]) / length)
 
 
 def _residual(points: Array, half: int, degree: int, closed: bool) -> float:
-    """Standard deviation of points across their local polynomials, free of the fit's own share."""
+    """Return the standard deviation across local polynomials, without the fit's own share."""
     if 2 * half <= degree or 2 * half + 1 > len(points):
         return 0.0
     soft = _local_polynomial(points, half, degree, closed)
@@ -275,10 +278,10 @@ def _residual(points: Array, half: int, degree: int, closed: bool) -> float:
 
 
 def _local_polynomial(points: Array, half: int, degree: int, closed: bool) -> Array:
-    """Values at equally spaced points of least squares polynomials about each.
+    """Return values at equally spaced points of least squares polynomials about each.
 
-    Savitzky & Golay 1964; towards the ends of an open line the first and the last whole
-    window serve.
+    Savitzky & Golay 1964; near the ends of an open line the first and the last whole
+    window are used.
     """
     hat = _hat(half, degree)
     if closed:
@@ -294,6 +297,6 @@ def _convolved(points: Array, weights: Array) -> Array:
 
 
 def _hat(half: int, degree: int) -> Array:
-    """What turns the values in a window into those of their polynomial."""
+    """Return the matrix that turns the values in a window into those of their polynomial."""
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, 2 * half + 1), degree + 1))
     return np.asarray(basis @ basis.T)

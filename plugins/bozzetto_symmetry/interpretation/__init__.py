@@ -1,1 +1,1 @@
-"""What strokes mean: pair, single, crossing, in the plane. Imports stereo and below."""
+"""Meanings of strokes: pair, single, across, in the plane. Imports stereo and below."""

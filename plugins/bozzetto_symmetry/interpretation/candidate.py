@@ -1,18 +1,19 @@
-"""One way to read the ink of a view, with its price in pixels."""
+"""The ways to read the ink of a view, and what each costs in pixels."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto_symmetry.interpretation.side_pairing import Pairing
-from bozzetto_symmetry.interpretation.triangulation import Solved
-
-__all__ = ["TELL", "Read", "matched", "price"]
+from bozzetto_symmetry.ink.polyline import interpolate
+from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
+from bozzetto_symmetry.stereo.correspondence import Pairing
 
 Array = NDArray[np.float64]
 Kind = Literal["pair", "self", "plane", "half"]
@@ -27,12 +28,12 @@ ASTRIDE: Final = 20.0
 """Price of a side that lies as much on one side of the plane as on the other, px."""
 
 TELL: Final = 0.03
-"""Share of a side without a partner that a person is told of."""
+"""Share of a side without a partner from which a warning is given."""
 
 
 @dataclass(frozen=True, eq=False)
 class Read:
-    """What the ink of one view may mean.
+    """One meaning of the ink of a view.
 
     Attributes
     ----------
@@ -49,19 +50,24 @@ class Read:
         ring they begin where it first leaves the plane: k is even, number ``k / 2`` is on
         the plane as well, and ``points[k - j]`` is the mirror image of ``points[j]``.
     covariances : (k, 3, 3) float
-        For 1 px of noise, mm². Where the view says nothing the one along y is large.
+        Covariances of these places for 1 px of noise, mm². Where the view says nothing the
+        one along y is large.
     pairing : Pairing or None
-        Of "pair" and "self".
+        The matching behind "pair" and "self".
     crossings : (c, 2) float
         Where the curve crosses the plane, px.
     near, far : tuple of (n, 2) float
         Ink that shows the half that was drawn first, and its mirror image; px. Of a curve
-        across the plane both run from the plane outwards. What has no partner is left out.
+        across the plane both run from the plane outwards. Ink without a partner is left out.
     closed : bool
         The curve returns to its start: a ring, or a pair of loops.
     ring : bool
-        Closed, and across the plane.
+        The curve is closed and crosses the plane.
     warnings : tuple of str
+        Sentences for the person.
+    source : tuple
+        The candidate that was read and the places that the box left out of it. Two readings
+        of equal source have equal places and ink; only their costs can differ.
     """
 
     reading: Kind
@@ -76,28 +82,62 @@ class Read:
     closed: bool = False
     ring: bool = False
     warnings: tuple[str, ...] = ()
+    source: tuple[object, ...] = ()
 
 
-def price(misfit: float, made: Solved, missing: float) -> float:
-    """What a matching costs, px: how far off it is, and how much and how strange what is left.
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A matching that gives a curve, whatever the box.
+
+    All slow work is done once; a box of another size changes only the cost and which places
+    are strays.
+
+    Parameters
+    ----------
+    half : HalfInSpace
+        What the matching gives in space.
+    build : callable
+        Makes the reading of a half; its cost lacks what the box adds.
+    """
+
+    half: HalfInSpace
+    build: Callable[[HalfInSpace], Read]
+
+    @cached_property
+    def whole(self) -> Read:
+        """The reading with all places."""
+        return self.build(self.half)
+
+    def in_box(self, box: Array | None) -> Read:
+        """Return the reading beside a box (2, 3) mm, without the places that stray from it."""
+        left_out = strays(self.half.points, box)
+        read, source = self.whole, (self, b"")
+        if left_out.any():
+            read, source = self.build(self.half.without(left_out)), (self, left_out.tobytes())
+        cost = read.cost + OUTSIDE * self.half.share_outside(box)
+        return replace(read, cost=cost, source=source)
+
+
+def price(misfit: float, half: HalfInSpace, missing: float) -> float:
+    """Return what a matching costs, px, whatever the box.
 
     Parameters
     ----------
     misfit : float
         How far off the matching is, px.
-    made : Solved
-        What it gives.
+    half : HalfInSpace
+        What the matching gives.
     missing : float
         Share of the ink without a partner.
     """
-    return misfit + MISSING * missing + OUTSIDE * made.outside + ASTRIDE * made.astride
+    return misfit + MISSING * missing + ASTRIDE * half.astride
 
 
-def matched(pixels: Array, stations: Array) -> Array:
-    """The part of a line that found partners."""
+def matched_part(pixels: Array, stations: Array) -> Array:
+    """Return the part of a line (n, 2) between the least and the greatest of its stations."""
     begin, end = float(np.min(stations)), float(np.max(stations))
     along = arc_length(pixels)
     share = along / max(float(along[-1]), 1e-300)
     inner = (share > begin) & (share < end)
-    ends = np.column_stack([np.interp((begin, end), share, column) for column in pixels.T])
+    ends = interpolate((begin, end), share, pixels)
     return np.vstack((ends[:1], pixels[inner], ends[1:]))

@@ -15,13 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample
-from bozzetto.plugin import Memory
-from bozzetto_symmetry.stereo.correspondence import Pairing, paired
+from bozzetto_symmetry.stereo.correspondence import Pairing, pairing_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
-from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
+from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-__all__ = ["Folding", "foldings"]
 
 Array = NDArray[np.float64]
 
@@ -33,7 +30,7 @@ HALF: Final = 120
 
 OPEN_END: Final = 0.04
 """Price of a sample of a half without a partner, per px of what the signal ranges over.
-Halves are mostly drawn whole, so it is dearer than with two strokes."""
+Halves are mostly drawn whole, so it is higher than with two strokes."""
 
 UNEVEN: Final = 0.01
 """Price of a step along one half only, in the same unit."""
@@ -65,7 +62,7 @@ class Folding:
     Attributes
     ----------
     pairing : Pairing
-        Of its halves, both from the plane outwards; `near` is the longer one. Stations are
+        Matching of its halves, both from the plane outwards; `near` is the longer one. Stations are
         shares of each half.
     crossings : (1, 2) or (2, 2) float
         Where it crosses the plane, px; two of a ring.
@@ -78,15 +75,13 @@ class Folding:
     first: bool
 
 
-_known: Memory[tuple[Folding, ...]] = Memory(limit=64)
-
-
 def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tuple[Folding, ...]:
-    """Fold one stroke that crosses the plane; remembered.
+    """Fold one stroke that crosses the plane at every place where it may cross it.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     pixels : (n, 2) array_like
         The stroke, px.
     closed : bool
@@ -97,13 +92,7 @@ def foldings(stereo: Stereo, pixels: ArrayLike, *, closed: bool = False) -> tupl
     tuple of Folding
         The best first; none where the stroke has no place to fold.
     """
-    drawn = np.asarray(pixels, float)
-    question = (stereo, drawn.shape, drawn.tobytes(), closed)
-    return _known.recall(question, lambda: _folded(stereo, drawn, closed))
-
-
-def _folded(stereo: Stereo, pixels: Array, closed: bool) -> tuple[Folding, ...]:
-    stroke = resample(pixels, count=SAMPLES, closed=closed)
+    stroke = resample(np.asarray(pixels, float), count=SAMPLES, closed=closed)
     if not np.ptp(stroke, axis=0).any():
         return ()
     turns = _turns(stereo.angles(stroke), closed)
@@ -129,13 +118,13 @@ def _folded(stereo: Stereo, pixels: Array, closed: bool) -> tuple[Folding, ...]:
     for cut, one, other, way, (_, _, early) in zip(
         cuts, firsts, seconds, ways, halves, strict=True
     ):
-        pairing = paired(stereo, one, other, way, pinned=(True, closed))
+        pairing = pairing_of(stereo, one, other, way, pinned=(True, closed))
         made.append(Folding(pairing, _places(stroke, cut, closed), early))
     return tuple(sorted(made, key=lambda folding: folding.pairing.score))
 
 
 def _turns(angles: Array, closed: bool) -> list[float]:
-    """Stations, in samples, at which the angle turns; in their order along the stroke."""
+    """Return the stations, in samples, at which the angle turns, in order along the stroke."""
     from scipy.ndimage import gaussian_filter1d
 
     soft = gaussian_filter1d(angles, SMOOTHING, mode="wrap" if closed else "nearest")
@@ -161,7 +150,7 @@ def _turns(angles: Array, closed: bool) -> list[float]:
 
 
 def _vertex(angles: Array, turn: int, reach: int, closed: bool) -> float:
-    """The turn of a polynomial through the samples around a turn."""
+    """Return the turn of a polynomial through the samples around a turn."""
     count = len(angles)
     offsets = np.arange(-reach, reach + 1)
     if not closed:
@@ -177,11 +166,11 @@ def _places(stroke: Array, cut: tuple[float, ...], closed: bool) -> Array:
     ring = np.vstack([stroke, stroke[:1]]) if closed else stroke
     period = float(len(stroke)) if closed else np.inf
     at = np.mod(cut, period)
-    return np.column_stack([np.interp(at, np.arange(len(ring)), c) for c in ring.T])
+    return at_stations(ring, at)
 
 
 def _halves(stroke: Array, cut: tuple[float, ...], closed: bool) -> tuple[Array, Array, bool]:
-    """Both halves from the plane outwards, the longer one first; whether it was drawn first."""
+    """Return both halves from the plane outwards, the longer first; whether it was drawn first."""
     count = len(stroke)
     if closed:
         begin, end = cut
@@ -200,4 +189,4 @@ def _halves(stroke: Array, cut: tuple[float, ...], closed: bool) -> tuple[Array,
 def _at_stations(stroke: Array, stations: Array, closed: bool) -> Array:
     rows = np.vstack([stroke, stroke, stroke[:1]]) if closed else stroke
     shifted = stations % (2 * len(stroke)) if closed else stations
-    return np.column_stack([np.interp(shifted, np.arange(len(rows)), c) for c in rows.T])
+    return at_stations(rows, shifted)

@@ -1,31 +1,32 @@
-"""Two sides as the images of a curve and of its mirror image."""
+"""Two sides read as the images of a curve and of its mirror image."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
 from bozzetto_symmetry.ink.stroke_grouping import bonds_between
-from bozzetto_symmetry.interpretation.candidate import TELL, Read, matched, price
-from bozzetto_symmetry.interpretation.side_pairing import Pairing, pairings
-from bozzetto_symmetry.interpretation.triangulation import Solved, solved
+from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
+from bozzetto_symmetry.interpretation.side_pairing import pairings
+from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
+from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-__all__ = ["as_pair", "overdrawn"]
 
 Array = NDArray[np.float64]
 
 SENSE: Final = 2.0
-"""Weight of a matching's own score, which tells the right sense from the wrong one better than
-the distances that are left do."""
+"""Weight of a matching's own score, which finds the right sense more reliably than the distances
+that are left."""
 
 ASKEW: Final = 2.0
-"""Price of a loop that faces no way of the box, px, over 1 − the cosine. Loops match nearly as
+"""Price of a loop that faces no axis of the box, px, over 1 − the cosine. Loops match nearly as
 well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
 side, the front or the top, and is evenly round, which the matching's own score counts."""
 
@@ -48,79 +49,74 @@ OVERDRAWN: Final = (8.0, 4.5)
 taking strokes upon one another for two, px."""
 
 
-def as_pair(stereo: Stereo, one: Side, other: Side, box: Array | None) -> Iterator[Read]:
-    """Every way in which two sides can be a pair, at its price.
+def as_pair(stereo: Stereo, one: Side, other: Side) -> Iterator[Candidate]:
+    """Yield every way in which two sides can be a pair.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     one, other : Side
-        If only one of them is closed both are taken as open lines.
-    box : (2, 3) float or None
-        Least and greatest corner, in the frame of the plane, mm.
+        The sides; if only one of them is closed both are taken as open lines.
     """
     closed = one.closed and other.closed
-    first, second = (side.pixels if closed else side.unrolled for side in (one, other))
+    lines = one.pixels if closed else one.unrolled, other.pixels if closed else other.unrolled
     twice = overdrawn(one, other)
-    told: tuple[str, ...]
-    for pairing in pairings(stereo, first, second, closed=closed):
-        made = solved(stereo, pairing, box)
-        if len(made.points) < 2:
-            continue
-        missing = 1.0 - made.kept * float(np.mean(pairing.coverage))
-        told = made.reasons if 1.0 - made.kept > TELL else ()
-        if closed:
-            near, far = first, second
-        else:
-            near, far = matched(first, pairing.stations), matched(second, pairing.far_stations)
-            told = (
-                *told,
-                *_untold(pairing.stations, "first"),
-                *_untold(pairing.far_stations, "second"),
-            )
-        yield Read(
-            "pair",
-            price(_misfit(pairing, made), made, missing)
-            + twice
-            + (0.0 if closed else _continued(stereo, first, second, made)),
-            1.0 - missing,
-            made.points,
-            made.covariances,
-            pairing,
-            np.zeros((0, 2)),
-            (near,),
-            (far,),
-            closed=closed,
-            warnings=told,
+    for pairing in pairings(stereo, *lines, closed=closed):
+        half = triangulate(stereo, pairing)
+        if len(half.points) > 1:
+            yield Candidate(half, partial(_read, stereo, pairing, lines, twice))
+
+
+def _read(
+    stereo: Stereo,
+    pairing: Pairing,
+    lines: tuple[Array, Array],
+    twice: float,
+    half: HalfInSpace,
+) -> Read:
+    misfit = SENSE * pairing.score + (ASKEW * half.askew if pairing.closed else 0.0)
+    missing = 1.0 - half.kept * float(np.mean(pairing.coverage))
+    cost = price(misfit, half, missing) + twice
+    warnings = half.reasons if 1.0 - half.kept > TELL else ()
+    near, far = lines
+    if not pairing.closed:
+        cost += _continued(stereo, *lines, half)
+        near = matched_part(near, pairing.stations)
+        far = matched_part(far, pairing.far_stations)
+        warnings = (
+            *warnings,
+            *_unmatched(pairing.stations, "first"),
+            *_unmatched(pairing.far_stations, "second"),
         )
-
-
-def _misfit(pairing: Pairing, made: Solved) -> float:
-    return SENSE * pairing.score + (ASKEW * made.askew if pairing.closed else 0.0)
+    return Read(
+        "pair", cost, 1.0 - missing, half.points, half.covariances, pairing, np.zeros((0, 2)),
+        (near,), (far,), closed=pairing.closed, warnings=warnings,
+    )  # fmt: skip
 
 
 def overdrawn(one: Side, other: Side) -> float:
-    """Price of taking two lines for two sides that run alongside one another, px."""
+    """Return the price of taking two lines that run alongside one another for two sides, px."""
     bond = bonds_between([one.pixels, other.pixels])[0][1]
     widest, price = OVERDRAWN
     return price * max(0.0, 1.0 - bond.distance / widest) if bond.over else 0.0
 
 
-def _continued(stereo: Stereo, one: Array, other: Array, made: Solved) -> float:
-    """Price of taking two lines for a pair that meet on the plane, square to it."""
+def _continued(stereo: Stereo, one: Array, other: Array, half: HalfInSpace) -> float:
+    """Return the price of taking two lines for a pair that meet on the plane, square to it."""
     gap, place, at_end = gap_between(one, other)
-    if gap > MEETING * min(float(arc_length(line)[-1]) for line in (one, other)):
+    if gap > MEETING * min(map(length_of, (one, other))):
         return 0.0
     foot = stereo.on_plane(place)[0]
-    line = np.vstack((foot, made.points[::-1] if at_end else made.points))
+    line = np.vstack((foot, half.points[::-1] if at_end else half.points))
     along = arc_length(line)
     inner = int(np.searchsorted(along, NEAR_PLANE * along[-1]))
     way = line[min(inner, len(line) - 1)] - foot
     return CONTINUED if abs(way[1]) > SQUARE * float(np.linalg.norm(way)) else 0.0
 
 
-def _untold(stations: Array, which: str) -> Iterator[str]:
-    """What to say of the ends of a side that found no partner."""
+def _unmatched(stations: Array, which: str) -> Iterator[str]:
+    """Yield sentences about the ends of a side that found no partner."""
     for place, missing in (("first", np.min(stations)), ("last", 1.0 - np.max(stations))):
         if missing > TELL:
-            yield f"The {place} {100.0 * missing:.0f} % of the {which} side have no partner."
+            yield f"The {place} {100.0 * missing:.0f} % of the {which} side have no counterpart."

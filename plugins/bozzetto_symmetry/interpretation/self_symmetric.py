@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side
-from bozzetto_symmetry.interpretation.candidate import TELL, Read, matched, price
-from bozzetto_symmetry.interpretation.side_pairing import Folding, foldings
-from bozzetto_symmetry.interpretation.triangulation import Solved, solved
+from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
+from bozzetto_symmetry.interpretation.folding import Folding, foldings
+from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
-
-__all__ = ["as_crossing"]
 
 Array = NDArray[np.float64]
 
@@ -24,8 +23,8 @@ SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
 
 
-def as_crossing(stereo: Stereo, side: Side, box: Array | None) -> Iterator[Read]:
-    """Every way in which a side can be a curve across the plane, at its price.
+def as_crossing(stereo: Stereo, side: Side, more: float = 0.0) -> Iterator[Candidate]:
+    """Yield every way in which a side can be a curve across the plane.
 
     A closed side is a ring; where it can be none, it may be a line whose ends happen to be
     seen near one another.
@@ -33,54 +32,44 @@ def as_crossing(stereo: Stereo, side: Side, box: Array | None) -> Iterator[Read]
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     side : Side
-    box : (2, 3) float or None
-        Least and greatest corner, in the frame of the plane, mm.
+        The line that is folded.
+    more : float
+        Price that every reading of it bears, px.
     """
     ways = [(side.pixels, True)] if side.closed else []
     some = False
     for pixels, ring in [*ways, (side.unrolled, False)]:
         for folding in () if some else foldings(stereo, pixels, closed=ring):
-            found = _folded(stereo, folding, pixels, ring, box)
-            if found is not None:
+            half = triangulate(stereo, folding.pairing)
+            middle = stereo.on_plane(folding.crossings)
+            if len(half.points) > 1 and np.isfinite(middle).all():
                 some |= ring
-                yield found
+                yield Candidate(half, partial(_read, stereo, folding, pixels, ring, more))
 
 
-def _folded(
-    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, box: Array | None
-) -> Read | None:
+def _read(
+    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, more: float, half: HalfInSpace
+) -> Read:
     pairing = folding.pairing
-    made = solved(stereo, pairing, box)
-    middle = stereo.on_plane(folding.crossings)
-    if len(made.points) < 2 or not np.isfinite(middle).all():
-        return None
     if ring:
         near, far, turned = _ring_halves(pixels, folding)
         covered = float(np.mean(pairing.coverage))
     else:
         near, far, covered = _halves(pixels, folding)
         turned = not folding.first
-    missing = 1.0 - made.kept * min(covered, 1.0)
+    missing = 1.0 - half.kept * min(covered, 1.0)
+    middle = stereo.on_plane(folding.crossings)
     flat = plane_covariances(stereo, folding.crossings)
-    points, covariances = _whole(made, middle, flat, turned, ring)
-    told: tuple[str, ...] = ()
+    points, covariances = _whole(half, middle, flat, turned, ring)
+    warnings: tuple[str, ...] = ()
     if missing > TELL:
-        told = (f"{100.0 * missing:.0f} % of the curve across the plane have no partner.",)
+        warnings = (f"{100.0 * missing:.0f} % of the curve across the plane have no counterpart.",)
     return Read(
-        "self",
-        price(pairing.cost, made, missing),
-        1.0 - missing,
-        points,
-        covariances,
-        pairing,
-        folding.crossings,
-        (near,),
-        (far,),
-        closed=ring,
-        ring=ring,
-        warnings=told,
-    )
+        "self", price(pairing.cost, half, missing) + more, 1.0 - missing, points, covariances,
+        pairing, folding.crossings, (near,), (far,), closed=ring, ring=ring, warnings=warnings,
+    )  # fmt: skip
 
 
 def _place(pixels: Array, crossing: Array) -> int:
@@ -88,7 +77,7 @@ def _place(pixels: Array, crossing: Array) -> int:
 
 
 def _halves(pixels: Array, folding: Folding) -> tuple[Array, Array, float]:
-    """The ink before and behind the crossing, outwards, and the share of it with a partner."""
+    """Return the ink on both sides of the crossing, outwards, and the share with a partner."""
     pairing, foot = folding.pairing, folding.crossings[:1]
     cut = _place(pixels, foot[0])
     halves = np.vstack((foot, pixels[:cut][::-1])), np.vstack((foot, pixels[cut + 1 :]))
@@ -96,16 +85,17 @@ def _halves(pixels: Array, folding: Folding) -> tuple[Array, Array, float]:
     if not folding.first:
         stations.reverse()
         coverage.reverse()
-    lengths = [float(arc_length(half)[-1]) for half in halves]
+    lengths = [length_of(half) for half in halves]
     covered = float(np.dot(lengths, coverage)) / max(sum(lengths), 1e-300)
     before, behind = (
-        matched(half, np.append(share, 0.0)) for half, share in zip(halves, stations, strict=True)
+        matched_part(half, np.append(share, 0.0))
+        for half, share in zip(halves, stations, strict=True)
     )
     return before, behind, covered
 
 
 def _ring_halves(pixels: Array, folding: Folding) -> tuple[Array, Array, bool]:
-    """Both halves of a ring from its first crossing; whether the first drawn is the far one."""
+    """Return both halves of a ring, and whether the half drawn first is the far one."""
     begin, end = (_place(pixels, crossing) for crossing in folding.crossings)
     turned = np.roll(pixels, -begin, axis=0)
     count = (end - begin) % len(pixels)
@@ -118,20 +108,24 @@ def _ring_halves(pixels: Array, folding: Folding) -> tuple[Array, Array, bool]:
 
 
 def _whole(
-    made: Solved, middle: Array, flat: Array, turned: bool, ring: bool
+    half: HalfInSpace, middle: Array, flat: Array, turned: bool, ring: bool
 ) -> tuple[Array, Array]:
-    """The curve and its mirror image in one line, in the sense drawn.
+    """Return the curve and its mirror image in one line, in the sense drawn.
 
     Parameters
     ----------
+    half : HalfInSpace
+        One half of the curve in space.
     middle, flat : (c, 3) and (c, 3, 3) float
         Where the curve crosses the plane, and the covariances there.
     turned : bool
         The half that was drawn first is the mirror image of what was solved.
+    ring : bool
+        The curve is closed.
     """
-    own = np.linalg.norm(made.points[:, None] - middle, axis=2).min(axis=1)
-    apart = own > SAME * float(np.linalg.norm(np.ptp(made.points, axis=0)))
-    points, spread = made.points[apart], made.covariances[apart]
+    own = np.linalg.norm(half.points[:, None] - middle, axis=2).min(axis=1)
+    apart = own > SAME * float(np.linalg.norm(np.ptp(half.points, axis=0)))
+    points, spread = half.points[apart], half.covariances[apart]
     flip = np.diag(MIRROR)
     mirrored, reflected = points * MIRROR, flip @ spread @ flip
     if turned:

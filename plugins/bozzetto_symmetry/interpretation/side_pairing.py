@@ -1,4 +1,4 @@
-"""Which places of one side of a thing belong to which places of its other side."""
+"""The matching of the two sides of a thing, place by place."""
 
 from __future__ import annotations
 
@@ -9,14 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample
-from bozzetto.plugin import Memory
-from bozzetto_symmetry.interpretation.folding import Folding, foldings
-from bozzetto_symmetry.stereo.correspondence import Pairing, paired
+from bozzetto_symmetry.stereo.correspondence import Pairing, pairing_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-__all__ = ["Folding", "Pairing", "foldings", "pairings"]
 
 Array = NDArray[np.float64]
 
@@ -37,20 +33,18 @@ MOST_CUTS: Final = 3
 """Places of the other loop at which it is tried to be cut."""
 
 FLATTEST: Final = 0.05
-"""Least roundness that counts, so that no loop is without end the worse."""
-
-
-_known: Memory[tuple[Pairing, ...]] = Memory(limit=64)
+"""Least roundness that counts: it bounds how much worse a flat loop scores."""
 
 
 def pairings(
     stereo: Stereo, near: ArrayLike, far: ArrayLike, *, closed: bool = False
 ) -> tuple[Pairing, ...]:
-    """Match the two sides of a pair; remembered.
+    """Match the two sides of a pair.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (n, 2) array_like
         The sides as drawn, px, in any sense.
     closed : bool
@@ -61,15 +55,9 @@ def pairings(
     tuple of Pairing
         The best first, both senses where both are possible; none where nothing matches.
     """
-    first, second = np.asarray(near, float), np.asarray(far, float)
-    told = (first.shape, first.tobytes(), second.tobytes())
-    question = (stereo, *told, closed)
-    return _known.recall(question, lambda: _paired(stereo, first, second, closed))
-
-
-def _paired(stereo: Stereo, near: Array, far: Array, closed: bool) -> tuple[Pairing, ...]:
-    one = resample(near, count=SAMPLES, closed=closed)
-    other = resample(far, count=SAMPLES, closed=closed)
+    one, other = (
+        resample(np.asarray(side, float), count=SAMPLES, closed=closed) for side in (near, far)
+    )
     if not (np.ptp(one, axis=0).any() and np.ptp(other, axis=0).any()):
         return ()
     made = _of_loops(stereo, one, other) if closed else _of_open(stereo, one, other)
@@ -89,15 +77,15 @@ def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
         begin=OPEN_END * unit,
         end=OPEN_END * unit,
     )
-    backwards = paired(stereo, first, against, ways[1])
+    backwards = pairing_of(stereo, first, against, ways[1])
     return [
-        paired(stereo, first, along, ways[0]),
+        pairing_of(stereo, first, along, ways[0]),
         replace(backwards, far_stations=1.0 - backwards.far_stations, reversed=True),
     ]
 
 
 def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
-    """Loops are cut where they reach furthest round, which both images do at one place."""
+    """Match loops, cut where they reach furthest round: both images do so at one place."""
     count = len(one)
     cut = int(np.argmax(stereo.angles(one)))
     first = Signal.of(stereo, _cut(one, cut))
@@ -110,7 +98,7 @@ def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
         tables = np.stack([differences(first, second) for second in seconds])
         ways = warpings(tables, step=UNEVEN * unit)
         best = min(range(len(cuts)), key=lambda k: ways[k].total)
-        found = paired(stereo, first, seconds[best], ways[best], closed=True)
+        found = pairing_of(stereo, first, seconds[best], ways[best], closed=True)
         stations = (found.stations + cut / count) % 1.0
         order = np.argsort(stations, kind="stable")
         theirs = (found.far_stations * count + cuts[best]) / count
@@ -137,7 +125,7 @@ def _cut(ring: Array, place: int) -> Array:
 
 
 def _tops(angles: Array) -> list[int]:
-    """Local maxima that may be the highest one, the highest first."""
+    """Return local maxima that may be the highest one, the highest first."""
     higher = (angles >= np.roll(angles, 1)) & (angles > np.roll(angles, -1))
     high = angles > angles.max() - NEAR_TOP * np.ptp(angles)
     tops = np.flatnonzero(higher & high)
@@ -147,10 +135,10 @@ def _tops(angles: Array) -> list[int]:
 
 
 def _roundness(points: Array) -> float:
-    """Of a loop in space: area by the square of its length, 1 for a circle.
+    """Return how round a loop in space is: its area by the square of its length, 1 for a circle.
 
     Matched the other way round, a loop changes places with one that is wide in depth where
-    it was wide in height: both fit alike, and of the two people mean the rounder one.
+    it was wide in height. Both fit equally well, and people mean the rounder one.
     """
     seen = points[np.isfinite(points).all(axis=1)]
     if len(seen) < 3:

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_symmetry.interpretation.side_pairing import Pairing
-from bozzetto_symmetry.stereo import degeneracies as special_cases
+from bozzetto_symmetry.stereo.correspondence import Pairing
+from bozzetto_symmetry.stereo.degeneracies import intersect_rays, reasons_of
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
-
-__all__ = ["Solved", "solved", "strays"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 ROOM: Final = 0.05
-"""Share of the box's size by which a curve may leave it without a price. It is what tells the
+"""Share of the box's size by which a curve may leave it without a price. It decides the
 sense of a curve that fits either way, like a hook."""
 
 STRAY_ROOM: Final = 0.2
-"""The same for single places to be left out as strays: the box is a ruler, no fence."""
+"""Share of the box's size beyond which single places are left out as strays: the box is a ruler,
+and curves may leave it."""
 
 STRAY: Final = 0.2
 """Greatest share of places outside the box that are left out as strays; if there are more,
@@ -34,19 +33,20 @@ REACH: Final = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
-    """One half of a symmetric curve.
+class HalfInSpace:
+    """One half of a symmetric curve, from matched places.
 
     Attributes
     ----------
     points : (k, 3) float
-        mm, in front of the eye, in the order of the pairing.
+        Places in front of the eye, in the order of the pairing, mm.
     covariances : (k, 3, 3) float
-        For 1 px of noise, mm².
+        Covariances of the places for 1 px of noise, mm².
+    trust : (k,) float
+        Weights of the places, which add up to 1: a place that the view hardly knows says
+        little about where the curve is.
     kept : float
         Share of the matched places that gave a point.
-    outside : float
-        Share of the points outside the box and the room about it.
     astride : float
         How much of the curve lies on the other side of the plane than most of it, 0 … 1.
     askew : float
@@ -58,53 +58,67 @@ class Solved:
 
     points: Array
     covariances: Array
+    trust: Array
     kept: float
-    outside: float
     astride: float
     askew: float
     reasons: tuple[str, ...] = ()
 
+    def share_outside(self, box: Array | None) -> float:
+        """Return the trusted share of the curve outside a box (2, 3) and the room about it."""
+        return float(self.trust[_outside(self.points, box, ROOM)].sum())
 
-def solved(stereo: Stereo, pairing: Pairing, box: Array | None) -> Solved:
-    """Intersect the rays of a pairing.
+    def without(self, left_out: Flags) -> HalfInSpace:
+        """Return the half without some of its places; itself where none is left out."""
+        if not left_out.any():
+            return self
+        keep = ~left_out
+        return replace(
+            self,
+            points=self.points[keep],
+            covariances=self.covariances[keep],
+            trust=self.trust[keep],
+        )
+
+
+def triangulate(stereo: Stereo, pairing: Pairing) -> HalfInSpace:
+    """Intersect the rays of matched places.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     pairing : Pairing
-    box : (2, 3) float or None
-        Least and greatest corner, in the frame of the plane, mm.
+        The places of both sides that belong together.
     """
-    points, codes = special_cases.solved(stereo, pairing.near, pairing.far)
+    points, codes = intersect_rays(stereo, pairing.near, pairing.far)
     seen = np.isfinite(points).all(axis=1)
-    reasons = special_cases.reasons(codes)
+    reasons = reasons_of(codes)
     if not seen.any():
-        return Solved(np.zeros((0, 3)), np.zeros((0, 3, 3)), 0.0, 0.0, 0.0, 0.0, reasons)
+        return HalfInSpace(
+            np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), 0.0, 0.0, 0.0, reasons
+        )
     points, near, far = points[seen], pairing.near[seen], pairing.far[seen]
     covariances = pair_covariances(stereo, near, far, _directions(stereo, far))
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     covariances[pairing.weak[seen], 1, 1] += extent**2
-    # A place that the view hardly knows says little about where the curve is.
     trust = 1.0 / (sigmas(covariances) + 0.01 * extent + 1e-300) ** 2
     trust /= trust.sum()
-    out = _beyond(points, box, ROOM)
     middle = points - trust @ points
     least = np.linalg.svd(middle * np.sqrt(trust)[:, None], full_matrices=False)[2][-1]
     askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
-    outside, astride = float(trust[out].sum()), _astride(points[:, 1], trust)
-    keep = ~strays(points, box)
-    return Solved(
-        points[keep], covariances[keep], float(seen.mean()), outside, astride, askew, reasons
-    )
+    astride = _astride(points[:, 1], trust)
+    return HalfInSpace(points, covariances, trust, float(seen.mean()), astride, askew, reasons)
 
 
 def strays(points: Array, box: Array | None) -> Flags:
-    """Which of the points are far outside the box while most are not, (n,)."""
-    out = _beyond(points, box, STRAY_ROOM)
+    """Return which points (n, 3) are far outside a box (2, 3) while most are not, (n,) bool."""
+    out = _outside(points, box, STRAY_ROOM)
     return out if out.sum() <= STRAY * len(out) else np.zeros(len(points), bool)
 
 
-def _beyond(points: Array, box: Array | None, share: float) -> Flags:
+def _outside(points: Array, box: Array | None, share: float) -> Flags:
+    """Return which points leave the box by more than a share of its size."""
     if box is None:
         return np.zeros(len(points), bool)
     room = share * (box[1] - box[0])
@@ -117,7 +131,7 @@ def _astride(y: Array, trust: Array) -> float:
 
 
 def _directions(stereo: Stereo, far: Array) -> Array:
-    """Unit directions of the far curve; where it stands still, along the epipolar line."""
+    """Return unit directions of the far curve; where it stands still, the epipolar line's."""
     index = np.arange(len(far))
     ahead, back = np.minimum(index + REACH, len(far) - 1), np.maximum(index - REACH, 0)
     way = far[ahead] - far[back]

@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.scene import Paint
 from bozzetto.view import Camera
-
-__all__ = ["AXES", "AXIS_PAINTS", "along", "receding"]
+from bozzetto_symmetry.model.perspective import toward_vanishing
 
 Array = NDArray[np.float64]
 
@@ -22,21 +21,22 @@ AXIS_PAINTS: Final[tuple[Paint, Paint, Paint]] = ("accent", "second", (0x5E, 0x9
 
 END_ON: Final = 0.02
 """Sine of the angle between a line and the line of sight below which the line is seen as a
-point: places along it cannot be told apart."""
+point: places along it cannot be separated."""
 
 ACROSS: Final = 1e-6
 """Cosine between a direction and the line of sight below which it lies across."""
 
 
 def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLike) -> float | None:
-    """How far along a line in space a place on the sheet is.
+    """Return how far along a line in space a place on the sheet is.
 
-    The foot of the place on the line's image, and there the place of the line that is seen:
-    what the pen does beside the line's image counts for nothing.
+    It is the place of the line seen at the point of the line's image nearest to the pen: what the
+    pen does beside the line's image does not count.
 
     Parameters
     ----------
     camera : Camera
+        In the frame of the line.
     pixel : (2,) array_like
         px.
     point, direction : (3,) array_like
@@ -55,30 +55,23 @@ def along(camera: Camera, pixel: ArrayLike, point: ArrayLike, direction: ArrayLi
     if np.linalg.norm(np.cross(camera.rays(seen).directions[0], way)) < END_ON:
         return None
     # The image of a line is straight: two of its places say where it runs.
-    right, up, forward = camera.axes @ way
-    depth = float(camera.axes[2] @ (base - camera.eye))
-    across = np.array([right, -up])
-    if camera.kind == "perspective":
-        middle = 0.5 * np.asarray(camera.viewport)
-        focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-        across = across * focal - forward * (seen[0] - middle)
+    across = toward_vanishing(camera, way, seen[0])
     across /= np.linalg.norm(across)
     foot = seen[0] + across * float((np.asarray(pixel, float) - seen[0]) @ across)
     origins, directions = camera.rays(foot)
-    # The ray of the foot and the line lie in one plane, and meet.
+    # The ray of that point and the line lie in one plane, and meet.
     sight, between = directions[0], base - origins[0]
     cosine = float(sight @ way)
     sine_squared = 1.0 - cosine**2
     if sine_squared < END_ON**4:
         return None
     distance = float((between @ sight) * cosine - between @ way) / sine_squared
-    if camera.kind == "perspective" and depth + distance * forward <= 0.0:
-        return None
-    return distance
+    depth = float(camera.axes[2] @ (base + distance * way - camera.eye))
+    return None if camera.kind == "perspective" and depth <= 0.0 else distance
 
 
 def receding(camera: Camera, direction: ArrayLike) -> Array | None:
-    """The sense of a direction that runs away from the eye, unit vector (3,).
+    """Return the sense of a direction that runs away from the eye, a unit vector (3,).
 
     None where lines of this direction do not vanish in a point: in a parallel view, and
     where they lie across the line of sight.

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import SymmetryState
 
-__all__ = ["box_corners", "box_edges", "plane_foot", "plane_outline", "plane_section"]
-
 Array = NDArray[np.float64]
 
 FLUSH: Final = 1e-9
@@ -23,28 +21,28 @@ SQUARE: Final = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
 def box_corners(state: SymmetryState) -> Array:
-    """The eight corners of the box in the model's frame, (8, 3) mm; the last axis runs first."""
+    """Return the corners of the box in the model's frame, (8, 3) mm; the last axis runs first."""
     half = 0.5 * np.asarray(state.size)
     return np.asarray(state.centre + half * np.array(list(product((-1.0, 1.0), repeat=3))))
 
 
 def box_edges(state: SymmetryState) -> Array:
-    """The twelve edges of the box, (12, 2, 3) mm: four along x, four along y, four along z."""
+    """Return the edges of the box, (12, 2, 3) mm: four along x, four along y, four along z."""
     corners = box_corners(state)
     pairs = [(k, k | bit) for bit in (4, 2, 1) for k in range(8) if not k & bit]
     return np.asarray(corners[pairs])
 
 
 def plane_foot(state: SymmetryState) -> Array:
-    """The place of the centre plane that is nearest to the middle of the box, (3,) mm."""
+    """Return the place of the centre plane that is nearest to the middle of the box, (3,) mm."""
     normal, centre = np.asarray(state.plane.normal), np.asarray(state.centre)
     return np.asarray(centre - normal * float((centre - state.plane.point) @ normal))
 
 
 def plane_section(state: SymmetryState) -> Array:
-    """Corners of the centre plane's section with the box, in order around it, (n, 3) mm.
+    """Return the corners of the centre plane's section with the box, in order, (n, 3) mm.
 
-    None where the plane passes the box by, or only touches it.
+    There are none where the plane passes the box by, or only touches it.
     """
     corners, normal = box_corners(state), np.asarray(state.plane.normal)
     across, up = state.plane.placement.directions(AXES[[0, 2]])
@@ -63,7 +61,7 @@ def plane_section(state: SymmetryState) -> Array:
 
 
 def plane_outline(state: SymmetryState) -> Array:
-    """Corners of what is shown of the centre plane, in order around it, (n, 3) mm.
+    """Return the corners of the shown part of the centre plane, in order, (n, 3) mm.
 
     Its section with the box; a square of the box's size where it passes the box by.
     """

@@ -1,4 +1,4 @@
-"""The box and the centre plane as ink files tell them."""
+"""The box and the centre plane as ink files give them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-__all__ = ["box_around", "box_facts", "facts_of", "readings_of"]
 
 Array = NDArray[np.float64]
 
@@ -39,7 +38,7 @@ FIGURES: Final = 2
 
 
 def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
-    """What the facts of a drawing change in a state.
+    """Return what the facts of a drawing change in a state.
 
     Parameters
     ----------
@@ -56,7 +55,7 @@ def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
     Returns
     -------
     dict
-        Fields of `SymmetryState` with their new values; only those that are told.
+        Fields of `SymmetryState` with their new values; only those that the facts give.
 
     Raises
     ------
@@ -74,7 +73,7 @@ def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
-    """What the facts of a drawing say that its curves are.
+    """Return what the facts of a drawing say that its curves are.
 
     Parameters
     ----------
@@ -87,27 +86,18 @@ def readings_of(facts: Mapping[str, Any]) -> dict[str, AskedReading]:
     UserError
         If it is something else.
     """
-    told = facts.get("readings", {})
-    if not isinstance(told, Mapping):
+    value = facts.get("readings", {})
+    if not isinstance(value, Mapping):
         raise UserError("“readings” is no list of names. Give one reading for each curve.")
-    for name, reading in told.items():
+    for name, reading in value.items():
         if reading not in get_args(AskedReading):
             known = ", ".join(f"“{r}”" for r in get_args(AskedReading))
             raise UserError(f"“readings” of “{str(name)[:40]}”: there are {known}.")
-    return dict(told)
-
-
-def facts_of(state: SymmetryState) -> dict[str, Any]:
-    """The facts that make `box_facts` give back the box and the plane of a state."""
-    plane: Any = next((a for a, name in SYMMETRIES.items() if name == state.symmetry), None)
-    if plane is None:
-        free = state.free_plane
-        plane = {"point": list(free.point), "normal": list(free.normal)}
-    return {"box": {"center": list(state.centre), "size": list(state.size)}, "plane": plane}
+    return dict(value)
 
 
 def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
-    """A box for a drawing that tells none: its picture has room for all the ink.
+    """Return a box for a drawing that gives none: its picture has room for all the ink.
 
     It stands in the middle of the first view, on both sides of the centre plane. Along every
     axis it is as long as the ink is wide on the sheet, and longer the more that axis is
@@ -143,14 +133,14 @@ def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
 # -- the box ---------------------------------------------------------------------------------
 
 
-def _box(told: object) -> tuple[Array, Array]:
-    """Centre and size."""
-    if not isinstance(told, Mapping):
-        return np.zeros(3), _size(told, "box")
-    told = {"center" if key == "centre" else key: value for key, value in told.items()}
-    keys = set(told)
+def _box(value: object) -> tuple[Array, Array]:
+    """Return centre and size."""
+    if not isinstance(value, Mapping):
+        return np.zeros(3), _size(value, "box")
+    value = {"center" if key == "centre" else key: part for key, part in value.items()}
+    keys = set(value)
     if keys == {"min", "max"}:
-        low, high = _place(told["min"], "box.min"), _place(told["max"], "box.max")
+        low, high = _place(value["min"], "box.min"), _place(value["max"], "box.max")
         if not (low < high).all():
             raise UserError(
                 "“box”: “min” is not below “max”. Give the lower corner as “min” and the upper "
@@ -158,19 +148,19 @@ def _box(told: object) -> tuple[Array, Array]:
             )
         return 0.5 * (low + high), _size((high - low).tolist(), "box")
     if keys - {"center"} == {"size"}:
-        size = _size(told["size"], "box.size")
+        size = _size(value["size"], "box.size")
     elif keys - {"center"} == {"length", "width", "height"}:
-        size = _size([told[name] for name in ("length", "width", "height")], "box")
+        size = _size([value[name] for name in ("length", "width", "height")], "box")
     else:
         raise UserError(
             "“box” holds other keys than it can. Give “center” and “size”, or “min” and “max”, "
             "or “length”, “width” and “height”."
         )
-    return (_place(told["center"], "box.center") if "center" in told else np.zeros(3)), size
+    return (_place(value["center"], "box.center") if "center" in value else np.zeros(3)), size
 
 
-def _size(told: object, key: str) -> Array:
-    size = _numbers(told, key, 3, "length, width and height in millimetres")
+def _size(value: object, key: str) -> Array:
+    size = _numbers(value, key, 3, "length, width and height in millimetres")
     least, most = SIZE_LIMITS
     if not ((size >= least) & (size <= most)).all():
         raise UserError(f"“{key}”: a box's edges are from {least:g} to {most:,.0f} mm. Change it.")
@@ -180,11 +170,11 @@ def _size(told: object, key: str) -> Array:
 # -- the plane -------------------------------------------------------------------------------
 
 
-def _plane(told: object, state: SymmetryState) -> dict[str, Any]:
-    if isinstance(told, str) and told in SYMMETRIES:
-        return {"symmetry": SYMMETRIES[told]}
-    point, normal = _point_and_normal(told)
-    plane = CentrePlane(_triple(point), _triple(normal))
+def _plane(value: object, state: SymmetryState) -> dict[str, Any]:
+    if isinstance(value, str) and value in SYMMETRIES:
+        return {"symmetry": SYMMETRIES[value]}
+    point, normal = _point_and_normal(value)
+    plane = CentrePlane(triple(point), triple(normal))
     aside = abs(float((np.asarray(state.centre) - plane.point) @ plane.normal))
     for axis, symmetry in zip(AXES, SYMMETRIES.values(), strict=True):
         turned = float(np.abs(np.abs(plane.normal) - axis).max())
@@ -193,46 +183,46 @@ def _plane(told: object, state: SymmetryState) -> dict[str, Any]:
     return {"symmetry": "free", "free_plane": plane}
 
 
-def _point_and_normal(told: object) -> tuple[Array, Array]:
-    if isinstance(told, str):
-        return _at_coordinate(told)
-    if isinstance(told, Mapping):
-        if set(told) == {"point", "normal"}:
-            return _place(told["point"], "plane.point"), _normal(told["normal"], "plane.normal")
-        if set(told) == {"normal", "offset"}:
-            normal = _normal(told["normal"], "plane.normal")
-            (offset,) = _numbers([told["offset"]], "plane.offset", 1, "the distance")
+def _point_and_normal(value: object) -> tuple[Array, Array]:
+    if isinstance(value, str):
+        return _at_coordinate(value)
+    if isinstance(value, Mapping):
+        if set(value) == {"point", "normal"}:
+            return _place(value["point"], "plane.point"), _normal(value["normal"], "plane.normal")
+        if set(value) == {"normal", "offset"}:
+            normal = _normal(value["normal"], "plane.normal")
+            (offset,) = _numbers([value["offset"]], "plane.offset", 1, "the distance")
             return _foot(normal, float(offset), "plane.offset"), normal
         raise UserError(
             "“plane” holds other keys than it can. Give “point” and “normal”, or “normal” and "
             "“offset”."
         )
-    numbers = _numbers(told, "plane", 4, "a, b, c and d of a x + b y + c z + d = 0")
+    numbers = _numbers(value, "plane", 4, "a, b, c and d of a x + b y + c z + d = 0")
     normal = _normal(numbers[:3].tolist(), "plane")
     return _foot(normal, -float(numbers[3]), "plane"), normal
 
 
-def _at_coordinate(told: str) -> tuple[Array, Array]:
-    """The plane that "y = 0" and the like tell."""
-    name, _, number = told.partition("=")
+def _at_coordinate(value: str) -> tuple[Array, Array]:
+    """Return the plane that "y = 0" and the like describe."""
+    name, _, number = value.partition("=")
     try:
         axis = AXES[list(SYMMETRIES).index(name.strip())]
         offset = float(number)
     except ValueError:
         raise UserError(
-            f"“plane” is “{told[:20]}”. Give “x”, “y” or “z”, or “y = 0”, or a normal."
+            f"“plane” is “{value[:20]}”. Give “x”, “y” or “z”, or “y = 0”, or a normal."
         ) from None
     return _foot(axis, offset, "plane"), axis
 
 
 def _foot(normal: Array, offset: float, key: str) -> Array:
-    """The place of the plane n · p = d that is nearest to the origin."""
+    """Return the place of the plane n · p = d that is nearest to the origin."""
     point = normal * (offset / float(normal @ normal))
     return _place(point.tolist(), key)
 
 
-def _normal(told: object, key: str) -> Array:
-    normal = _numbers(told, key, 3, "a direction")
+def _normal(value: object, key: str) -> Array:
+    normal = _numbers(value, key, 3, "a direction")
     if not 1.0 / FARTHEST < float(np.abs(normal).max()) < FARTHEST:
         raise UserError(f"“{key}” has no direction. Give one of about unit length.")
     return normal
@@ -241,34 +231,29 @@ def _normal(told: object, key: str) -> Array:
 # -- numbers ---------------------------------------------------------------------------------
 
 
-def _place(told: object, key: str) -> Array:
-    place = _numbers(told, key, 3, "a place in millimetres")
+def _place(value: object, key: str) -> Array:
+    place = _numbers(value, key, 3, "a place in millimetres")
     if not (np.abs(place) <= FARTHEST).all():
         raise UserError(f"“{key}” is too far away. Stay within {FARTHEST:,.0f} mm of the origin.")
     return place
 
 
-def _numbers(told: object, key: str, count: int, meaning: str) -> Array:
-    """Finite numbers out of a list of anything."""
+def _numbers(value: object, key: str, count: int, meaning: str) -> Array:
+    """Return finite numbers out of a list of anything."""
     if (
-        not isinstance(told, list | tuple)
-        or len(told) != count
-        or not all(_is_number(value) for value in told)
+        not isinstance(value, list | tuple)
+        or len(value) != count
+        or not all(_is_number(entry) for entry in value)
     ):
         raise UserError(f"“{key}” needs {count} plain number{'s' * (count > 1)}: {meaning}.")
-    return np.array(told, float)
+    return np.array(value, float)
 
 
 def _is_number(value: object) -> bool:
-    """Whether a JSON value is a number that is finite as a float."""
+    """Return whether a JSON value is a number that is finite as a float."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     try:
         return bool(np.isfinite(float(value)))
     except OverflowError:
         return False
-
-
-def _triple(values: Array) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in values)
-    return x, y, z

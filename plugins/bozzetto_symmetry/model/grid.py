@@ -8,8 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["HEAVY_EVERY", "Grid", "clipped", "grid_in_box", "grid_step"]
-
 Array = NDArray[np.float64]
 
 MOST_CELLS: Final = 25
@@ -20,7 +18,7 @@ MOST_LINES: Final = 500
 """Most lines on one hand of the middle, whatever the step."""
 
 HEAVY_EVERY: Final = 5
-"""Every so manieth line, counted from the middle, is heavier."""
+"""Every fifth line, counted from the middle, is heavier."""
 
 FLUSH: Final = 1e-6
 """Share of the step by which a line must lie inside to be no edge."""
@@ -44,17 +42,17 @@ class Grid:
 
 
 def grid_step(longest: float) -> float:
-    """The least of 1, 2 or 5 times a power of ten, mm, that makes at most 25 cells."""
+    """Return the least of 1, 2 or 5 times a power of ten, mm, that makes at most 25 cells."""
     least = longest / MOST_CELLS
     decade = 10.0 ** np.floor(np.log10(least))
     fits = [step for step in (1.0, 2.0, 5.0, 10.0) if step * decade >= least * (1.0 - FLUSH)]
     return float(fits[0] * decade)
 
 
-def clipped(
+def clip_to_box(
     points: ArrayLike, directions: ArrayLike, centre: ArrayLike, size: ArrayLike
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """The parts of lines that lie in a box, by the method of slabs (Kay & Kajiya 1986).
+    """Return the parts of lines that lie in a box, by the method of slabs (Kay & Kajiya 1986).
 
     Parameters
     ----------
@@ -93,7 +91,7 @@ def grid_in_box(
     centre: ArrayLike,
     size: ArrayLike,
 ) -> Grid:
-    """The grid of a plane as far as it lies in a box.
+    """Return the grid of a plane as far as it lies in a box.
 
     Parameters
     ----------
@@ -113,7 +111,7 @@ def grid_in_box(
     parts = []
     for along, aside in ((first, second), (second, first)):
         places = middle + number[:, None] * step * aside
-        begin, end, inside = clipped(places, along, centre, size)
+        begin, end, inside = clip_to_box(places, along, centre, size)
         # Neither the edges themselves nor what only touches a corner.
         inside &= ~_on_edge(places + 0.5 * (begin + end)[:, None] * along, aside, centre, size)
         inside &= end - begin > FLUSH * step
@@ -125,7 +123,7 @@ def grid_in_box(
 
 
 def _on_edge(places: Array, aside: Array, centre: ArrayLike, size: ArrayLike) -> NDArray[np.bool_]:
-    """Whether a step aside from places of the box leaves it on one hand."""
+    """Return whether a step to the side from places of the box leaves it on one hand."""
     half = 0.5 * np.asarray(size, float)
     least = float(half.min())
     half, step = half + FLUSH * least, 1e3 * FLUSH * least * aside

@@ -7,6 +7,7 @@ better code can solve it again.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import Annotated, Literal, TypeVar
 
@@ -14,23 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto.plugin import Parameter, switched_on, unused_id, unused_name, with_part
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
-
-__all__ = [
-    "AskedReading",
-    "Color",
-    "Curve",
-    "Edit",
-    "Group",
-    "Joint",
-    "Line",
-    "Modification",
-    "Node",
-    "Snap",
-    "SymmetryState",
-    "Trim",
-]
 
 Color = tuple[int, int, int]
 AskedReading = Literal["auto", "pair", "self", "plane", "half"]
@@ -38,7 +24,7 @@ AskedReading = Literal["auto", "pair", "self", "plane", "half"]
 
 @dataclass(frozen=True)
 class Modification:
-    """Strokes drawn over the curve in one view: it gives way to them.
+    """Strokes drawn over the curve in one view, which the curve follows.
 
     Parameters
     ----------
@@ -54,7 +40,7 @@ class Modification:
 
 @dataclass(frozen=True)
 class Trim:
-    """Only a stretch of the curve is kept.
+    """A stretch of the curve that is kept.
 
     Parameters
     ----------
@@ -70,7 +56,7 @@ class Trim:
 
 @dataclass(frozen=True)
 class Snap:
-    """An end of the curve is taken to a place in space.
+    """An end of the curve that is moved to a place in space.
 
     Parameters
     ----------
@@ -86,7 +72,7 @@ class Snap:
 
 @dataclass(frozen=True)
 class Joint:
-    """An end is joined to another one, with a common tangent there.
+    """An end that is joined to another one, with a common tangent there.
 
     Parameters
     ----------
@@ -111,7 +97,7 @@ Edit = Modification | Trim | Snap | Joint
 
 @dataclass(frozen=True)
 class Node:
-    """What everything in the list has in common.
+    """The attributes that everything in the list of parts has.
 
     Parameters
     ----------
@@ -166,7 +152,7 @@ class Curve(Node):
         bool,
         Parameter(
             "Other matching",
-            help="Take the second-best way in which the two sides can belong together.",
+            help="Match the two sides in the second-best way.",
         ),
     ] = False
     detail: Annotated[
@@ -178,12 +164,12 @@ class Curve(Node):
             choices=(("adaptive", "As needed"), ("seven", "Seven")),
         ),
     ] = "adaptive"
-    color: Annotated[Color | None, Parameter("Colour", help="Of this curve.")] = None
+    color: Annotated[Color | None, Parameter("Colour", help="Colour of this curve.")] = None
 
 
 @dataclass(frozen=True)
 class Line(Node):
-    """A construction line: straight, to draw by; not handed over.
+    """A construction line: straight, to draw by, and in no exported file.
 
     Parameters
     ----------
@@ -207,7 +193,7 @@ class SymmetryState:
     centre : (x, y, z)
         Middle of the box, mm.
     free_plane : CentrePlane
-        The plane of symmetry where it is none of the box's own.
+        The plane of symmetry where it is not one of the box.
     """
 
     nodes: tuple[Curve | Line | Group, ...] = ()
@@ -225,7 +211,7 @@ class SymmetryState:
         Literal["width", "length", "height", "free"],
         Parameter(
             "Centre plane",
-            help="Which way left and right lie.",
+            help="Where the plane between left and right lies.",
             choices=(
                 ("width", "Across the width (y)"),
                 ("length", "Across the length (x)"),
@@ -264,10 +250,10 @@ class SymmetryState:
 
     @property
     def diagonal(self) -> float:
-        """Of the box, mm."""
+        """Diagonal of the box, mm."""
         return float(sum(side**2 for side in self.size) ** 0.5)
 
-    @property
+    @cached_property
     def plane(self) -> CentrePlane:
         """The plane of symmetry: through the middle of the box, or as it was given."""
         normals: dict[str, Point] = {
@@ -279,7 +265,7 @@ class SymmetryState:
             return self.free_plane
         return CentrePlane(self.centre, normals[self.symmetry])
 
-    @property
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """Corners (2, 3) of the box in the frame of the centre plane, mm."""
         half = 0.5 * np.asarray(self.size)
@@ -292,29 +278,44 @@ class SymmetryState:
         """The nodes that are curves."""
         return tuple(node for node in self.nodes if isinstance(node, Curve))
 
+    @property
+    def shown_curves(self) -> tuple[Curve, ...]:
+        """The curves that are switched on together with all groups that they are in."""
+        return tuple(node for node in switched_on(self.nodes) if isinstance(node, Curve))
+
+    @property
+    def shown_lines(self) -> tuple[Line, ...]:
+        """The construction lines that are switched on together with all their groups."""
+        return tuple(node for node in switched_on(self.nodes) if isinstance(node, Line))
+
+    @property
+    def chosen(self) -> Curve | None:
+        """The curve that is chosen, if one is."""
+        return next((curve for curve in self.curves if curve.id == self.selected), None)
+
     def node(self, node_id: str) -> Curve | Line | Group:
-        """A node by its id; raises `KeyError`."""
+        """Return a node by its id; raise `KeyError` where there is none."""
         for node in self.nodes:
             if node.id == node_id:
                 return node
         raise KeyError(node_id)
 
     def with_node(self, node: Kind) -> SymmetryState:
-        """With a node in the place of the one of its id, or at the end; it becomes chosen."""
+        """Return a state with a node, chosen, in the place of the one of its id or at the end."""
         return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def without(self, *node_ids: str) -> SymmetryState:
-        """Without some nodes; what was joined to them is no longer."""
+        """Return a state without some nodes."""
         nodes = tuple(node for node in self.nodes if node.id not in node_ids)
         selected = "" if self.selected in node_ids else self.selected
         return replace(self, nodes=nodes, selected=selected)
 
     def unused_id(self) -> str:
-        """An id that no node has."""
+        """Return an id that no node has."""
         return unused_id(self.nodes)
 
     def unused_name(self, stem: str = "Curve") -> str:
-        """A name that no node has."""
+        """Return a name that no node has."""
         return unused_name(self.nodes, stem)
 
 

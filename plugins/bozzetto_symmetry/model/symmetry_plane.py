@@ -10,8 +10,6 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 
-__all__ = ["CentrePlane", "Point"]
-
 Point = tuple[float, float, float]
 
 Y_AXIS = np.array([0.0, 1.0, 0.0])
@@ -49,9 +47,9 @@ class CentrePlane:
 
     @cached_property
     def placement(self) -> Placement:
-        """From the plane's frame, where it is y = 0, to the model's frame.
+        """The way from the plane's frame, where the plane is y = 0, to the model's frame.
 
-        The least turn that takes the y axis to the normal; for a plane along two axes its
+        The smallest turn that takes the y axis to the normal; for a plane along two axes its
         numbers are exact, and for y = 0 nothing moves at all.
         """
         normal = np.asarray(self.normal)
@@ -70,5 +68,5 @@ class CentrePlane:
 
     @cached_property
     def inverse(self) -> Placement:
-        """From the model's frame to the plane's frame."""
+        """The way from the model's frame to the plane's frame."""
         return self.placement.inverse()

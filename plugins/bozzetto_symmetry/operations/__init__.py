@@ -1,1 +1,1 @@
-"""What can be done to solved curves: trim, snap, split. Imports solve and below."""
+"""Operations on solved curves: trim, snap, split. Imports solve and below."""

@@ -1,4 +1,4 @@
-"""Where new ink belongs: to a side that waits, to a curve that it is drawn along, or to none.
+"""Which curve new ink belongs to: one that waits, one that it is drawn along, or a new one.
 
 A person draws one side and then the other, goes over a curve again until it settles, looks
 at it from elsewhere and draws it once more. Ink files do the same with strokes in a row.
@@ -18,13 +18,11 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
-from bozzetto_symmetry.solve.curve_solver import Trace, traced
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-__all__ = ["drawn_curves", "landed", "waiting_view", "waits"]
 
 Array = NDArray[np.float64]
 
@@ -46,12 +44,12 @@ SURE_PAIR: Final = 8.0
 up to 5, if an end is missing; two curves cost 16 and more."""
 
 
-def drawn_curves(
+def add_drawing(
     state: SymmetryState,
     strokes: Sequence[Stroke],
     readings: Mapping[str, AskedReading] | None = None,
 ) -> SymmetryState:
-    """The state with the strokes of a whole drawing.
+    """Return the state with the strokes of a whole drawing.
 
     Strokes of one group are one curve, whose id is the group's name. Others find their own
     place one by one.
@@ -59,7 +57,9 @@ def drawn_curves(
     Parameters
     ----------
     state : SymmetryState
+        What the drawing is added to.
     strokes : sequence of Stroke
+        All of the drawing, in the order drawn.
     readings : mapping, optional
         What curves are, by their id, where the drawing says so.
     """
@@ -79,12 +79,12 @@ def drawn_curves(
         state = state.with_node(curve)
     for stroke in strokes:
         if not stroke.group:
-            state = landed(state, (stroke,))
+            state = add_strokes(state, (stroke,))
     return state
 
 
-def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
-    """The state with new ink, which becomes part of a curve or a curve of its own.
+def add_strokes(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
+    """Return the state with new ink, which becomes part of a curve or a curve of its own.
 
     Raises
     ------
@@ -99,19 +99,19 @@ def landed(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:
             strokes=Strokes(strokes),
             color=strokes[0].color,
         )
-        traced(owner, state)
+        trace_of(owner, state)
     else:
         owner = replace(owner, strokes=owner.strokes.extended(strokes))
     return state.with_node(owner)
 
 
 def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
-    """The curve that new strokes belong to: the chosen one, or one that waits.
+    """Return the curve that new strokes belong to: the chosen one, or one that waits.
 
     Only the chosen curve can be gone over again; beside others it is a new curve that is
     meant.
     """
-    known = [(curve, trace) for curve in shown_curves(state) if (trace := _trace(curve, state))]
+    known = [(curve, trace) for curve in state.shown_curves if (trace := _trace(curve, state))]
     for curve, trace in known:
         if curve.id == state.selected and _runs_along(strokes, trace, state):
             return curve
@@ -124,7 +124,9 @@ def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
 
 
 def waits(curve: Curve, trace: Trace) -> bool:
-    """Whether a curve may still get its other side: it has one, and nobody said what it is.
+    """Return whether a curve may still get its other side.
+
+    It has one side, and nobody said what it is.
 
     A side alone can look like a curve across the plane, or in it.
     """
@@ -133,23 +135,22 @@ def waits(curve: Curve, trace: Trace) -> bool:
 
 
 def waiting_view(state: SymmetryState) -> Camera | None:
-    """The camera, in the frame of the model, in whose view the chosen curve waits; else None."""
-    for curve in state.curves:
-        if curve.id == state.selected:
-            trace = _trace(curve, state)
-            return curve.strokes[-1].camera if trace and trace.reading == "half" else None
-    return None
+    """Return the camera, in the model's frame, of the view in which the chosen curve waits."""
+    trace = None if state.chosen is None else _trace(state.chosen, state)
+    if state.chosen is None or trace is None or trace.reading != "half":
+        return None
+    return state.chosen.strokes[-1].camera
 
 
 def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
     try:
-        return traced(curve, state)
+        return trace_of(curve, state)
     except UserError:
         return None
 
 
 def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> float:
-    """How ill new strokes go with a waiting side of the same view, px; inf: not at all."""
+    """Return how badly new strokes fit a waiting side of the same view, px; inf: not at all."""
     if not any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes):
         return float("inf")
     both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
@@ -159,12 +160,12 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) ->
 
 
 def _runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
-    """Whether strokes are drawn along a curve, or along ink of it in the same view."""
+    """Return whether strokes are drawn along a curve, or along ink of it in the same view."""
     return all(_runs_along_one(stroke, trace, state) for stroke in strokes)
 
 
 def _runs_along_one(stroke: Stroke, trace: Trace, state: SymmetryState) -> bool:
-    """The same of one stroke."""
+    """Return whether one stroke is drawn along a curve, as `_runs_along`."""
     lines: list[Array] = []
     for view in trace.views:
         canvas = view.strokes[0].camera
@@ -184,5 +185,4 @@ def _is_along(ink: Array, line: Array) -> bool:
         return False
     places = resample(ink, count=LOOKS)
     near = distances_to_polyline(places, line) < ALONG
-    lengths = [float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum()) for p in (places, line)]
-    return bool(near.mean() >= MOSTLY and lengths[0] >= WORTH * lengths[1])
+    return bool(near.mean() >= MOSTLY and length_of(places) >= WORTH * length_of(line))

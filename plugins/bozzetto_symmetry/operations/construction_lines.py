@@ -1,4 +1,4 @@
-"""Construction lines: straight strokes that find their place in space.
+"""Construction lines: straight strokes that get their place in space.
 
 A stroke towards a vanishing point is a line along that axis (Bae, Kijima & Kim 2004 draw in
 a box for this reason; Schmidt et al. 2009 call it a scaffold). Its depth comes from what it
@@ -20,13 +20,13 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context
 from bozzetto.scene import Layer, Lines
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.model.axes import AXES, along
-from bozzetto_symmetry.model.grid import clipped
+from bozzetto_symmetry.model.grid import clip_to_box
+from bozzetto_symmetry.model.perspective import focal_length, pixel_size, toward_vanishing
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
 from bozzetto_symmetry.operations.snap_targets import Targets, nearest_target
-
-__all__ = ["CHOSEN_WIDTH", "Straight", "axis_of", "line_layer", "line_of"]
 
 Array = NDArray[np.float64]
 
@@ -52,13 +52,15 @@ FARTHEST: Final = 1e7
 """Greatest coordinate of a line's ends, mm."""
 
 LINE_WIDTH: Final = 1.2
+"""Width of a construction line, px."""
+
 CHOSEN_WIDTH: Final = 2.0
-"""px."""
+"""Width of the chosen construction line, px."""
 
 
 @dataclass(frozen=True)
 class Straight:
-    """A line in space that a stroke stands for.
+    """The line in space that a stroke stands for.
 
     Parameters
     ----------
@@ -87,7 +89,7 @@ class _Anchor:
 
 
 def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Context) -> Straight:
-    """The straight line in space that a stroke stands for.
+    """Return the straight line in space that a stroke stands for.
 
     1. A stroke from one known point (an end, a corner) to another joins them, in any
        direction.
@@ -102,8 +104,11 @@ def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Conte
     Parameters
     ----------
     stroke : Stroke
+        A straight stroke.
     state : SymmetryState
+        Its box and centre plane.
     known : Targets
+        Places that the line can start from or end on.
     context : Context
         Its visible surfaces, and how near counts as touching.
 
@@ -126,7 +131,7 @@ def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Conte
 
 
 def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
-    """The axis towards whose vanishing point a stroke runs, or away from it; None for none.
+    """Return the axis towards or away from whose vanishing point a stroke runs, or None.
 
     Parameters
     ----------
@@ -139,12 +144,7 @@ def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
     chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
     least, found = float(np.sin(TOWARDS)), None
     for axis, way in enumerate(AXES):
-        right, up, forward = camera.axes @ way
-        toward = np.array([right, -up])
-        if camera.kind == "perspective":
-            focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-            toward = focal * toward - forward * (middle - 0.5 * np.asarray(camera.viewport))
-            toward /= focal
+        toward = toward_vanishing(camera, way, middle) / focal_length(camera)
         length = float(np.linalg.norm(toward))
         if length < GRAZING:
             continue  # it is seen as a point here
@@ -155,7 +155,7 @@ def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
 
 
 def line_layer(state: SymmetryState, lines: Sequence[Line]) -> Layer:
-    """Construction lines as they are shown; the chosen one in the accent colour."""
+    """Return construction lines as they are shown; the chosen one in the accent colour."""
     items = tuple(
         Lines(
             np.array([line.begin, line.end], np.float32),
@@ -168,7 +168,7 @@ def line_layer(state: SymmetryState, lines: Sequence[Line]) -> Layer:
 
 
 def _chord(stroke: Stroke) -> tuple[Array, Array]:
-    """Both ends of a straight stroke, px."""
+    """Return both ends of a straight stroke, px."""
     points = stroke.points
     begin, end = points[0], points[-1]
     length = float(np.linalg.norm(end - begin))
@@ -198,7 +198,7 @@ def _along_axis(
     state: SymmetryState,
     context: Context,
 ) -> Straight:
-    """Along an axis, through the end that counts most."""
+    """Return a line along an axis, through the end that counts most."""
     ranks = [0 if anchor is None else anchor.rank for anchor in anchors]
     held = int(ranks[1] > ranks[0])
     anchor, aim = anchors[held], anchors[1 - held]
@@ -209,19 +209,11 @@ def _along_axis(
     if aim is not None:
         offset = aim.point - point
         aside = float(np.linalg.norm(np.delete(offset, axis)))
-        if aside <= REACH * context.pen.tolerance * _pixel_at(aim.point, camera):
+        if aside <= REACH * context.pen.tolerance * float(pixel_size(camera, aim.point)[0]):
             way = float(offset[axis])
     other = point.copy()
     other[axis] += way
     return _checked(other, point) if held else _checked(point, other)
-
-
-def _pixel_at(point: Array, camera: Camera) -> float:
-    """Size of a pixel at the depth of a place in front of the eye, mm."""
-    if camera.kind == "orthographic":
-        return 1.0 / camera.pixels_per_mm
-    depth = float(camera.axes[2] @ (point - camera.eye))
-    return depth / camera.distance / camera.pixels_per_mm
 
 
 def _on_wall(
@@ -230,7 +222,7 @@ def _on_wall(
     camera: Camera,
     state: SymmetryState,
 ) -> Straight:
-    """In the plane of the wall under the stroke, through the end that is held."""
+    """Return a line in the plane of the wall under the stroke, through an end that is known."""
     place, normal = _on_far_wall(0.5 * (ends[0] + ends[1]), camera, state)
     held = next((anchor for anchor in anchors if anchor is not None), None)
     point = place if held is None else held.point
@@ -243,13 +235,13 @@ def _on_wall(
 
 
 def _on_far_wall(pixel: Array, camera: Camera, state: SymmetryState) -> tuple[Array, Array]:
-    """Where a line of sight leaves the box, and the normal of that wall.
+    """Return where a line of sight leaves the box, and the normal of that wall.
 
     Beside the box it is the centre plane, and where that is seen edge-on the plane through
     the middle of the box that faces the eye.
     """
     (origin,), (way,) = camera.rays(pixel)
-    _, end, inside = clipped([origin], [way], state.centre, state.size)
+    _, end, inside = clip_to_box([origin], [way], state.centre, state.size)
     if inside[0] and (end[0] > 0.0 or camera.kind == "orthographic"):
         place = origin + end[0] * way
         share = np.abs(place - state.centre) / np.asarray(state.size)
@@ -272,9 +264,4 @@ def _checked(begin: Array, end: Array) -> Straight:
     if not len(runs):
         raise UserError("The line begins and ends in one place. Draw it longer.")
     axis = int(runs[0]) if len(runs) == 1 else None
-    return Straight(_triple(begin), _triple(end), axis)
-
-
-def _triple(point: Array) -> Point:
-    x, y, z = (float(v) for v in point)
-    return x, y, z
+    return Straight(triple(begin), triple(end), axis)

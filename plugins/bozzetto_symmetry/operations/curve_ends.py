@@ -1,4 +1,4 @@
-"""The free ends of curves in space, and what becomes of two that are joined."""
+"""The free ends of curves in space, and their joints."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
-from bozzetto_symmetry.editing.replay import edited
+from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Edit, Joint, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["End", "ends_of", "nearest_end", "with_edit", "with_joint", "with_nearest_joined"]
 
 Array = NDArray[np.float64]
 
@@ -46,7 +44,7 @@ class End:
 
 
 def ends_of(curves: Sequence[tuple[Curve, SpaceCurve]]) -> list[End]:
-    """All free ends of some curves and their mirror images; a closed curve has none."""
+    """Return all free ends of some curves and their mirror images; a closed curve has none."""
     found = []
     for node, curve in curves:
         if curve.closed:
@@ -60,7 +58,7 @@ def ends_of(curves: Sequence[tuple[Curve, SpaceCurve]]) -> list[End]:
 
 
 def nearest_end(end: End, others: Sequence[End]) -> tuple[End, float] | None:
-    """The end in space that is nearest to another, and how far away it is, mm.
+    """Return the end in space that is nearest to another, and how far away it is, mm.
 
     Its own place does not count, nor what could not be joined: the other end of the image
     of its own curve.
@@ -83,19 +81,19 @@ def _can_meet(one: End, other: End) -> bool:
 
 
 def with_edit(state: SymmetryState, node: Curve, curve: SpaceCurve, edit: Edit) -> SymmetryState:
-    """The state in which one more edit is done to a curve.
+    """Return the state in which one more edit is done to a curve.
 
     Raises
     ------
     UserError
         If the edit does not fit the curve.
     """
-    edited(curve, edit, state, solved)
+    apply_edit(curve, edit, state, solve_curve)
     return state.with_node(replace(node, edits=(*node.edits, edit)))
 
 
 def with_nearest_joined(state: SymmetryState, context: Context) -> SymmetryState:
-    """The state in which the chosen curve is joined at that end that is nearest to another.
+    """Return the state in which the chosen curve is joined to the end nearest to its own.
 
     Raises
     ------
@@ -114,7 +112,7 @@ def with_nearest_joined(state: SymmetryState, context: Context) -> SymmetryState
 
 
 def with_joint(state: SymmetryState, first: End, second: End) -> SymmetryState:
-    """The state in which two ends are one place of one curve.
+    """Return the state in which two ends are one place of one curve.
 
     Two curves become the first one. Both ends of a curve close it; an end and its mirror
     image make a curve across the plane.

@@ -1,4 +1,4 @@
-"""What an end of a curve is caught by: ends, curves, edges, the centre plane, the box's faces."""
+"""The place that an end of a curve snaps to: an end, a curve, an edge, a plane or a face."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
+from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
-
-__all__ = ["snap_of", "snaps_of", "with_ends_caught"]
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def snap_of(
     known: Targets,
     state: SymmetryState,
 ) -> Snap | None:
-    """The place that an end of a curve is meant to be at.
+    """Return the place that an end of a curve is meant to be at.
 
     It is the nearest one within 8 px on the sheet and as much in depth, and besides two
     standard deviations of the end along the line of sight, where the hand says least. A
@@ -63,14 +63,11 @@ def snap_of(
     Snap or None
     """
     place = np.asarray(point, float)
-    pixels, depth = camera.project(place)
+    pixels, _ = camera.project(place)
     if not np.isfinite(pixels).all():
         return None
     way = camera.rays(pixels).directions[0]
-    pixel = 1.0 / camera.pixels_per_mm
-    if camera.kind == "perspective":
-        pixel *= float(depth[0]) / camera.distance
-    across = TOLERANCE * pixel
+    across = TOLERANCE * float(pixel_size(camera, place)[0])
     along = across + DEPTH_SIGMAS * sigma
     # In these axes everything within reach is in the unit ball about the end.
     shrink = np.eye(3) / across + (1.0 / along - 1.0 / across) * np.outer(way, way)
@@ -82,19 +79,19 @@ def snap_of(
         _among_planes(place, grow, _faces(state)),
     ):
         if found is not None:
-            x, y, z = (float(v) for v in found)
-            return Snap(end, (x, y, z))
+            return Snap(end, triple(found))
     return None
 
 
 def snaps_of(
     curve: SpaceCurve, sigma: ArrayLike, camera: Camera, known: Targets, state: SymmetryState
 ) -> tuple[Snap, ...]:
-    """What the free ends of a curve are caught by.
+    """Return the snaps of the free ends of a curve.
 
     Parameters
     ----------
     curve : SpaceCurve
+        The curve whose ends snap, in the frame of the plane.
     sigma : (k,) array_like
         Standard deviations along the curve, from its first end to its last, mm.
     camera, known, state
@@ -110,7 +107,7 @@ def snaps_of(
 
 
 def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
-    """The state in which the free ends of the chosen curve are where they are meant to be.
+    """Return the state in which the free ends of the chosen curve snap to what is near them.
 
     The curve's own last view says how sure its ends are.
 
@@ -119,8 +116,8 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
     UserError
         If no curve is chosen, it has no free end, or nothing is near its ends.
     """
-    node = next((curve for curve in state.curves if curve.id == state.selected), None)
-    trace = None if node is None else traced(node, state)
+    node = state.chosen
+    trace = None if node is None else trace_of(node, state)
     if node is None or trace is None or trace.curve is None or trace.curve.closed:
         raise UserError("Choose a curve with free ends. They snap to what is near them.")
     others = [curve for other, curve in solved_curves(state) if other.id != node.id]
@@ -156,7 +153,7 @@ def _among_segments(place: Array, shrink: Array, known: Targets) -> Array | None
 
 
 def _among_planes(place: Array, grow: Array, planes: list[tuple[Array, float]]) -> Array | None:
-    """The place of one of some planes ``normal · x = height`` that is nearest in these axes."""
+    """Return the nearest place, in these axes, of planes ``normal · x = height``."""
     best: tuple[float, Array] | None = None
     for normal, height in planes:
         stretched = grow @ normal

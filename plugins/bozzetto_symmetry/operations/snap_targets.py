@@ -1,4 +1,4 @@
-"""Known places in space that the pen can start from or end on: ends, corners, curves, edges."""
+"""Known places in space for the pen to start from or end on: ends, corners, curves, edges."""
 
 from __future__ import annotations
 
@@ -12,13 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
-from bozzetto_symmetry.model.visibility import shown_lines
-
-__all__ = ["Kind", "Place", "Targets", "nearest_target", "targets"]
 
 Array = NDArray[np.float64]
 
@@ -76,7 +74,7 @@ class Place:
 
 
 def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context) -> Targets:
-    """All that a stroke can start from or end on.
+    """Return everything that a stroke can start from or end on.
 
     Parameters
     ----------
@@ -93,7 +91,7 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
     paths: list[tuple[Array, Kind]] = [(edge, "edge") for edge in box_edges(state)]
     if len(section):
         paths.append((np.vstack((section, section[:1])), "edge"))
-    for line in shown_lines(state):
+    for line in state.shown_lines:
         paths.append((np.array([line.begin, line.end], float), "line"))
     to_model = state.plane.placement
     for curve in curves:
@@ -119,7 +117,7 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
 
 
 def polyline(curve: ShapeCurve) -> Array:
-    """Places along a curve of another model, both ends included, (n, 3) mm."""
+    """Return places along a curve of another model, both ends included, (n, 3) mm."""
     from scipy.interpolate import BSpline
 
     degree, knots = curve.degree, curve.knots
@@ -136,7 +134,7 @@ def polyline(curve: ShapeCurve) -> Array:
 def nearest_target(
     pixel: ArrayLike, camera: Camera, known: Targets, tolerance: float
 ) -> Place | None:
-    """The known place that is meant by a place on the sheet.
+    """Return the known place that is meant by a place on the sheet.
 
     Parameters
     ----------
@@ -145,6 +143,7 @@ def nearest_target(
     camera : Camera
         In the model's frame.
     known : Targets
+        The places and segments to choose from.
     tolerance : float
         How far away it may be, px.
 
@@ -178,7 +177,7 @@ def nearest_target(
 
 
 def _in_front(known: Targets, camera: Camera) -> tuple[Array, Array, Sequence[int]]:
-    """The segments' parts that a perspective eye can see, and which segments they are of."""
+    """Return the segments' parts in front of a perspective eye, and the segments' numbers."""
     count = len(known.begins)
     if camera.kind == "orthographic":
         return known.begins, known.ends, range(count)
@@ -204,5 +203,4 @@ def _chosen(gaps: Array, depth: Array, tolerance: float) -> int | None:
 
 
 def _place(point: Array, kind: Kind, pixels: float) -> Place:
-    x, y, z = (float(v) for v in point)
-    return Place((x, y, z), kind, float(pixels))
+    return Place(triple(point), kind, float(pixels))

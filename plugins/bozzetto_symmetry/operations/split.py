@@ -11,8 +11,6 @@ from typing import Final
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState, Trim
 
-__all__ = ["Stretch", "cut_at", "parted", "without_stretch"]
-
 Stretch = tuple[float, float]
 """Begin and end of a piece, in the shares of `Trim`."""
 
@@ -21,7 +19,7 @@ STUB: Final = 0.03
 
 
 def cut_at(curve: SpaceCurve, shares: Sequence[float]) -> tuple[Stretch, ...]:
-    """The pieces of a curve that is cut at some places, in their order.
+    """Return the pieces of a curve that is cut at some places, in their order.
 
     A closed curve gives as many pieces as cuts, unless it crosses the plane: then its half
     has one more.
@@ -29,6 +27,7 @@ def cut_at(curve: SpaceCurve, shares: Sequence[float]) -> tuple[Stretch, ...]:
     Parameters
     ----------
     curve : SpaceCurve
+        The curve in space.
     shares : sequence of float
         As in `Trim`.
     """
@@ -43,7 +42,7 @@ def cut_at(curve: SpaceCurve, shares: Sequence[float]) -> tuple[Stretch, ...]:
 
 
 def without_stretch(curve: SpaceCurve, stretch: Stretch) -> tuple[Stretch, ...]:
-    """What is left of a curve of which a stretch is cut out; stubs go, too."""
+    """Return what is left of a curve of which a stretch is cut out, without stubs."""
     begin, end = stretch
     if curve.closed and curve.reading != "self":
         left = [(end % 1.0, end % 1.0 + 1.0 - (end - begin))]
@@ -52,8 +51,10 @@ def without_stretch(curve: SpaceCurve, stretch: Stretch) -> tuple[Stretch, ...]:
     return tuple((low, high) for low, high in left if high - low > STUB)
 
 
-def parted(state: SymmetryState, node: Curve, stretches: Sequence[Stretch]) -> SymmetryState:
-    """A state in which a curve is replaced by pieces of it.
+def replace_by_pieces(
+    state: SymmetryState, node: Curve, stretches: Sequence[Stretch]
+) -> SymmetryState:
+    """Return a state in which a curve is replaced by pieces of it.
 
     The first piece keeps the curve's id and name and is chosen; the others come right after
     it and are called "… b", "… c" and so on. Without any piece the curve is gone.
@@ -75,7 +76,7 @@ def parted(state: SymmetryState, node: Curve, stretches: Sequence[Stretch]) -> S
 
 
 def _name(state: SymmetryState, name: str) -> str:
-    """The name with the next letter that is free."""
+    """Return the name with the next letter that is free."""
     head, _, letter = name.rpartition(" ")
     stem = head if head and letter in tuple(ascii_lowercase) else name
     taken = {node.name for node in state.nodes}

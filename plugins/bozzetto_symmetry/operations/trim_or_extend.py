@@ -1,4 +1,4 @@
-"""Ends that nearly meet are made to meet: cut where they pass, led on where they fall short.
+"""Ends that nearly meet, cut where they pass and extended where they fall short.
 
 Kara & Shimada, section 13.2, compare the curves as they were with what each way of trimming
 makes of them, and take the one that changes the whole curves least.
@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.plugin import Context
+from bozzetto.view.rotations import triple
 from bozzetto_symmetry.editing.snap import FADE, LEAST_FADE
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Snap, SymmetryState, Trim
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_edit
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["NEARLY", "met", "with_ends_met"]
 
 Array = NDArray[np.float64]
 
@@ -40,11 +39,13 @@ LOOKS: Final = 512
 """Places by which a curve's length is measured."""
 
 CUTS: Final = 64
-"""Places at which each end is tried to be cut, and to which it is tried to be led on."""
+"""Places at which each end is tried to be cut, and up to which it is tried to be extended."""
 
 
 def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
-    """Let ends that nearly meet, meet: those of the chosen curve, or where none is chosen all.
+    """Return the state in which ends that nearly meet do meet.
+
+    They are those of the chosen curve, or where none is chosen all.
 
     Ends look for other ends first; one that finds none looks for a curve to end on.
 
@@ -58,7 +59,7 @@ def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
         keys = {(end.node.id, end.number) for end in (first, second)}
         if not keys & used:
             used |= keys
-            state = met(state, first, second)
+            state = meet_half_way(state, first, second)
     for end in _chosen(state, ends_of(solved_curves(state))):
         if not end.mirrored and (end.node.id, end.number) not in used:
             led = _led_to_curve(state, end)
@@ -70,13 +71,13 @@ def with_ends_met(state: SymmetryState, context: Context) -> SymmetryState:
 
 
 def _chosen(state: SymmetryState, ends: list[End]) -> list[End]:
-    """The ends of the chosen curve; all of them where none with an end is chosen."""
+    """Return the ends of the chosen curve; all of them where none with an end is chosen."""
     own = [end for end in ends if end.node.id == state.selected]
     return own or ends
 
 
 def _pairs(state: SymmetryState) -> list[tuple[End, End]]:
-    """Ends that nearly meet, the closest first."""
+    """Return pairs of ends that nearly meet, the closest first."""
     ends = ends_of(solved_curves(state))
     asked = {end.node.id for end in _chosen(state, ends)}
     found = []
@@ -93,24 +94,24 @@ def _pairs(state: SymmetryState) -> list[tuple[End, End]]:
 
 
 def _length(end: End) -> float:
-    """Of the curve, or of the half of one across the plane."""
+    """Return the length of the curve, or of the half of one across the plane, mm."""
     return end.curve.spline.length * (0.5 if end.curve.reading == "self" else 1.0)
 
 
-def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
-    """The state in which two ends meet half-way, cut back or led on.
+def meet_half_way(state: SymmetryState, first: End, second: End) -> SymmetryState:
+    """Return the state in which two ends meet half-way, cut back or extended.
 
-    Every curve changes by the mean, over its whole length, of how far its places are from
-    what it becomes: half the square of what is cut off or led on straight ahead, and half of
-    the way that the end then goes aside, over half of the stretch that goes along. The places
-    at which both curves together change least are taken.
+    The change of a curve is the mean distance, over its whole length, of its places from what
+    it becomes. A length that is cut off or added straight ahead counts by half its square; the
+    end then moves to the meeting point, by half the gap, and takes a stretch of the curve with
+    it. The places at which both curves together change least are chosen.
     """
     one, other = _now(state, first), _now(state, second)
     places, cuts, parameters = zip(*(_stretch(end) for end in (one, other)), strict=True)
     gap = np.linalg.norm(places[0][:, None] - places[1], axis=2)
     cost = _changed(cuts[0][:, None], gap, one) + _changed(cuts[1], gap, other)
     if one.node.id == other.node.id and one.number == other.number:
-        # An end and its own image are cut alike.
+        # An end and its own image are cut at the same place.
         cost = np.where(np.eye(len(cost), dtype=bool), cost, np.inf)
     best = np.unravel_index(int(np.argmin(cost)), cost.shape)
     middle = 0.5 * (places[0][best[0]] + places[1][best[1]])
@@ -126,7 +127,7 @@ def met(state: SymmetryState, first: End, second: End) -> SymmetryState:
 
 
 def _led_to_curve(state: SymmetryState, end: End) -> SymmetryState | None:
-    """The state in which an end lies on the curve that it nearly meets; None where it does so.
+    """Return the state in which an end lies on the curve that it nearly meets; None if it does.
 
     Only the curve that ends there changes.
     """
@@ -148,7 +149,7 @@ def _led_to_curve(state: SymmetryState, end: End) -> SymmetryState | None:
 
 
 def _now(state: SymmetryState, end: End) -> End:
-    """The same end of the curve as it is in a state."""
+    """Return the same end of the curve as it is in a state."""
     (found,) = (
         one
         for one in ends_of(solved_curves(state))
@@ -158,9 +159,9 @@ def _now(state: SymmetryState, end: End) -> End:
 
 
 def _stretch(end: End) -> tuple[Array, Array, Array]:
-    """Places about an end, how much would be cut off for each, mm, and their parameters.
+    """Return places about an end, how much would be cut off for each, mm, and their parameters.
 
-    What is less than nought leads on, straight ahead.
+    What is below 0 extends the curve straight ahead.
     """
     spline = end.curve.spline
     begin, last = spline.range
@@ -176,7 +177,7 @@ def _stretch(end: End) -> tuple[Array, Array, Array]:
 
 
 def _changed(cut: Array, gap: Array, end: End) -> Array:
-    """Mean distance of the whole curve from what it becomes, mm."""
+    """Return the mean distance of the whole curve from what it becomes, mm."""
     length = _length(end)
     way = 0.5 * gap
     fade = np.minimum(length, np.maximum(FADE * way, LEAST_FADE * length))
@@ -184,12 +185,12 @@ def _changed(cut: Array, gap: Array, end: End) -> Array:
 
 
 def _led(state: SymmetryState, end: End, at: float, goal: Array, *, trim: bool) -> SymmetryState:
-    """An end that is cut back to a parameter, where that is asked, and taken to a place."""
+    """Return a state with an end cut back to a parameter, if `trim`, and moved to a place."""
     if trim:
         end = _now(state, end)
         share = share_of(end.curve, at)
         edit = Trim(share, 1.0) if end.number == 0 else Trim(0.0, share)
         state = with_edit(state, end.node, end.curve, edit)
     end = _now(state, end)
-    x, y, z = (float(v) for v in state.plane.placement.points(goal)[0])
-    return with_edit(state, end.node, end.curve, Snap(end.number, (x, y, z)))
+    place = triple(state.plane.placement.points(goal)[0])
+    return with_edit(state, end.node, end.curve, Snap(end.number, place))

@@ -1,14 +1,14 @@
 """From the recipe of one curve to the curve in space; remembered.
 
 The ink of each view is put in sides and read; what the views say is fused; one symmetric
-spline is fitted to the ink of all views; then everything that was done to the curve since is
-done again, in order.
+spline is fitted to the ink of all views; then the edits of the curve are replayed in order.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -19,27 +19,25 @@ from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Memory
-from bozzetto_symmetry.editing.replay import applied
-from bozzetto_symmetry.fitting.bundle_adjustment import Bundled, Sight, bundled
-from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fused
+from bozzetto_symmetry.editing.replay import apply_edits
+from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle
+from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fuse
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
-from bozzetto_symmetry.interpretation.reader import Read, read
+from bozzetto_symmetry.interpretation.candidate import Read
+from bozzetto_symmetry.interpretation.reader import Reader
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-__all__ = ["MOST_MARGIN", "Trace", "View", "solved", "traced", "views_of"]
-
 Array = NDArray[np.float64]
 
 SAMPLES: Final = 200
-"""Places of a curve at which its uncertainty is told."""
+"""Places of a curve at which its uncertainty is given."""
 
 LOOKS: Final = 12
 """Places of a curve whose directions a view is judged by."""
@@ -50,22 +48,29 @@ drawing of many curves that was just opened is not solved for the sake of advice
 
 WAITING: Final = "One side waits for the other. Draw its mirror image in the same view."
 
+UNSURE: Final = "It is unclear how the strokes belong together. Draw the curve again."
+
 MOST_MARGIN: Final = 1000.0
-"""Greatest margin that is told; where there is no other reading it is this."""
+"""Greatest margin that is given, also where there is no other reading."""
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What was drawn of one curve through one camera."""
+    """The ink of one curve in one view."""
 
     stereo: Stereo
     strokes: tuple[Stroke, ...]
     sides: tuple[Side, ...]
 
+    @cached_property
+    def reader(self) -> Reader:
+        """All that the sides may mean."""
+        return Reader(self.stereo, self.sides)
+
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What the recipe of a curve gives, in the frame of the centre plane.
+    """The curve that a recipe gives, in the frame of the centre plane.
 
     Attributes
     ----------
@@ -112,26 +117,56 @@ ALONGSIDE: Final = 20.0
 runs over both halves is farther from each."""
 
 EVIDENCE: Final = ("pair", "self", "plane")
-"""Readings, the one first that is least likely to be a mistake of a view with little ink."""
+"""Readings, ordered by how unlikely each is to be a mistake of a view with little ink."""
 
-Fit = tuple[Bundled, Array, Array]
-"""A spline with what was found of it, places along it, and their uncertainty."""
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A spline through the ink of all views.
+
+    Attributes
+    ----------
+    curve : SpaceCurve
+    rms : float
+        Distance of the ink from the images of the curve, px.
+    sights : tuple of Sight
+        The ink that was fitted to.
+    """
+
+    curve: SpaceCurve
+    rms: float
+    sights: tuple[Sight, ...]
+
+    @cached_property
+    def points(self) -> Array:
+        """Places along the curve, (k, 3) mm."""
+        return sampled(self.curve.spline)
+
+    @cached_property
+    def sigma(self) -> Array:
+        """How far each of these places may be off across the curve, (k,) mm for 1 px."""
+        spline, flat = self.curve.spline, self.curve.reading == "plane"
+        tangents = spline.derivative(np.linspace(*spline.range, len(self.points)))
+        near = [sight.stereo for sight in self.sights if sight.near]
+        far = [sight.stereo for sight in self.sights if sight.far]
+        return LEFT * curve_sigmas(near, far, self.points, tangents, flat=flat)
+
 
 _traces: Memory[Trace] = Memory(limit=256)
 _views: Memory[tuple[View, ...]] = Memory(limit=256)
 _fits: Memory[Fit] = Memory(limit=256)
 
 AMBIGUOUS: Final = 1.5
-"""Margin below which the other reading is shown as well (wrong senses are 1.2 % above it)."""
+"""Margin below which the other reading is shown as well; above it 1.2 % of senses are wrong."""
 
 
-def traced(curve: Curve, state: SymmetryState) -> Trace:
-    """The curve in space of a recipe.
+def trace_of(curve: Curve, state: SymmetryState) -> Trace:
+    """Return the curve in space of a recipe, with how sure it is.
 
     Raises
     ------
     UserError
-        If the strokes cannot be what they are said to be.
+        If the strokes cannot be read as the curve is asked to be.
     """
     question = (
         replace(curve, id="", name="", visible=True, within="", color=None),
@@ -145,26 +180,26 @@ def traced(curve: Curve, state: SymmetryState) -> Trace:
 def views_of(
     strokes: Iterable[Stroke], state: SymmetryState, asked: AskedReading = "auto"
 ) -> tuple[View, ...]:
-    """Strokes by the view that they were drawn in, in the order of the first of each.
+    """Return strokes by the view that they were drawn in, in the order of the first of each.
 
     Parameters
     ----------
     strokes : iterable of Stroke
-        Of one curve.
+        All strokes of one curve.
     state : SymmetryState
         For its plane.
     asked : str
-        What the curve is said to be; a pair has two sides, and all others one.
+        The reading that the curve is asked to have; a pair has two sides, all others one.
     """
-    drawn = tuple(strokes)
+    drawn, apart = tuple(strokes), asked == "pair"
 
     def made() -> tuple[View, ...]:
         return tuple(
-            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, asked))
+            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, apart=apart))
             for seen in by_view(drawn)
         )
 
-    return _views.recall((drawn, state.plane, asked), made)
+    return _views.recall((drawn, state.plane, apart), made)
 
 
 def _traced(curve: Curve, state: SymmetryState) -> Trace:
@@ -172,20 +207,19 @@ def _traced(curve: Curve, state: SymmetryState) -> Trace:
         raise UserError(f"“{curve.name}” has no ink. Draw it, or delete it.")
     if not curve.edits:
         return _read(curve, state)
-    base = traced(replace(curve, edits=()), state)
+    base = trace_of(replace(curve, edits=()), state)
     if base.curve is None:
         return base
-    changed = applied(base.curve, curve.edits, state, solved)
-    points, sigma = _carried(base, changed.curve)
+    changed, warnings = apply_edits(base.curve, curve.edits, state, solve_curve)
+    points, sigma = _carried(base, changed)
     return replace(
-        base, curve=changed.curve, points=points, sigma=sigma,
-        warnings=(*base.warnings, *changed.warnings),
-    )  # fmt: skip
+        base, curve=changed, points=points, sigma=sigma, warnings=(*base.warnings, *warnings)
+    )
 
 
-def solved(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
-    """The curve in space of a recipe; None while it waits for its other side."""
-    return traced(curve, state).curve
+def solve_curve(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
+    """Return the curve in space of a recipe; None while it waits for its other side."""
+    return trace_of(curve, state).curve
 
 
 def _read(curve: Curve, state: SymmetryState) -> Trace:
@@ -195,39 +229,42 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
     main = _main(readings)
     first = _chosen(readings[main], curve.other)
     if first.reading == "half":
-        told = first.warnings or (WAITING,)
-        return Trace("half", cost=first.cost, views=views, warnings=told)
+        warnings = first.warnings or (WAITING,)
+        return Trace("half", cost=first.cost, views=views, warnings=warnings)
     alike = {main: first}
     for number, found in enumerate(readings):
+        if number == main:
+            continue
         alike_here = (r for r in found if (r.reading, r.closed) == (first.reading, first.closed))
-        same = [r for r in (_facing(r, first) for r in alike_here) if _agree(r, first)]
-        if number != main and same:
-            alike[number] = same[0]
-    fit, points, sigma = _remembered_fit(views, alike, main, curve)
+        facing = (_facing(r, first) for r in alike_here)
+        same = next((r for r in facing if _agree(r, first)), None)
+        if same is not None:
+            alike[number] = same
+    fit = _fitted(views, alike, main, curve.detail)
     rest = [r for r in readings[main] if r is not first and r.reading != "half"]
     # What is taken to be in the plane may as well wait for its other side.
     against = [r for r in readings[main] if r is not first] if first.reading == "plane" else rest
     margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
     return Trace(
-        first.reading, fit.curve, points, sigma,
+        first.reading, fit.curve, fit.points, fit.sigma,
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
-        ghost=_ghost(views[main], rest, margin, curve),
-        choices=1 + len(rest), views=views, warnings=_warnings(alike, main, fit, views),
+        ghost=_ghost(views[main], rest, margin, curve.detail),
+        choices=1 + len(rest), views=views, warnings=_warnings(first, views),
     )  # fmt: skip
 
 
 def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...]:
-    """The readings of one view; beside other views it need not be what is asked."""
+    """Return the readings of one view; beside other views it need not be what is asked."""
     if count > 1 and asked != "half":
         try:
-            return read(view.stereo, view.sides, asked, box=box)
+            return view.reader.read(asked, box)
         except UserError:
-            return read(view.stereo, view.sides, "half", box=box)
-    return read(view.stereo, view.sides, asked, box=box)
+            return view.reader.read("half", box)
+    return view.reader.read(asked, box)
 
 
 def _main(readings: Sequence[Sequence[Read]]) -> int:
-    """The view that says best what the curve is: two sides say more than one stroke does."""
+    """Return the view that says best what the curve is: two sides say more than one stroke."""
     solved = [k for k, found in enumerate(readings) if found[0].reading != "half"]
     if not solved:
         return 0
@@ -237,7 +274,7 @@ def _main(readings: Sequence[Sequence[Read]]) -> int:
 
 
 def _trouble(reading: Read) -> float:
-    """Median variance of what one view says, mm² per px²."""
+    """Return the median variance of what one view says, mm² per px²."""
     return float(np.median(np.trace(reading.covariances, axis1=1, axis2=2)))
 
 
@@ -247,7 +284,10 @@ def _chosen(found: Sequence[Read], other: bool) -> Read:
 
 
 def _facing(found: Read, first: Read) -> Read:
-    """A reading with the same half in front as the first one: left may be drawn first here."""
+    """Return a reading with the same half in front as the first one has.
+
+    In this view the other side may have been drawn first.
+    """
     if first.reading == "plane":
         return found
     image = found.points * MIRROR
@@ -263,7 +303,7 @@ def _facing(found: Read, first: Read) -> Read:
 
 
 def _agree(found: Read, first: Read) -> bool:
-    """Whether two views put a curve in about the same place."""
+    """Return whether two views put a curve in about the same place."""
     extent = float(np.linalg.norm(np.ptp(first.points, axis=0)))
     apart = [_tree(a).query(b)[0] for a, b in ((found.points, first.points),
                                                (first.points, found.points))]  # fmt: skip
@@ -271,7 +311,7 @@ def _agree(found: Read, first: Read) -> bool:
 
 
 def _side(across: Read) -> bool:
-    """Whether the half that was drawn first is on the positive side."""
+    """Return whether the half that was drawn first is on the positive side."""
     return bool(across.points[: len(across.points) // 2, 1].sum() > 0.0)
 
 
@@ -281,66 +321,51 @@ def _tree(points: Array) -> cKDTree:
     return cKDTree(points)
 
 
-def _remembered_fit(views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve) -> Fit:
-    """The spline through the ink of all views, and how sure it is.
+def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls) -> Fit:
+    """Return the spline through the ink of all views; remembered.
 
-    Remembered by what the views were read as: a box of another size is asked for at every
-    tick of a slider, and seldom makes another reading of the same ink.
+    A box of another size is asked for at every tick of a slider, and seldom makes another
+    reading of the same ink.
+
+    Parameters
+    ----------
+    views : sequence of View
+        All views of the curve.
+    alike : mapping of int to Read
+        What the views that agree were read as, by their number.
+    main : int
+        The view that says best what the curve is.
+    detail : {"adaptive", "seven"}
+        Control points of a half.
     """
-
-    def made() -> Fit:
-        fit, sights = _fitted(views, alike, main, curve)
-        points = sampled(fit.curve.spline)
-        return fit, points, _uncertainty(fit.curve, points, sights)
-
-    told = tuple((number, *_content(read)) for number, read in alike.items())
-    return _fits.recall((tuple(views), main, curve.detail, told), made)
+    sources = tuple((number, read.source) for number, read in alike.items())
+    question = (tuple(views), main, detail, sources)
+    return _fits.recall(question, lambda: _fit(views, alike, main, detail))
 
 
-def _content(read: Read) -> tuple[object, ...]:
-    """All of a reading that a fit depends on, to be compared by value."""
-    arrays = (read.points, read.covariances, *read.near, *read.far)
-    return (
-        read.reading, read.closed, read.ring, len(read.near), read.crossings.tobytes(),
-        *(array.tobytes() for array in arrays),
-    )  # fmt: skip
-
-
-def _fitted(
-    views: Sequence[View], alike: dict[int, Read], main: int, curve: Curve
-) -> tuple[Bundled, list[Sight]]:
-    """The spline through the ink of all views, and that ink."""
+def _fit(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls) -> Fit:
     first = alike[main]
     assert first.reading != "half"
     noise = [max((side.noise for side in view.sides), default=0.0) for view in views]
     estimates = [
         Estimate(r.points, r.covariances * max(noise[k], 0.3) ** 2) for k, r in alike.items()
     ]
-    whole = estimates[0] if len(estimates) == 1 else fused(estimates, closed=first.closed)
+    whole = estimates[0] if len(estimates) == 1 else fuse(estimates, closed=first.closed)
     sights = [Sight(views[k].stereo, r.near, r.far, noise[k]) for k, r in alike.items()]
     sights += [
         _one_sided(view, noise[k], whole.points, first)
         for k, view in enumerate(views)
         if k not in alike
     ]
-    made = bundled(
+    made = adjust_bundle(
         first.reading, whole.points, whole.covariances, sights,
-        closed=first.closed, ring=first.ring,
-        controls="adaptive" if curve.detail == "adaptive" else "seven",
+        closed=first.closed, ring=first.ring, controls=detail,
     )  # fmt: skip
-    return made, sights
-
-
-def _uncertainty(curve: SpaceCurve, points: Array, sights: Sequence[Sight]) -> Array:
-    at = np.linspace(*curve.spline.range, len(points))
-    near = [sight.stereo for sight in sights if sight.near]
-    far = [sight.stereo for sight in sights if sight.far]
-    tangents = curve.spline.derivative(at)
-    return LEFT * curve_sigmas(near, far, points, tangents, flat=curve.reading == "plane")
+    return Fit(made.curve, made.rms, tuple(sights))
 
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
-    """A view that shows a curve's sides singly: each is of the half that it is nearer to."""
+    """Return the ink of a view of single sides: each is of the half that it is nearer to."""
     halves: tuple[Array, Array] = points, points * MIRROR
     if first.reading == "self":
         middle = len(points) // 2
@@ -355,41 +380,38 @@ def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
     return Sight(view.stereo, tuple(ink[0]), tuple(ink[1]), noise)
 
 
-def _ghost(view: View, rest: Sequence[Read], margin: float, curve: Curve) -> SpaceCurve | None:
-    """What the next best reading gives, where it is about as good."""
+def _ghost(view: View, rest: Sequence[Read], margin: float, detail: Controls) -> SpaceCurve | None:
+    """Return what the next best reading gives, where it is about as good."""
     if not rest or margin > AMBIGUOUS:
         return None
     other = min(rest, key=lambda r: r.cost)
-    return _fitted([view], {0: other}, 0, curve)[0].curve
+    return _fitted([view], {0: other}, 0, detail).curve
 
 
-def _warnings(
-    alike: dict[int, Read], main: int, fit: Bundled, views: Sequence[View]
-) -> tuple[str, ...]:
-    told = list(alike[main].warnings)
-    if any(not side.sure for view in views for side in view.sides):
-        told.append("It is not sure how the strokes belong together. Draw the curve again.")
-    return tuple(told)
+def _warnings(first: Read, views: Sequence[View]) -> tuple[str, ...]:
+    if all(side.sure for view in views for side in view.sides):
+        return first.warnings
+    return *first.warnings, UNSURE
 
 
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
-    """Places of a changed curve, and the uncertainty of those of the old one that are nearest."""
+    """Return places of a changed curve, with the uncertainty of the nearest old ones."""
     points = sampled(curve.spline)
     _, nearest = _tree(base.points).query(points)
     return points, base.sigma[nearest]
 
 
 def sampled(spline: Spline) -> Array:
-    """Places along a spline, both ends included."""
+    """Return places along a spline, both ends included."""
     return spline.sampled(SAMPLES)
 
 
 def directions(state: SymmetryState) -> Array | None:
-    """Tangents of the newest curves shown, (n, 3) in the frame of the model; None of none."""
+    """Return tangents of the newest curves shown, (n, 3) in the model's frame; None if none."""
     found = []
-    for curve in shown_curves(state)[-NEWEST:]:
+    for curve in state.shown_curves[-NEWEST:]:
         try:
-            made = traced(curve, state).curve
+            made = trace_of(curve, state).curve
         except UserError:
             continue
         if made is not None:

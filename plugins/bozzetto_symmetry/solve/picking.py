@@ -1,4 +1,4 @@
-"""Which curve a stroke is meant for, and where on it: curves as they are seen in one view."""
+"""The curve that a stroke is meant for: curves as they are seen in one view."""
 
 from __future__ import annotations
 
@@ -18,11 +18,8 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-__all__ = ["Seen", "seen_curves", "solved_curves", "target_of"]
 
 Array = NDArray[np.float64]
 
@@ -86,16 +83,16 @@ class Seen:
         return np.array([halves.middle, halves.end] if halves.ring else [halves.middle])
 
     def place(self, parameters: ArrayLike) -> Array:
-        """Places of this side in space, (n, 3) mm, in the frame of the centre plane."""
+        """Return places of this side in space, (n, 3) mm, in the frame of the centre plane."""
         points = self.curve.spline.value(np.atleast_1d(np.asarray(parameters, float)))
         return points * MIRROR if self.mirrored else points
 
     def seen_at(self, parameters: ArrayLike) -> Array:
-        """Where places of this side are seen, (n, 2) px; NaN behind the eye."""
+        """Return where places of this side are seen, (n, 2) px; NaN behind the eye."""
         return self.stereo.project(self.place(parameters))
 
     def nearest(self, pixel: ArrayLike) -> float:
-        """Parameter of the place that is seen nearest to a place on the sheet."""
+        """Return the parameter of the place that is seen nearest to a place on the sheet."""
         at, path = self.visible
         begin, step = path[:-1], np.diff(path, axis=0)
         square = np.einsum("ij,ij->i", step, step)
@@ -106,17 +103,17 @@ class Seen:
         return float(at[best] + share[best] * (at[best + 1] - at[best]))
 
     def distances(self, places: ArrayLike) -> Array:
-        """How far places (m, 2) on the sheet are from it, px; inf where it is not seen."""
+        """Return how far places (m, 2) on the sheet are from it, px; inf where it is not seen."""
         path, at = self.visible[1], np.asarray(places, float)
         return distances_to_polyline(at, path) if len(path) > 1 else np.full(len(at), np.inf)
 
 
 def solved_curves(state: SymmetryState) -> list[tuple[Curve, SpaceCurve]]:
-    """Those of the curves shown that are in space already, in the order of the list."""
+    """Return the curves shown that are in space already, in the order of the list."""
     found = []
-    for node in shown_curves(state):
+    for node in state.shown_curves:
         try:
-            curve = solved(node, state)
+            curve = solve_curve(node, state)
         except UserError:
             continue
         if curve is not None:
@@ -125,7 +122,7 @@ def solved_curves(state: SymmetryState) -> list[tuple[Curve, SpaceCurve]]:
 
 
 def seen_curves(state: SymmetryState, camera: Camera) -> list[Seen]:
-    """All sides of all curves shown, through a camera of the model's frame."""
+    """Return all sides of all curves shown, through a camera of the model's frame."""
     stereo = Stereo.of(camera, state.plane)
     return [
         Seen(node, curve, mirrored, stereo, at, pixels)
@@ -146,11 +143,12 @@ def _pictures_of(curve: SpaceCurve, stereo: Stereo) -> tuple[Picture, ...]:
 
 
 def target_of(seen: Sequence[Seen], ink: ArrayLike, chosen: str) -> Seen | None:
-    """The side that a stroke is drawn over: the nearest on average, as Kara & Shimada find it.
+    """Return the side that a stroke is drawn over: the nearest on average (Kara & Shimada).
 
     Parameters
     ----------
     seen : sequence of Seen
+        The sides to choose from.
     ink : (n, 2) array_like
         px.
     chosen : str

@@ -1,8 +1,8 @@
-"""Two curves on one sheet matched by the epipolar lines that they cross.
+"""The matching of two curves on one sheet by the epipolar lines that they cross.
 
 Both images of a mirrored pair carry the same signal: the epipolar line, named by its angle,
-that the curve is on. Where a single epipolar line meets a curve several times nobody can
-tell which meeting is meant; matching the whole signals, in order, can. Warping finds the
+that the curve is on. Where a single epipolar line meets a curve several times it
+cannot say which meeting is meant; matching the whole signals, in order, can. Warping finds the
 matching to a sample; a stiff map of stations takes it to a fraction of one, also where the
 curve runs along the epipolar lines and the signal says little.
 """
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_symmetry.stereo.correspondence_map import map_of_stations
-from bozzetto_symmetry.stereo.degenerate_runs import bridged, weak_runs
+from bozzetto_symmetry.stereo.degenerate_runs import bridge_weak_runs, weak_runs
 from bozzetto_symmetry.stereo.dynamic_time_warping import Warping
 from bozzetto_symmetry.stereo.epipolar_signal import (
     Signal,
@@ -27,20 +27,18 @@ from bozzetto_symmetry.stereo.epipolar_signal import (
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["ASTRAY", "Pairing", "paired", "share_astray"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 WITHOUT: Final = 0.05
-"""What sides without any partner would add to the score, per px that the signals range over."""
+"""Score that sides without any partner would add, per px of the range of the signals."""
 
 BENT: Final = 0.5
-"""What the bending of the map of stations (root mean square of second differences, px) adds
-to the score: of two ways in which the lines agree, the smoother one is meant."""
+"""Weight in the score of the bending of the map of stations (root mean square of second
+differences, px): of two ways in which the lines agree, the smoother one is meant."""
 
 ASTRAY: Final = 5.0
-"""How much dearer a matching becomes if the side it makes lies on both sides of the plane."""
+"""Factor by which the score of a matching grows if its side lies on both sides of the plane."""
 
 FLOOR: Final = 0.3
 """Mean distance, px, below which no hand draws: what is nearer is equally good."""
@@ -55,8 +53,8 @@ class Pairing:
     near : (k, 2) float
         On the first side, in its order, px.
     far : (k, 2) float
-        Their partners, on the same epipolar lines to rounding, px. Where hand and epipolar
-        lines do not allow for it they are beside the other side's ink by as much.
+        Their partners, on the same epipolar lines to rounding, px. Where the hand did not
+        draw on them, the partners lie beside the other side's ink.
     stations : (k,) float
         Share of the first side's length, 0 … 1, at each of `near`; not decreasing.
     far_stations : (k,) float
@@ -66,9 +64,9 @@ class Pairing:
         Root of the mean square distance across the epipolar lines, px, between the places
         that were matched, before they were brought onto common lines.
     score : float
-        By what pairings are ordered, px, the lower the better: the mean distance across the
+        Figure by which pairings are ordered, px, the lower the better: the mean distance across the
         epipolar lines that is left, and what uneven steps, ends without partners and places
-        on the wrong side of the plane add to it. Never nought; if the second best is above
+        on the wrong side of the plane add to it. Never 0; if the second best is above
         1.5 times the best, the best is hardly ever wrong.
     coverage : (float, float)
         Share of each side's length that found a partner.
@@ -92,7 +90,7 @@ class Pairing:
     closed: bool
 
 
-def paired(
+def pairing_of(
     stereo: Stereo,
     first: Signal,
     second: Signal,
@@ -101,16 +99,20 @@ def paired(
     pinned: tuple[bool, bool] = (False, False),
     closed: bool = False,
 ) -> Pairing:
-    """What a warping says, brought onto common epipolar lines.
+    """Return what a warping says, brought onto common epipolar lines.
 
     Parameters
     ----------
+    stereo : Stereo
+        The camera of the view and its mirror image.
     first, second : Signal
         Of loops both repeat their first sample at the end.
     warping : Warping
         Of the second signal along the first.
     pinned : (bool, bool)
         Whether the first and last samples are known to belong together.
+    closed : bool
+        Both signals are of loops.
 
     Returns
     -------
@@ -132,14 +134,14 @@ def paired(
     way = stereo.toward_vanishing(near)
     far = near + ((roughly - near) * way).sum(axis=1, keepdims=True) * way
     weak = weak_runs(first, places, second, np.rint(at).astype(np.intp))
-    far = bridged(stereo, near, far, weak)
+    far = bridge_weak_runs(stereo, near, far, weak)
     coverage = (
         float(np.ptp(places)) / (len(first.angles) - 1.0),
         min(1.0, float(np.ptp(partners)) / (len(second.angles) - 1.0)),
     )
     price = WITHOUT * spread(first, second) * (1.0 - 0.5 * sum(coverage))
     left = _left(first, second, places, at) + BENT * _bending(second, partners)
-    astray = share_astray(stereo.intersected(near, far)[:, 1])
+    astray = Heights().with_more(stereo.intersected(near, far)[:, 1]).share_astray
     return Pairing(
         near,
         far,
@@ -155,7 +157,7 @@ def paired(
 
 
 def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Array) -> float:
-    """Mean distance across the epipolar lines of samples and partners, px."""
+    """Return the mean distance across the epipolar lines of samples and partners, px."""
     index = np.arange(len(second.angles))
     weights = squared_scales(first.scales[places], np.interp(partners, index, second.scales))
     rest = first.angles[places] - np.interp(partners, index, second.angles)
@@ -163,14 +165,17 @@ def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Arr
 
 
 def _bending(second: Signal, partners: Array) -> float:
-    """Root mean square of the second differences of a map of stations, px."""
+    """Return the root mean square of the second differences of a map of stations, px."""
     if len(partners) < 3:
         return 0.0
     return second.step * float(np.sqrt((np.diff(partners, 2) ** 2).mean()))
 
 
 def _with_partner(partners: Array, last: float, pinned: tuple[bool, bool]) -> Flags:
-    """False for samples beyond an end of the other side: they all were given its last place."""
+    """Return False for samples beyond an end of the other side.
+
+    The map has given all of them the last place of that side.
+    """
     inside = np.ones(len(partners), bool)
     if not pinned[0]:
         inside[: max(0, int((partners <= 0.0).sum()) - 1)] = False
@@ -179,16 +184,39 @@ def _with_partner(partners: Array, last: float, pinned: tuple[bool, bool]) -> Fl
     return inside if inside.any() else np.ones(len(partners), bool)
 
 
-def share_astray(heights: Array) -> float:
-    """Which share of the distance from the plane is on the side with less of it, 0 … 0.5.
+@dataclass(frozen=True)
+class Heights:
+    """Heights of places above the centre plane, summed up.
 
-    Parameters
+    Attributes
     ----------
-    heights : (n,) float
-        Above the plane, mm; NaN where there is no place. If most are NaN the share is 0.5.
+    count, known : int
+        How many places there are, and how many of them have a height.
+    total, apart : float
+        Sum of the heights and of their absolute values, mm.
     """
-    seen = heights[np.isfinite(heights)]
-    total = float(np.abs(seen).sum())
-    if len(seen) < len(heights) / 2 or total == 0.0:
-        return 0.5
-    return 0.5 - 0.5 * abs(float(seen.sum())) / total
+
+    count: int = 0
+    known: int = 0
+    total: float = 0.0
+    apart: float = 0.0
+
+    def with_more(self, heights: Array) -> Heights:
+        """Return the sums with more heights (n,) mm; NaN where a place has none."""
+        seen = heights[np.isfinite(heights)]
+        return Heights(
+            self.count + len(heights),
+            self.known + len(seen),
+            self.total + float(seen.sum()),
+            self.apart + float(np.abs(seen).sum()),
+        )
+
+    @property
+    def share_astray(self) -> float:
+        """Share of the distance from the plane on the side with less of it, 0 … 0.5.
+
+        It is 0.5 if most places have no height.
+        """
+        if self.known < self.count / 2 or self.apart == 0.0:
+            return 0.5
+        return 0.5 - 0.5 * abs(self.total) / self.apart

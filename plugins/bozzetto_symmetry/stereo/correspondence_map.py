@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, squared_scales
 
-__all__ = ["map_of_stations"]
-
 Array = NDArray[np.float64]
 
 STIFFNESS: Final = 3.0
@@ -39,11 +37,11 @@ def map_of_stations(
     pinned: tuple[bool, bool],
     closed: bool,
 ) -> tuple[NDArray[np.intp], Array]:
-    """Samples of the first signal and the stations, in samples, of their partners.
+    """Return samples of the first signal and the stations, in samples, of their partners.
 
-    Where the second signal equals the first, in the sense of least squares, with a price on
-    the bending of the map: where a signal turns, or stays at one value, the equation alone
-    would be answered by the noise.
+    The second signal equals the first there, in the sense of least squares, with a price on
+    the bending of the map: where a signal turns, or stays at one value, noise alone would decide
+    the equation.
     """
     places, counts = np.unique(path[:, 0], return_counts=True)
     start = np.bincount(path[:, 0], path[:, 1])[places] / counts
@@ -105,7 +103,7 @@ def _stiffened(
 
 
 def _bending_bands(count: int) -> Array:
-    """Upper bands of DᵀD for second differences D, as `solveh_banded` takes them."""
+    """Return the upper bands of DᵀD for second differences D, as `solveh_banded` takes them."""
     bands = np.zeros((3, count))
     for offset, weights in ((0, (1.0, 4.0, 1.0)), (1, (-2.0, -2.0)), (2, (1.0,))):
         for shift, weight in enumerate(weights):
@@ -115,7 +113,7 @@ def _bending_bands(count: int) -> Array:
 
 
 def _bent(bands: Array, values: Array) -> Array:
-    """The symmetric matrix of the bands times a vector."""
+    """Return the symmetric matrix of the bands times a vector."""
     made = bands[2] * values
     for offset in (1, 2):
         band = bands[2 - offset, offset:]

@@ -1,4 +1,4 @@
-"""Where two mirrored rays do not meet in one point before the eye, and why.
+"""Pairs of mirrored rays that do not meet in one point before the eye, and why.
 
 Bae, Kijima and Kim (2004) name seven special cases of a pair of rays. They follow from one
 picture. A pair on one epipolar line lies in a plane through the eye e that holds the y axis.
@@ -31,8 +31,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-__all__ = ["CAUSES", "REMEDIES", "SOLVABLE", "Case", "reasons", "solved", "special_case"]
-
 Array = NDArray[np.float64]
 Codes = NDArray[np.int8]
 
@@ -44,7 +42,7 @@ SAME: Final = 1e-6
 
 
 class Case(IntEnum):
-    """What a pair of mirrored rays can be."""
+    """The cases of a pair of mirrored rays."""
 
     ORDINARY = 0
     EYE_ON_PLANE = 1
@@ -60,18 +58,18 @@ SOLVABLE: Final = (Case.ORDINARY, Case.IN_PLANE, Case.EYE_AT_INFINITY)
 """The cases that have one point before the eye."""
 
 CAUSES: Final[dict[Case, str]] = {
-    Case.EYE_ON_PLANE: "The eye is on the centre plane, where both sides say the same.",
+    Case.EYE_ON_PLANE: "The view lies in the centre plane, where both sides look the same.",
     Case.ONE_ALONG_NORMAL: "One side runs through the vanishing point of left and right.",
-    Case.BOTH_ALONG_NORMAL: "The view is along the normal: left and right are in one place.",
-    Case.PARALLEL: "The rays of left and right are parallel and never meet.",
-    Case.BEHIND: "The rays of left and right part, and would meet behind the eye.",
+    Case.BOTH_ALONG_NORMAL: "Seen from straight ahead, left and right are in one place.",
+    Case.PARALLEL: "The lines of sight of left and right never meet.",
+    Case.BEHIND: "The lines of sight of left and right would meet behind you.",
 }
 """What is wrong in the cases without a point."""
 
 REMEDIES: Final[dict[Case, str]] = {
-    Case.EYE_ON_PLANE: "Turn the box by about 15°.",
-    Case.ONE_ALONG_NORMAL: "Turn the box, and draw that piece in another view.",
-    Case.BOTH_ALONG_NORMAL: "Turn the box by about 15°.",
+    Case.EYE_ON_PLANE: "Turn the view by about 15°.",
+    Case.ONE_ALONG_NORMAL: "Turn the view, and draw that piece there.",
+    Case.BOTH_ALONG_NORMAL: "Turn the view by about 15°.",
     Case.PARALLEL: "Draw the two sides farther apart.",
     Case.BEHIND: "Draw both sides within the box, the right one on the right.",
 }
@@ -79,11 +77,12 @@ REMEDIES: Final[dict[Case, str]] = {
 
 
 def special_case(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> Codes:
-    """Which case each pair of places is.
+    """Return the case of each pair of places.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (n, 2) array_like
         Pairs on common epipolar lines, px.
 
@@ -123,8 +122,8 @@ def special_case(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> Codes:
     return codes.astype(np.int8)
 
 
-def solved(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Codes]:
-    """Points from pairs of places, in all cases that have one.
+def intersect_rays(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Codes]:
+    """Return points from pairs of places, in all cases that have one.
 
     Returns
     -------
@@ -142,8 +141,8 @@ def solved(stereo: Stereo, near: ArrayLike, far: ArrayLike) -> tuple[Array, Code
     return points, codes
 
 
-def reasons(codes: ArrayLike) -> tuple[str, ...]:
-    """Why there are places without a point and what to do, the commonest case first."""
+def reasons_of(codes: ArrayLike) -> tuple[str, ...]:
+    """Return why there are places without a point and what to do, the commonest case first."""
     counts = np.bincount(np.asarray(codes, np.intp), minlength=len(Case))
     found = sorted((case for case in CAUSES if counts[case]), key=lambda case: -counts[case])
     return tuple(f"{CAUSES[case]} {REMEDIES[case]}" for case in found)

@@ -1,4 +1,4 @@
-"""Runs along which the epipolar lines touch a curve and say nothing, and how they are bridged."""
+"""Runs along which the epipolar lines touch a curve, and bridges over them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.stereo.epipolar_signal import Signal
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-__all__ = ["bridged", "weak_runs"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -24,17 +23,18 @@ LONG: Final = 0.1
 would have a radius as large as the whole side."""
 
 LEAST: Final = 1e-9
-"""Of lengths that are divided by."""
+"""Least length that is divided by."""
 
 
 def weak_runs(
     first: Signal, places: NDArray[np.intp], second: Signal, partners: NDArray[np.intp]
 ) -> Flags:
-    """Which samples lie on a long run on which neither signal changes.
+    """Return which samples lie on a long run on which neither signal changes.
 
     Parameters
     ----------
     first, second : Signal
+        The signals of both sides.
     places, partners : (k,) int
         Samples of the one and of the other that belong together.
     """
@@ -43,7 +43,7 @@ def weak_runs(
 
 
 def _shallow(signal: Signal, places: NDArray[np.intp]) -> Flags:
-    """Whether a signal hardly changes around some of its samples."""
+    """Return whether a signal hardly changes around some of its samples."""
     count = len(signal.angles)
     reach = max(1, round(0.5 * LONG * count))
     index = np.clip(places, 0, count - 1)
@@ -53,21 +53,22 @@ def _shallow(signal: Signal, places: NDArray[np.intp]) -> Flags:
 
 
 def _long_runs(flags: Flags, shortest: float) -> Flags:
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
     kept = np.zeros(len(flags), bool)
-    for begin, end in edges.reshape(-1, 2):
+    for begin, end in runs(flags):
         kept[begin:end] = end - begin >= shortest
     return kept
 
 
-def bridged(stereo: Stereo, near: Array, far: Array, weak: Flags) -> Array:
-    """Partners on runs that say nothing, from what is known at both their ends.
+def bridge_weak_runs(stereo: Stereo, near: Array, far: Array, weak: Flags) -> Array:
+    """Return partners on weak runs, from what is known at both their ends.
 
     Along the epipolar line the place of a partner is taken linear in that of the near one,
     as slopes of rays: a line parallel to the plane's normal then keeps its x and z.
 
     Parameters
     ----------
+    stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (k, 2) float
         Partners on common epipolar lines, px.
     weak : (k,) bool
@@ -103,7 +104,7 @@ def bridged(stereo: Stereo, near: Array, far: Array, weak: Flags) -> Array:
 
 
 def _along(stereo: Stereo, pixels: Array) -> Array:
-    """Where on their epipolar lines places are: slopes of rays, or px in a parallel view."""
+    """Return where on their epipolar lines places are: slopes of rays, or px in a parallel view."""
     if stereo.parallel:
         return np.asarray((pixels * stereo.toward_vanishing(pixels)).sum(axis=1))
     way = stereo.rays(pixels).directions
@@ -111,7 +112,7 @@ def _along(stereo: Stereo, pixels: Array) -> Array:
 
 
 def _on_line(stereo: Stereo, pixels: Array, along: Array) -> Array:
-    """Places on the epipolar lines of others, px; NaN behind the eye."""
+    """Return places on the epipolar lines of others, px; NaN behind the eye."""
     if stereo.parallel:
         way = stereo.toward_vanishing(pixels)
         return np.asarray(pixels + (along - _along(stereo, pixels))[:, None] * way)

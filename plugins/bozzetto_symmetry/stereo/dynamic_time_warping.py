@@ -1,4 +1,4 @@
-"""Two sequences laid along each other: dynamic time warping with open ends."""
+"""Dynamic time warping with open ends."""
 
 from __future__ import annotations
 
@@ -7,21 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Warping", "first_row", "next_row", "warpings"]
-
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Warping:
-    """Which samples of two sequences belong together.
+    """The samples of two sequences that belong together.
 
     Attributes
     ----------
     path : (k, 2) int
         Index pairs, ``k >= 1``. From one to the next either index or both grow by one.
     total : float
-        What the path costs: its cells, its steps, and the samples at the ends that it leaves
+        Cost of the path: its cells, its steps, and the samples at the ends that it leaves
         without a partner.
     """
 
@@ -36,7 +34,7 @@ def warpings(
     begin: float = np.inf,
     end: float = np.inf,
 ) -> tuple[Warping, ...]:
-    """The cheapest way through each of several tables of costs.
+    """Return the cheapest way through each of several tables of costs.
 
     All cells of an antidiagonal are computed at once, and of all tables at once. The least
     sum is found exactly.
@@ -44,7 +42,7 @@ def warpings(
     Parameters
     ----------
     costs : (b, n, m) array_like
-        Of matching sample i of the first with sample j of the second sequence, not negative;
+        Costs of matching sample i of the first with sample j of the second sequence, not negative;
         ``n, m >= 1``.
     step : float
         Price of a step in which only one index grows; not negative.
@@ -76,13 +74,13 @@ def warpings(
 
 
 def _prices(price: float, count: int) -> Array:
-    """Of leaving out 0 … `count` samples; leaving out none is free at any price."""
+    """Return the prices of leaving out 0 … `count` samples; leaving out none is always free."""
     numbers = np.arange(count + 1.0)
     return numbers * price if np.isfinite(price) else np.where(numbers > 0, np.inf, 0.0)
 
 
 def _summed(table: Array, step: float, begin: float) -> Array:
-    """Least sums up to each cell, by antidiagonals: (n + m + 1, b, n + 1).
+    """Return the least sums up to each cell, by antidiagonals: (n + m + 1, b, n + 1).
 
     Cell (i, j), counted from 1, is in row ``i + j`` and column i; index 0 is in front of the
     first sample.
@@ -111,7 +109,7 @@ def _summed(table: Array, step: float, begin: float) -> Array:
 
 
 def _traced(sums: Array, last: tuple[int, int], step: float) -> NDArray[np.intp]:
-    """The path to a cell, backwards through the sums."""
+    """Return the path to a cell, found backwards through the sums."""
     i, j = last
     path = []
     while i and j:
@@ -124,15 +122,15 @@ def _traced(sums: Array, last: tuple[int, int], step: float) -> NDArray[np.intp]
 
 
 def first_row(costs: ArrayLike, begin: float) -> Array:
-    """Sums after the first sample of a sequence that is still growing.
+    """Return the sums after the first sample of a sequence that is still growing.
 
     Parameters
     ----------
     costs : (..., m) array_like
-        Of the new sample with each sample of the sequence that is known whole.
+        Costs of the new sample with each sample of the sequence that is known whole.
     begin : float
         Price of a sample of the known sequence left out before the first pair; not above the
-        price of a step, for then leaving out is never dearer than stepping along the row.
+        price of a step, for then leaving out never costs more than stepping along the row.
 
     Returns
     -------
@@ -143,14 +141,14 @@ def first_row(costs: ArrayLike, begin: float) -> Array:
 
 
 def next_row(sums: Array, costs: ArrayLike, step: float) -> tuple[Array, NDArray[np.intp]]:
-    """Sums after one more sample of a sequence that is still growing.
+    """Return the sums after one more sample of a sequence that is still growing.
 
     Parameters
     ----------
     sums : (..., m) float
         After the sample before.
     costs : (..., m) array_like
-        Of the new sample with each sample of the known sequence, not negative.
+        Costs of the new sample with each sample of the known sequence, not negative.
     step : float
         Price of a step in which only one index grows.
 

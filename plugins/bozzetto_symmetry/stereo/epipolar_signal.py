@@ -1,4 +1,4 @@
-"""A curve on the sheet as matching sees it: which epipolar lines it crosses, in order."""
+"""A curve on the sheet as a signal: the epipolar lines that it crosses, in order."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-__all__ = ["Signal", "at_stations", "differences", "spread", "squared_scales"]
 
 Array = NDArray[np.float64]
 
@@ -24,7 +23,7 @@ STEEPEST: Final = 1e12
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """A curve as matching sees it.
+    """The epipolar lines that a curve crosses, sample by sample.
 
     Attributes
     ----------
@@ -42,20 +41,36 @@ class Signal:
 
     @classmethod
     def of(cls, stereo: Stereo, pixels: Array) -> Signal:
-        """The signal of a curve that was resampled at even steps."""
+        """Return the signal of a curve that was resampled at even steps."""
         scales = np.minimum(stereo.pixels_per_angle(pixels), STEEPEST)
         return cls(pixels, stereo.angles(pixels), scales)
 
     def shifted(self, stereo: Stereo, other: Signal) -> Signal:
-        """With whole turns added, so that it lies beside another one."""
+        """Return the signal with whole turns added, so that it lies beside another one."""
         if stereo.parallel:
             return self
         turns = np.round((np.median(other.angles) - np.median(self.angles)) / (2.0 * np.pi))
-        return replace(self, angles=self.angles + 2.0 * np.pi * turns)
+        return self.rotated(2.0 * np.pi * float(turns))
 
     def turned(self) -> Signal:
-        """From its end to its beginning."""
-        return Signal(self.pixels[::-1], self.angles[::-1], self.scales[::-1])
+        """Return the signal from its end to its beginning."""
+        return self.part(slice(None, None, -1))
+
+    def rotated(self, angle: float) -> Signal:
+        """Return the signal with an angle added everywhere."""
+        return replace(self, angles=self.angles + angle)
+
+    def part(self, which: slice) -> Signal:
+        """Return some of the samples."""
+        return Signal(self.pixels[which], self.angles[which], self.scales[which])
+
+    def followed_by(self, other: Signal) -> Signal:
+        """Return the samples of this signal and then those of another one."""
+        return Signal(
+            np.vstack([self.pixels, other.pixels]),
+            np.concatenate([self.angles, other.angles]),
+            np.concatenate([self.scales, other.scales]),
+        )
 
     @property
     def step(self) -> float:
@@ -64,7 +79,7 @@ class Signal:
 
 
 def differences(first: Signal, second: Signal) -> Array:
-    """Distances across the epipolar lines, (n, m) px.
+    """Return the distances across the epipolar lines, (n, m) px.
 
     Scales differ between the near and the far side; both hands shake alike, so their squares
     are added.
@@ -74,16 +89,15 @@ def differences(first: Signal, second: Signal) -> Array:
 
 
 def spread(*signals: Signal) -> float:
-    """What the widest of some signals ranges over, px: the unit of prices."""
+    """Return the range of the widest of some signals, px: the unit of prices."""
     return max(FLAT, *(float(np.ptp(s.angles) * np.median(s.scales)) for s in signals))
 
 
 def squared_scales(one: Array, other: Array) -> Array:
-    """Squares of the pixels that a difference of angles is worth, for two scales."""
+    """Return the squares of the pixels that a difference of angles is worth, for two scales."""
     return np.asarray(2.0 / (1.0 / one**2 + 1.0 / other**2))
 
 
 def at_stations(values: Array, stations: Array) -> Array:
-    """Rows of an array at fractions of its indices."""
-    index = np.arange(len(values))
-    return np.column_stack([np.interp(stations, index, column) for column in values.T])
+    """Return rows of an array at fractions of its indices."""
+    return interpolate(stations, np.arange(len(values)), values)

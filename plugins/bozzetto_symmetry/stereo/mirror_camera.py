@@ -15,14 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.view import Camera, Rays
+from bozzetto_symmetry.model.perspective import focal_length, vanishing_point
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-__all__ = ["MIRROR", "Stereo"]
 
 Array = NDArray[np.float64]
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in y = 0, as factors of the coordinates."""
+
+NORMAL: Final = (0.0, 1.0, 0.0)
+"""The normal of the centre plane in its own frame."""
 
 ALONG: Final = 1e-12
 """Length of a ray's part along the plane, per unit, below which it is parallel to the normal."""
@@ -42,7 +44,7 @@ class Stereo:
 
     @classmethod
     def of(cls, camera: Camera, plane: CentrePlane) -> Stereo:
-        """The stereo of a camera in the model's frame."""
+        """Return the stereo of a camera in the model's frame."""
         return cls(camera if plane.inverse.is_identity else camera.moved(plane.inverse))
 
     @property
@@ -53,16 +55,16 @@ class Stereo:
     # -- between the sheet and space -----------------------------------------------------------
 
     def rays(self, pixels: ArrayLike) -> Rays:
-        """Rays through places on the sheet, (n, 2) px."""
+        """Return rays through places on the sheet, (n, 2) px."""
         return self.camera.rays(pixels)
 
     def project(self, points: ArrayLike) -> Array:
-        """Where points (n, 3) mm are seen, (n, 2) px; NaN at or behind the eye."""
+        """Return where points (n, 3) mm are seen, (n, 2) px; NaN at or behind the eye."""
         return self.camera.project(points)[0]
 
     def on_plane(self, pixels: ArrayLike) -> Array:
-        """Where rays meet the centre plane, (n, 3) mm, y exactly 0; NaN where they do not."""
-        points = self.camera.on_plane(pixels, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+        """Return where rays meet the centre plane, (n, 3) mm, y exactly 0; NaN where they miss."""
+        points = self.camera.on_plane(pixels, (0.0, 0.0, 0.0), NORMAL)
         points[:, 1] *= 0.0
         return points
 
@@ -70,22 +72,15 @@ class Stereo:
 
     @cached_property
     def vanishing_point(self) -> Array:
-        """Where lines along the plane's normal meet on the sheet, homogeneous (x, y, w), px.
+        """The epipole: where lines along the plane's normal meet on the sheet.
 
-        The epipole. It is finite or at infinity (w = 0); never all nought unless the view is
-        orthographic and looks along the normal.
+        Homogeneous coordinates (x, y, w), px, as `model.perspective.vanishing_point` gives them: it
+        is at infinity where w is 0, and nowhere where a parallel view looks along the normal.
         """
-        right, up, forward = self.camera.axes[:, 1]
-        width, height = self.camera.viewport
-        if self.parallel:
-            return np.array([right, -up, 0.0])
-        focal = 0.5 * height / np.tan(np.radians(self.camera.fov_y) / 2.0)
-        return np.array(
-            [focal * right + 0.5 * width * forward, 0.5 * height * forward - focal * up, forward]
-        )
+        return vanishing_point(self.camera, NORMAL)
 
     def toward_vanishing(self, pixels: ArrayLike) -> Array:
-        """Unit directions (n, 2) along the epipolar lines; nought at the vanishing point."""
+        """Return unit directions (n, 2) along the epipolar lines; 0 at the vanishing point."""
         place = np.reshape(np.asarray(pixels, float), (-1, 2))
         x, y, w = self.vanishing_point
         way = np.array([x, y]) - w * place
@@ -93,7 +88,7 @@ class Stereo:
         return np.asarray(np.divide(way, length, out=np.zeros_like(way), where=length > 0))
 
     def angles(self, pixels: ArrayLike) -> Array:
-        """Which epipolar line each place of a curve lies on.
+        """Return the epipolar line of each place of a curve.
 
         The angle (radians) of the plane through the eye, the place and the y axis, unwrapped
         along the curve; of a parallel view the offset (mm) across the image of the y axis.
@@ -108,14 +103,14 @@ class Stereo:
         return np.asarray(np.unwrap(np.arctan2(directions[:, 2], directions[:, 0])))
 
     def pixels_per_angle(self, pixels: ArrayLike) -> Array:
-        """How far apart, px, two epipolar lines one unit of `angles` apart are at each place."""
+        """Return the distance, px, of epipolar lines one unit of `angles` apart, at each place."""
         place = np.reshape(np.asarray(pixels, float), (-1, 2))
         if self.parallel:
             return np.full(len(place), self._scale)
         # The gradient of the angle on the sheet, through the ray that is not yet normalised.
         right, up, forward = self.camera.axes
         width, height = self.camera.viewport
-        focal = 0.5 * height / np.tan(np.radians(self.camera.fov_y) / 2.0)
+        focal = focal_length(self.camera)
         ray = (
             (place[:, :1] - 0.5 * width) * right
             + (0.5 * height - place[:, 1:]) * up
@@ -144,7 +139,7 @@ class Stereo:
         """Angle between the line of sight and the centre plane, radians, 0 … π/2.
 
         The stereo's baseline grows with its sine. For a perspective camera the line from the
-        eye to the target's foot on the plane is taken for the line of sight.
+        eye to the place of the plane nearest to the target counts as the line of sight.
         """
         if self.parallel:
             sine = abs(float(self.camera.axes[2, 1]))
@@ -156,7 +151,7 @@ class Stereo:
     # -- where mirrored rays meet --------------------------------------------------------------
 
     def intersected(self, near: ArrayLike, far: ArrayLike) -> Array:
-        """Points whose own image and whose mirror's image are given.
+        """Return points whose own image and whose mirror's image are given.
 
         In closed form: both rays lie in one plane through the y axis, in which the slope
         ``m = d_y / hypot(d_x, d_z)`` of each says how y grows with the way ``w`` along the

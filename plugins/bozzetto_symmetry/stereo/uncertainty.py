@@ -2,7 +2,7 @@
 
 A point is where it has to be so that it is seen at the drawn place, and its mirror image on
 the other drawn curve: three equations. Their derivative says what a pixel is worth in space,
-place by place; the residual of the rays does not, it is nought however badly they cross.
+place by place. The residual of the rays does not: it is 0 however badly they cross.
 """
 
 from __future__ import annotations
@@ -15,32 +15,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-__all__ = [
-    "HAND",
-    "LEFT",
-    "curve_sigmas",
-    "heat",
-    "image_slopes",
-    "pair_covariances",
-    "plane_covariances",
-    "point_covariances",
-    "sigmas",
-]
-
 Array = NDArray[np.float64]
 
 HAND: Final = 1.5
 """Standard deviation of a hand that draws with care, px."""
 
 YELLOW: Final = 1.5
-"""Uncertainty at the noise of a hand from which a place wants a look, % of the diagonal."""
+"""Uncertainty at the noise of a hand from which a place is doubtful, % of the diagonal."""
 
 RED: Final = 4.0
-"""Uncertainty at the noise of a hand above which a place says next to nothing, %."""
+"""Uncertainty at the noise of a hand above which a place is hardly known, %."""
 
 ANYWHERE: Final = 100.0
 """Standard deviation of a point of which nothing is known, in visible heights of the sheet:
-so large that it shortens no figure that is of use to anybody, and still a number."""
+far larger than any useful figure, and still a number."""
 
 TOO_NEAR: Final = 1e-9
 """Depth before the eye, in visible heights of the sheet, below which nothing is seen."""
@@ -48,13 +36,13 @@ TOO_NEAR: Final = 1e-9
 
 LEFT: Final = 0.93
 """Share of `curve_sigmas` that a fitted curve shows: it evens out the shorter waves of the
-tremor. Measured at 30 and 60° with tremor that is alike over a 25th of the curve."""
+tremor. Measured at 30 and 60° with a tremor that stays alike over a 25th of the curve."""
 
 
 def pair_covariances(
     stereo: Stereo, near: ArrayLike, far: ArrayLike, far_tangents: ArrayLike
 ) -> Array:
-    """Covariances of points from both sides of a pair, for 1 px of noise on either.
+    """Return covariances of points from both sides of a pair, for 1 px of noise on either.
 
     With p(X) the image of a point, the point drawn as `near` and `far` satisfies
     ``p(X) = near`` and ``n · p(M X) = n · far``, where n is the normal of the far curve: the
@@ -66,6 +54,7 @@ def pair_covariances(
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near, far : (n, 2) array_like
         Pairs on common epipolar lines, px.
     far_tangents : (n, 2) array_like
@@ -82,7 +71,7 @@ def pair_covariances(
 
 
 def point_covariances(stereo: Stereo, points: ArrayLike, far_tangents: ArrayLike) -> Array:
-    """Covariances as in `pair_covariances` of points (n, 3) mm that are known already."""
+    """Return covariances as `pair_covariances` of points (n, 3) mm that are known already."""
     place = np.reshape(np.asarray(points, float), (-1, 3))
     tangents = np.reshape(np.asarray(far_tangents, float), (-1, 2))
     normals = np.nan_to_num(np.column_stack((-tangents[:, 1], tangents[:, 0])))
@@ -92,12 +81,14 @@ def point_covariances(stereo: Stereo, points: ArrayLike, far_tangents: ArrayLike
 
 
 def plane_covariances(stereo: Stereo, pixels: ArrayLike) -> Array:
-    """Covariances of points in the centre plane, for 1 px of noise on the sheet.
+    """Return covariances of points in the centre plane, for 1 px of noise on the sheet.
 
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     pixels : (n, 2) array_like
+        Places on the sheet.
 
     Returns
     -------
@@ -118,10 +109,10 @@ def curve_sigmas(
     *,
     flat: bool = False,
 ) -> Array:
-    """How far a curve in space may be off across itself, for 1 px of noise in every view.
+    """Return how far a curve in space may be off across itself, for 1 px of noise in every view.
 
     A hand errs slowly, and a fit follows it: what smoothing takes off the noise of single
-    places tells nothing about this. So every view that shows a place has one error there,
+    places says nothing about this. So every view that shows a place has one error there,
     across its image, and the covariance is that of all views together. It cannot be far more
     than that of a place close by, since the distance from the true curve grows no faster than
     the way between them; that is what is left where the views say nothing.
@@ -158,13 +149,13 @@ def curve_sigmas(
 
 
 def sigmas(covariances: ArrayLike) -> Array:
-    """Root mean square distance from the true place, (n,): the root of the trace."""
+    """Return the root mean square distance from the true place, (n,): the root of the trace."""
     trace = np.trace(np.asarray(covariances, float), axis1=1, axis2=2)
     return np.asarray(np.sqrt(np.maximum(trace, 0.0)))
 
 
 def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
-    """How much to trust each place.
+    """Return how much to trust each place.
 
     Parameters
     ----------
@@ -176,7 +167,7 @@ def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
     Returns
     -------
     (n,) int8
-        0 well known, 1 wants a look, 2 next to unknown.
+        0 well known, 1 doubtful, 2 nearly unknown.
     """
     share = 100.0 * HAND / diagonal * np.asarray(sigma, float)
     share = np.where(np.isfinite(share), share, np.inf)
@@ -184,7 +175,7 @@ def heat(sigma: ArrayLike, diagonal: float) -> NDArray[np.int8]:
 
 
 def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
-    """Derivatives of the image by the point, (n, 2, 3) px/mm; nought where nothing is seen."""
+    """Return derivatives of the image by the point, (n, 2, 3) px/mm; 0 where nothing is seen."""
     camera = stereo.camera
     right, up, forward = camera.axes
     sheet = np.stack((right, -up))
@@ -203,7 +194,7 @@ def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
 
 
 def _row(slopes: Array, along: Array) -> Array:
-    """Derivatives of the image across the image of a curve, (n, 3)."""
+    """Return derivatives of the image across the image of a curve, (n, 3)."""
     seen = np.einsum("nij,nj->ni", slopes, along)
     length = np.linalg.norm(seen, axis=1, keepdims=True)
     unit = np.divide(seen, length, out=np.zeros_like(seen), where=length > 0.0)
@@ -211,7 +202,7 @@ def _row(slopes: Array, along: Array) -> Array:
 
 
 def _inverted(stereo: Stereo, slopes: Array) -> Array:
-    """Covariances from derivatives (n, k, k), with as little known beforehand as can be."""
+    """Return covariances from derivatives (n, k, k), with as little prior knowledge as can be."""
     _, stretch, axes = np.linalg.svd(slopes)
     least = 1.0 / (ANYWHERE * stereo.camera.visible_height)
     return np.asarray(np.swapaxes(axes, 1, 2) / (stretch**2 + least**2)[:, None] @ axes)

@@ -1,4 +1,4 @@
-"""What the pen can do, one tool in a module."""
+"""The tools of the pen, one in a module."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ from bozzetto_symmetry.tools.modify import Modify
 from bozzetto_symmetry.tools.resize_box import ResizeBox
 from bozzetto_symmetry.tools.split import Split
 
-__all__ = ["DrawCurve", "all_tools"]
-
 
 def all_tools() -> tuple[Tool[Any], ...]:
-    """The tools in the order of the rail, most used first."""
+    """Return the tools in the order of the rail, most used first."""
     return (DrawCurve(), Modify(), Split(), JoinCurves(), DrawLine(), ResizeBox())

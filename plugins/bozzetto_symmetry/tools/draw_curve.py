@@ -9,23 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.ink.curves.resample import arc_length
 from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
-from bozzetto_symmetry.operations.assign_stroke import landed, waits
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.view.box import segments
 from bozzetto_symmetry.view.hints import FIRST, next_step
-from bozzetto_symmetry.view.live_preview import Growing
-
-__all__ = ["DrawCurve", "rungs"]
+from bozzetto_symmetry.view.live_preview import GrowingCurve
 
 LIVE_WIDTH: Final = 2.5
-"""Of a curve that grows, px."""
+"""Width of a curve that grows, px."""
 
 RUNGS: Final = 16
 """Rungs over a curve that is as long as the box's diagonal."""
@@ -34,15 +32,15 @@ MOST_RUNGS: Final = 2000
 """Rungs of a curve that leaves the box by far, as the pen may at an extreme zoom."""
 
 RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
-"""px, and a share: they are seen over the grid of the centre plane."""
+"""Width in px and opacity 0 … 1: rungs are seen over the grid of the centre plane."""
 
 Array = NDArray[np.float64]
 
-_growing: Memory[Growing] = Memory(limit=4)
+_growing: Memory[GrowingCurve] = Memory(limit=4)
 
 
 class DrawCurve:
-    """Left and right in any order, over and over, or across in one stroke."""
+    """Draws left and right in any order, over and over, or across in one stroke."""
 
     id = "draw"
     title = "Draw curve"
@@ -51,14 +49,14 @@ class DrawCurve:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def next_hint(self, state: SymmetryState) -> str:
-        """What the chosen curve was taken for, what is wrong with it, and what comes next."""
+        """Return what the chosen curve was read as, what is wrong with it, and what comes next."""
         return next_step(state)
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve in space that grows while its second side is drawn, and what belongs together.
+        """Return the curve in space that grows while its second side is drawn.
 
         On the sheet the curve lies on the ink; that it is in space is seen by the rungs from
-        each of its places to the mirrored one. They stand in for what was said of the first
+        each of its places to the mirrored one. They replace what is shown of the first
         side alone.
         """
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
@@ -90,16 +88,17 @@ class DrawCurve:
         if not isinstance(gesture, Ink):
             raise UserError("Draw a curve with the pen.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        drawn = landed(state, gesture.strokes)
+            return erase(state, gesture.strokes[-1])
+        drawn = add_strokes(state, gesture.strokes)
         # Solved here, the curve is remembered when several ask for it at once.
-        with suppress(UserError):
-            traced(next(curve for curve in drawn.curves if curve.id == drawn.selected), drawn)
+        if drawn.chosen is not None:
+            with suppress(UserError):
+                trace_of(drawn.chosen, drawn)
         return drawn
 
 
 def rungs(points: Array, step: float) -> Array:
-    """Straight pieces from places of a curve to their images, the first and the last among them.
+    """Return straight pieces from places of a curve to their images, first and last included.
 
     Parameters
     ----------
@@ -112,15 +111,15 @@ def rungs(points: Array, step: float) -> Array:
     -------
     (k, 2, 3) float
     """
-    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    along = arc_length(points)
     marks = np.linspace(0.0, along[-1], max(2, int(min(along[-1] / step, MOST_RUNGS)) + 1))
     ends = points[np.unique(np.searchsorted(along, marks).clip(max=len(points) - 1))]
     return np.stack((ends, ends * MIRROR), axis=1)
 
 
 def _grown(state: SymmetryState, gesture: Ink) -> Array | None:
-    """What has grown from the side that waits in this view; the chosen or the newest one."""
-    curves = sorted(reversed(shown_curves(state)), key=lambda c: c.id != state.selected)
+    """Return what has grown from the side that waits in this view; the chosen or the newest one."""
+    curves = sorted(reversed(state.shown_curves), key=lambda c: c.id != state.selected)
     for curve in curves:
         points = _grown_from(curve, state, gesture)
         if points is not None:
@@ -132,14 +131,14 @@ def _grown_from(curve: Curve, state: SymmetryState, gesture: Ink) -> Array | Non
     if not any(is_one_view(gesture.camera, stroke.camera) for stroke in curve.strokes):
         return None
     try:
-        trace = traced(curve, state)
+        trace = trace_of(curve, state)
     except UserError:
         return None
     if not waits(curve, trace):
         return None
     (view,) = (v for v in trace.views if is_one_view(gesture.camera, v.strokes[0].camera))
     drawn = on_canvas(gesture.strokes[-1], view.strokes[0].camera).points
-    pixels = view.sides[0].pixels
-    question = (view.stereo, pixels.tobytes(), drawn[:1].tobytes())
-    growing = _growing.recall(question, lambda: Growing(view.stereo, pixels))
+    growing = _growing.recall(
+        (view, drawn[:1].tobytes()), lambda: GrowingCurve(view.stereo, view.sides[0].pixels)
+    )
     return growing.points(drawn)

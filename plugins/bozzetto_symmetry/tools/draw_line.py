@@ -14,13 +14,11 @@ from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.operations.construction_lines import CHOSEN_WIDTH, Straight, line_of
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.picking import solved_curves
-from bozzetto_symmetry.tools.erase import erased
-
-__all__ = ["DrawLine"]
+from bozzetto_symmetry.tools.erase import erase
 
 
 class DrawLine:
-    """Every stroke is a straight line in space."""
+    """Draws straight lines in space, one a stroke."""
 
     id = "line"
     title = "Line"
@@ -29,7 +27,7 @@ class DrawLine:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The line in space, in the colour of the axis that it runs along."""
+        """Return the line in space, in the colour of the axis that it runs along."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         try:
@@ -50,7 +48,7 @@ class DrawLine:
             raise UserError("Draw the line with the pen.")
         for stroke in gesture.strokes:
             if stroke.tool == "eraser":
-                state = erased(state, stroke)
+                state = erase(state, stroke)
                 continue
             line = line_of(stroke, state, _known(state, context), context)
             state = state.with_node(

@@ -1,4 +1,4 @@
-"""The pen's other end: whatever the tool, it takes away what it rubs over."""
+"""The pen's other end: with any tool, it takes away what it rubs over."""
 
 from __future__ import annotations
 
@@ -15,11 +15,8 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves, shown_lines
-from bozzetto_symmetry.operations.split import Stretch, parted, without_stretch
+from bozzetto_symmetry.operations.split import Stretch, replace_by_pieces, without_stretch
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
-
-__all__ = ["erased"]
 
 Array = NDArray[np.float64]
 
@@ -30,14 +27,14 @@ MOST: Final = 0.6
 """Share of a curve that must be rubbed over for all of it to go."""
 
 ALONG: Final = 0.5
-"""Share of the path over the curve that it covers most, from which another is meant, too."""
+"""Share of the path over a curve, against the curve it covers most, from which it is meant too."""
 
 LOOKS: Final = 64
 """Places of a path or of a construction line that are looked at."""
 
 
-def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
-    """Without what the eraser's path lies over.
+def erase(state: SymmetryState, eraser: Stroke) -> SymmetryState:
+    """Return the state without what the eraser's path lies over.
 
     A curve goes whole where most of it is rubbed over; else the stretch that is rubbed over
     is cut out of it, on both sides of the plane. Of a curve that still waits for its other
@@ -53,10 +50,10 @@ def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
     for side in _meant(solved, eraser):
         state = _without_part(state, side, _rubbed(side, eraser))
     known = {side.node.id for side in solved}
-    for node in shown_curves(before):
+    for node in before.shown_curves:
         if node.id not in known:
             state = _without_strokes(state, node, eraser)
-    for line in shown_lines(before):
+    for line in before.shown_lines:
         if _is_over(line, eraser):
             state = state.without(line.id)
     if state == before:
@@ -65,7 +62,10 @@ def erased(state: SymmetryState, eraser: Stroke) -> SymmetryState:
 
 
 def _meant(seen: Sequence[Seen], eraser: Stroke) -> list[Seen]:
-    """The sides that the path runs along, one of each curve; not those that it only crosses."""
+    """Return the sides that the path runs along, one of each curve.
+
+    Sides that it only crosses are not meant.
+    """
     path = resample(eraser.points, count=LOOKS)
     best: dict[str, tuple[int, Seen]] = {}
     for side in seen:
@@ -77,7 +77,7 @@ def _meant(seen: Sequence[Seen], eraser: Stroke) -> list[Seen]:
 
 
 def _rubbed(side: Seen, eraser: Stroke) -> NDArray[np.bool_]:
-    """Which places of a side are under the path; places behind the eye are not."""
+    """Return which places of a side are under the path; places behind the eye are not."""
     flags = np.zeros(len(side.pixels), bool)
     seen = np.isfinite(side.pixels).all(axis=1)
     flags[seen] = distances_to_polyline(side.pixels[seen], eraser.points) <= REACH
@@ -92,11 +92,11 @@ def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) ->
     if not flags.any():
         return state
     left = without_stretch(side.curve, _stretch(side, flags))
-    return parted(state, side.node, left)
+    return replace_by_pieces(state, side.node, left)
 
 
 def _stretch(side: Seen, flags: NDArray[np.bool_]) -> Stretch:
-    """The shares of a curve that are rubbed over, without gaps."""
+    """Return the shares of a curve that are rubbed over, without gaps."""
     rubbed = side.parameters[flags]
     if side.curve.reading == "self":
         shares = [share_of(side.curve, float(at)) for at in rubbed]
@@ -111,7 +111,7 @@ def _stretch(side: Seen, flags: NDArray[np.bool_]) -> Stretch:
 
 
 def _without_strokes(state: SymmetryState, node: Curve, eraser: Stroke) -> SymmetryState:
-    """Without those strokes of a curve, drawn in this view, that are mostly rubbed over."""
+    """Return a state without a curve's strokes of this view that are mostly rubbed over."""
     kept = [
         stroke
         for stroke in node.strokes

@@ -13,13 +13,11 @@ from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_joint
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.view.scene import curve_lines
-
-__all__ = ["JoinCurves"]
 
 Array = NDArray[np.float64]
 
@@ -27,13 +25,13 @@ REACH: Final = 28.0
 """How near to the end of a curve a stroke must begin or end, px."""
 
 WIDTH: Final = 2.5
-"""Of the curve that would come, px."""
+"""Width of the previewed curve, px."""
 
 _NO_END: Final = "There is no end of a curve where the stroke {where}. Draw from end to end."
 
 
 class JoinCurves:
-    """Two ends become one smooth curve; both ends of one curve close it.
+    """Makes two ends one smooth curve; both ends of one curve close it.
 
     From an end across the centre plane to its mirror image, the curve becomes one across
     the plane, which it crosses at a right angle.
@@ -46,14 +44,13 @@ class JoinCurves:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve that would come."""
+        """Return the curve that would come."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
         try:
             made = _joined(state, stroke)
-            (node,) = (curve for curve in made.curves if curve.id == made.selected)
-            curve = solved(node, made)
+            curve = solve_curve(made.chosen, made) if made.chosen is not None else None
         except UserError:
             return Scene()
         if curve is None:
@@ -62,7 +59,7 @@ class JoinCurves:
         return Scene((Layer("preview", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
-        """Join what each stroke leads from and to.
+        """Join the ends that each stroke leads from and to.
 
         Raises
         ------
@@ -72,7 +69,7 @@ class JoinCurves:
         if not isinstance(gesture, Ink):
             raise UserError("Draw from the end of one curve to the end of another.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
+            return erase(state, gesture.strokes[-1])
         for stroke in gesture.strokes:
             state = _joined(state, stroke)
         return state
@@ -100,6 +97,6 @@ def _joined(state: SymmetryState, stroke: Stroke) -> SymmetryState:
 
 
 def _near(ends: list[End], seen: Array, pixel: Array) -> list[tuple[float, End]]:
-    """The ends seen near a place on the sheet, with their distances, px."""
+    """Return the ends seen near a place on the sheet, with their distances, px."""
     away = np.linalg.norm(seen - pixel, axis=1)
     return [(float(gap), end) for gap, end in zip(away, ends, strict=True) if gap <= REACH]

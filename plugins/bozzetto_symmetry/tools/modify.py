@@ -1,4 +1,4 @@
-"""Modify: a stroke over a curve bends it, in any view; its mirror image goes along."""
+"""Modify: a stroke over a curve bends it, in any view, together with its mirror image."""
 
 from __future__ import annotations
 
@@ -12,20 +12,18 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
-from bozzetto_symmetry.editing.replay import edited
+from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import Curve, Edit, Modification, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import Seen, seen_curves, target_of
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.view.scene import curve_lines
 
-__all__ = ["Modify"]
-
 WIDTH: Final = 2.5
-"""Of the curve that would come, px."""
+"""Width of the previewed curve, px."""
 
 SETTLES: Final = 14.0
 """Mean distance, px, within which a stroke goes with the ones drawn just before: the curve
@@ -35,7 +33,7 @@ _NOTHING: Final = "There is no curve near the stroke. Draw over the curve that i
 
 
 class Modify:
-    """The nearest curve gives way to what is drawn over it, or over its mirror image.
+    """Bends the nearest curve towards what is drawn over it, or over its mirror image.
 
     Each stroke acts at once on the curve as it stands. Strokes close to the ones before act
     together with them, and the firmer ones count for more.
@@ -48,7 +46,7 @@ class Modify:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The curve that would come."""
+        """Return the curve that would come."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
@@ -57,7 +55,7 @@ class Modify:
         except UserError:
             return Scene()
         camera = Stereo.of(stroke.camera, state.plane).camera
-        # It stands in for how sure the curve was: that said something of the curve as it is.
+        # It replaces the heat band, which belongs to the curve as it is.
         return Scene((Layer("heat", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
@@ -71,7 +69,7 @@ class Modify:
         if not isinstance(gesture, Ink):
             raise UserError("Draw over a curve with the pen.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
+            return erase(state, gesture.strokes[-1])
         for stroke in gesture.strokes:
             node, _ = _changed(state, stroke)
             state = state.with_node(node)
@@ -79,20 +77,20 @@ class Modify:
 
 
 def _changed(state: SymmetryState, stroke: Stroke) -> tuple[Curve, SpaceCurve]:
-    """The curve that a stroke is drawn over, with what the stroke does to it."""
+    """Return the curve that a stroke is drawn over, and what the stroke makes of it."""
     target = target_of(seen_curves(state, stroke.camera), stroke.points, state.selected)
     if target is None:
         raise UserError(_NOTHING)
     before, change = _modification(target, stroke)
     base = replace(target.node, edits=before)
-    start = target.curve if before == target.node.edits else solved(base, state)
+    start = target.curve if before == target.node.edits else solve_curve(base, state)
     assert start is not None  # no edit makes a curve wait again
-    curve = edited(start, change, state, solved)
+    curve = apply_edit(start, change, state, solve_curve)
     return replace(base, edits=(*before, change)), curve
 
 
 def _modification(target: Seen, stroke: Stroke) -> tuple[tuple[Edit, ...], Modification]:
-    """The edits before, and the change: the last one with this stroke, or one of its own."""
+    """Return the edits before, and the change: the last one with this stroke, or a new one."""
     edits = target.node.edits
     alone = Modification(Strokes((stroke,)), target.mirrored)
     if not edits or not isinstance(edits[-1], Modification):

@@ -1,4 +1,4 @@
-"""The box by hand: its faces are dragged to size, its middle moves it along the centre plane."""
+"""Size the box by dragging its faces, and move it along the centre plane by its middle."""
 
 from __future__ import annotations
 
@@ -17,9 +17,7 @@ from bozzetto_symmetry.model.facts import FARTHEST, SIZE_LIMITS, SYMMETRIES
 from bozzetto_symmetry.model.grid import grid_step
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.view.box import BOX_TOOL, CENTRE, FACES, box_layers
-from bozzetto_symmetry.view.vanishing_lines import hanging_on_view
-
-__all__ = ["ResizeBox"]
+from bozzetto_symmetry.view.vanishing_lines import view_dependent_scene
 
 Array = NDArray[np.float64]
 
@@ -32,7 +30,7 @@ ROUNDING: Final = 3
 
 
 class ResizeBox:
-    """Drag a face to make the box longer, wider or higher; drag its middle to move it.
+    """Makes the box longer, wider or higher by a dragged face, and moves it by its middle.
 
     The face opposite stays where it is. A face that is parallel to the centre plane takes
     its twin along, so that the plane stays; with Ctrl every face does. Sizes are whole steps
@@ -47,14 +45,14 @@ class ResizeBox:
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """The box as it would be."""
+        """Return the box as it would be."""
         if not isinstance(gesture, Drag):
             return Scene()
         try:
             shaped = self.apply(state, gesture, context)
         except UserError:
             return Scene()
-        return Scene(box_layers(shaped)) + hanging_on_view(shaped, gesture.camera)
+        return Scene(box_layers(shaped)) + view_dependent_scene(shaped, gesture.camera)
 
     def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
         """Size or move the box; a touch beside all handles changes nothing.
@@ -62,7 +60,7 @@ class ResizeBox:
         Raises
         ------
         UserError
-            If the handle is none of the box, or the drag says nothing from this side.
+            If the handle does not belong to the box, or the drag means nothing in this view.
         """
         if not isinstance(gesture, Drag):
             return state
@@ -70,11 +68,11 @@ class ResizeBox:
             return _moved(state, gesture)
         if gesture.handle in FACES:
             return _sized(state, gesture)
-        raise UserError("This handle is none of the box. Drag one of the box's faces.")
+        raise UserError("This handle does not belong to the box. Drag one of the box's faces.")
 
 
 def _sized(state: SymmetryState, drag: Drag) -> SymmetryState:
-    """With the dragged face where the pen is."""
+    """Return the state with the dragged face where the pen is."""
     axis, sense = FACES[drag.handle]
     size, centre = list(state.size), np.array(state.centre)
     outwards = sense * AXES[axis]
@@ -98,7 +96,7 @@ def _sized(state: SymmetryState, drag: Drag) -> SymmetryState:
 
 
 def _moved(state: SymmetryState, drag: Drag) -> SymmetryState:
-    """With the middle under the pen, in the plane in which it may move."""
+    """Return the state with the middle under the pen, in the plane in which it may move."""
     centre = np.array(state.centre)
     normal = _pinned(state, drag.camera)
     pixel = _pen(drag, centre)
@@ -117,9 +115,9 @@ def _moved(state: SymmetryState, drag: Drag) -> SymmetryState:
 
 
 def _pinned(state: SymmetryState, camera: Camera) -> Array:
-    """The axis along which the middle does not move.
+    """Return the axis along which the middle does not move.
 
-    Square to the centre plane; where the plane does not hang on the box, the axis that
+    It is square to the centre plane. Where the plane is not one of the box, it is the axis that
     points most at the eye.
     """
     if state.symmetry == "free":
@@ -128,7 +126,7 @@ def _pinned(state: SymmetryState, camera: Camera) -> Array:
 
 
 def _pen(drag: Drag, held: Array) -> Array:
-    """Where on the sheet the held place is taken to: the pen need not have met it exactly."""
+    """Return where on the sheet the held place goes: the pen need not have met it exactly."""
     seen, _ = drag.camera.project(held)
     points = drag.path.points
     return np.asarray(seen[0] + points[-1] - points[0])

@@ -14,11 +14,9 @@ from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import SymmetryState
-from bozzetto_symmetry.operations.split import cut_at, parted
+from bozzetto_symmetry.operations.split import cut_at, replace_by_pieces
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
-from bozzetto_symmetry.tools.erase import erased
-
-__all__ = ["Split"]
+from bozzetto_symmetry.tools.erase import erase
 
 Array = NDArray[np.float64]
 
@@ -32,7 +30,7 @@ AT_END: Final = 8.0
 """Distance from an end, or from the centre plane, px, within which there is nothing to cut."""
 
 DOT_SIZE: Final = 7.0
-"""Of the marks where curves would be cut, px."""
+"""Size of the marks where curves would be cut, px."""
 
 _NOTHING: Final = "There is no curve here. Draw a short stroke across a curve to cut it."
 _END: Final = "The curve ends here. Draw the stroke farther inside to cut it."
@@ -56,7 +54,7 @@ class Split:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
-        """Marks where curves would be cut."""
+        """Return marks where curves would be cut."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         cuts = _cuts(state, gesture.strokes[-1].points, gesture.strokes[-1].camera)
@@ -80,7 +78,7 @@ class Split:
         if not isinstance(gesture, Ink):
             raise UserError("Draw a short stroke across a curve to cut it.")
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
+            return erase(state, gesture.strokes[-1])
         for stroke in gesture.strokes:
             state = _cut(state, stroke.points, stroke.camera)
         return state
@@ -103,12 +101,15 @@ def _cut(state: SymmetryState, ink: Array, camera: Camera) -> SymmetryState:
     for side, _ in cuts:
         if side.node.id in shares:
             pieces = cut_at(side.curve, shares.pop(side.node.id))
-            state = parted(state, side.node, pieces)
+            state = replace_by_pieces(state, side.node, pieces)
     return state
 
 
 def _cuts(state: SymmetryState, ink: Array, camera: Camera) -> list[tuple[Seen, list[float]]]:
-    """Sides of curves and the parameters at which a stroke crosses them; a touch the nearest."""
+    """Return sides of curves with the parameters at which a stroke crosses them.
+
+    A touch means the nearest place.
+    """
     seen = seen_curves(state, camera)
     if float(np.ptp(ink, axis=0).max()) < DOT:
         touch = ink.mean(axis=0)
@@ -126,7 +127,7 @@ def _cuts(state: SymmetryState, ink: Array, camera: Camera) -> list[tuple[Seen, 
 
 
 def _trouble(side: Seen, at: float) -> str:
-    """Why a curve cannot be cut at a parameter; "" where it can."""
+    """Return why a curve cannot be cut at a parameter; "" where it can."""
     here = side.seen_at([at])[0]
     ends = side.seen_at(side.ends)
     if len(ends) and np.linalg.norm(ends - here, axis=1).min() <= AT_END:

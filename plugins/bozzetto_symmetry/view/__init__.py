@@ -1,1 +1,1 @@
-"""What is shown, and advice on the view. Imports operations and below."""
+"""The scene, and advice on the view. Imports operations and below."""

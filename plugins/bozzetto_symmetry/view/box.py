@@ -1,4 +1,4 @@
-"""The see-through box: its edges, the grids that one counts by, and the centre plane."""
+"""The see-through box: its edges, its grids, and the centre plane."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
+from bozzetto.plugin import Memory
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Shaded
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
 from bozzetto_symmetry.model.box_geometry import box_edges, plane_foot, plane_outline
 from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.model.state import SymmetryState
-
-__all__ = ["BOX_TOOL", "CENTRE", "FACES", "box_layers", "grid_lines", "segments"]
 
 Array = NDArray[np.float64]
 
@@ -35,29 +34,37 @@ FACES: Final[dict[str, tuple[int, int]]] = {
 DIMENSIONS: Final = ("Length", "Width", "Height")
 
 EDGE_WIDTH: Final = 1.3
-"""Of the box's edges and of the centre plane's outline, px."""
+"""Width of the box's edges and of the centre plane's outline, px."""
 
 FINE_WIDTH, HEAVY_WIDTH = 0.6, 1.1
-"""Of the grid's lines, px. Below one pixel thinner is fainter."""
+"""Widths of the grid's lines, px. Below one pixel thinner is fainter."""
 
 PLANE_OPACITY: Final = 0.09
-"""Of the centre plane's tint: seen in both themes, and curves behind it lose nothing."""
+"""Opacity of the centre plane: visible in both themes, and curves behind it stay clear."""
 
 PLANE_GRID_OPACITY: Final = 0.45
+"""Opacity of the centre plane's grid."""
+
+
+_layers: Memory[tuple[Layer, ...]] = Memory(limit=32)
 
 
 def box_layers(state: SymmetryState) -> tuple[Layer, ...]:
-    """The box in the model's frame: edges, floor, centre plane, and what the box tool holds."""
-    layers = [Layer("box", (segments(box_edges(state), "faint", EDGE_WIDTH),))]
-    if state.grid:
-        layers.append(Layer("grid", grid_lines(floor_grid(state), "grid")))
-    layers.append(Layer("plane", tuple(_plane_items(state))))
-    layers.append(Layer("box handles", tuple(_held(state)), tool=BOX_TOOL))
-    return tuple(layers)
+    """Return the box in the frame of the model: edges, floor, centre plane, and handles."""
+
+    def made() -> tuple[Layer, ...]:
+        layers = [Layer("box", (segments(box_edges(state), "faint", EDGE_WIDTH),))]
+        if state.grid:
+            layers.append(Layer("grid", grid_lines(floor_grid(state), "grid")))
+        layers.append(Layer("plane", tuple(_plane_items(state))))
+        layers.append(Layer("box handles", tuple(_held(state)), tool=BOX_TOOL))
+        return tuple(layers)
+
+    return _layers.recall((state.centre, state.size, state.plane, state.grid), made)
 
 
 def segments(pairs: Array, color: Paint, width: float, opacity: float = 1.0) -> Lines:
-    """Straight pieces (n, 2, 3), mm, as one item."""
+    """Return straight pieces (n, 2, 3), mm, as one item."""
     return Lines(
         pairs.reshape(-1, 3).astype(np.float32),
         np.arange(len(pairs), dtype=np.int32) * 2,
@@ -68,7 +75,7 @@ def segments(pairs: Array, color: Paint, width: float, opacity: float = 1.0) -> 
 
 
 def grid_lines(grid: Grid, color: Paint, opacity: float = 1.0) -> tuple[Lines, ...]:
-    """A grid as it is shown; nothing where it has no lines."""
+    """Return a grid as it is shown; nothing where it has no lines."""
     if not len(grid.heavy):
         return ()
     pairs = np.stack((grid.begins, grid.ends), axis=1)
@@ -86,7 +93,7 @@ def grid_lines(grid: Grid, color: Paint, opacity: float = 1.0) -> tuple[Lines, .
 
 
 def floor_grid(state: SymmetryState) -> Grid:
-    """The grid of the box's lower face."""
+    """Return the grid of the box's lower face."""
     low = np.asarray(state.centre) - (0.0, 0.0, 0.5 * state.height)
     return grid_in_box(
         low, AXES[0], AXES[1], grid_step(max(state.size)), centre=state.centre, size=state.size
@@ -121,7 +128,7 @@ def _plane_items(state: SymmetryState) -> Iterator[Item]:
 
 
 def _held(state: SymmetryState) -> Iterator[Item]:
-    """Handles on the faces and in the middle, and the dimensions beside three edges."""
+    """Yield handles on the faces and in the middle, and the dimensions beside three edges."""
     centre, half = np.asarray(state.centre), 0.5 * np.asarray(state.size)
     for name, (axis, sense) in FACES.items():
         x, y, z = (centre + sense * half[axis] * AXES[axis]).tolist()

@@ -1,4 +1,4 @@
-"""What to do next, in one line: what is wrong with the chosen curve, what it was taken for."""
+"""Hints: what is wrong with the chosen curve, what it was read as, and what to do next."""
 
 from __future__ import annotations
 
@@ -7,41 +7,45 @@ from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves
 from bozzetto_symmetry.operations.assign_stroke import waits
-from bozzetto_symmetry.solve.curve_solver import Trace, traced
-
-__all__ = ["FIRST", "next_step"]
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 
 FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
-"""What is said of an empty box, and where no curve is chosen."""
+"""The hint for an empty box, and where no curve is chosen."""
 
 TAKEN: Final = {
     "pair": "Left and right belong together.",
     "self": "A curve across the plane.",
     "plane": "A curve in the centre plane.",
 }
-"""What a curve was taken for."""
+"""What a curve was read as."""
 
-APART: Final = "X takes them for something else; rub out the one that is wrong."
-OR_MIRROR: Final = "If it is only one side, draw its mirror image; X takes it for something else."
-OTHERWISE: Final = "X takes it for something else. Draw over it to correct it, or the next curve."
-UNDECIDED: Final = "Another curve, faint when the view is turned, fits nearly as well: C takes it."
-"""Where it was drawn, the ghost lies under the curve itself."""
+APART: Final = "Press X to read them in another way, or rub out the wrong one."
+OR_MIRROR: Final = (
+    "If it is only one side, draw its mirror image. Press X to read it in another way."
+)
+OTHERWISE: Final = (
+    "Draw over it to correct it, or draw the next curve. Press X to read it in another way."
+)
+UNDECIDED: Final = (
+    "Another curve fits nearly as well; it is faint when the view is turned. Press C to take it."
+)
+"""In the view of the ink, the ghost lies under the curve itself."""
 
 
 def next_step(state: SymmetryState) -> str:
-    """One line about the chosen curve: warnings first, then what is expected.
+    """Return one line about the chosen curve: warnings first, then what is expected.
 
     Parameters
     ----------
     state : SymmetryState
+        The curve that is chosen is the one that the line is about.
     """
-    chosen = next((c for c in shown_curves(state) if c.id == state.selected), None)
+    chosen = next((c for c in state.shown_curves if c.id == state.selected), None)
     if chosen is None:
         return FIRST
     try:
-        trace = traced(chosen, state)
+        trace = trace_of(chosen, state)
     except UserError as problem:
         return problem.message
     return " ".join((*trace.warnings, *_expected(chosen, trace)))

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.ink.curves.resample import resample, steps_along
-from bozzetto_symmetry.stereo.correspondence import ASTRAY, share_astray
+from bozzetto_symmetry.stereo.correspondence import ASTRAY, Heights
 from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row
-from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
+from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-__all__ = ["Growing"]
 
 Array = NDArray[np.float64]
 
@@ -36,8 +34,8 @@ MOST_AT_ONCE: Final = 400
 """Places taken between two samples: a jump of the pen across a large sheet is not worth more."""
 
 
-class Growing:
-    """Remembers the first side and how the second one has been matched so far.
+class GrowingCurve:
+    """The first side of a pair, and how the second one has been matched to it so far.
 
     Every new place of the second side adds a row to a table of sums, and only the last
     partners are looked up again, so a pen event costs the same however long the stroke is.
@@ -45,6 +43,7 @@ class Growing:
     Parameters
     ----------
     stereo : Stereo
+        The camera of the view and its mirror image.
     near : (n, 2) array_like
         The first side, px.
     """
@@ -52,22 +51,23 @@ class Growing:
     def __init__(self, stereo: Stereo, near: ArrayLike) -> None:
         self._stereo = stereo
         known = Signal.of(stereo, resample(near, count=SAMPLES))
+        # The sense in which the second side is drawn is not known: both are followed.
         self._senses = (known, known.turned())
         self._slopes = tuple(np.gradient(signal.angles) for signal in self._senses)
         self._step = max(known.step, 1.0)
         self._price = UNEVEN * spread(known)
-        self._sense: int
         self._places: Array
-        self._found: list[Array]
+        self._revised: list[Array]
+        self._sense: int
         self._forget()
 
     def points(self, pixels: ArrayLike) -> Array:
-        """Where the second side, as drawn so far, meets the first.
+        """Return where the second side, as drawn so far, meets the first.
 
         Parameters
         ----------
         pixels : (n, 2) array_like
-            All of the second side so far, px. What is found depends on it alone; where it goes
+            All of the second side so far, px. The answer depends on it alone; where it goes
             on from the ink of the call before, only what is new is matched.
 
         Returns
@@ -82,85 +82,76 @@ class Growing:
         if known > len(places) or not np.array_equal(self._places, places[:known]):
             self._forget()
             known = 0
-        for number in range(known, len(places)):  # one by one: however often one asks
-            self._take(places[number : number + 1])
+        if known < len(places):
+            self._take(places[known:])
         self._places = places
-        found = self._found[self._sense]
-        return np.array(found[np.isfinite(found).all(axis=1)])
+        for settled in self._settled:
+            settled[:] = [np.vstack((np.zeros((0, 3)), *settled))]
+        found = np.vstack((*self._settled[self._sense], self._revised[self._sense]))
+        return np.asarray(found[np.isfinite(found).all(axis=1)])
 
     def _forget(self) -> None:
         self._places = np.zeros((0, 2))
         self._tail = Signal(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
         self._sums = np.zeros((2, SAMPLES))
         self._sources: list[NDArray[np.intp]] = []
-        self._found = [np.zeros((0, 3)), np.zeros((0, 3))]
+        self._settled: tuple[list[Array], list[Array]] = ([], [])
+        self._heights = [Heights(), Heights()]
+        self._revised = [np.zeros((0, 3)), np.zeros((0, 3))]
         self._sense = 0
 
     def _take(self, places: Array) -> None:
-        signal = self._signal(places)
-        # The sense in which the second side is drawn is not known: both are followed.
+        """Match new places one by one: the answer must not depend on how often one asks."""
+        before = self._tail.pixels[-1:]
+        signal = Signal.of(self._stereo, np.vstack([before, places]))
+        if len(before):
+            signal = signal.rotated(float(self._tail.angles[-1] - signal.angles[0]))
+        else:
+            signal = signal.shifted(self._stereo, self._senses[0])
+        signal = signal.part(slice(len(before), None))
         tables = np.stack([differences(signal, known) for known in self._senses], axis=1)
-        for costs in tables:
+        for number, costs in enumerate(tables):
             if self._sources:
                 self._sums, sources = next_row(self._sums, costs, self._price)
             else:
                 self._sums = first_row(costs, 0.0)
                 sources = np.zeros(costs.shape, np.intp)
             self._sources.append(sources)
-        frozen = len(self._found[0]) - len(self._tail.angles)
-        self._tail = _joined(self._tail, signal)
-        self._found = [
-            np.vstack([self._found[sense][:frozen], self._met(sense)]) for sense in (0, 1)
-        ]
-        self._tail = _ending(self._tail, REVISED)
+            self._tail = self._tail.followed_by(signal.part(slice(number, number + 1)))
+            self._revise()
+
+    def _revise(self) -> None:
+        """Look the last partners up again, and follow the sense that fits better."""
+        prices = []
+        self._revised = self._met()
+        for sense, found in enumerate(self._revised):
+            if len(found) > REVISED:
+                self._settled[sense].append(found[:1])
+                self._heights[sense] = self._heights[sense].with_more(found[:1, 1])
+                self._revised[sense] = found[1:]
+            astray = self._heights[sense].with_more(self._revised[sense][:, 1]).share_astray
+            prices.append(float(self._sums[sense].min()) * (1.0 + ASTRAY * astray))
+        self._tail = self._tail.part(slice(-REVISED, None))
         self._sources = self._sources[-REVISED:]
-        prices = [
-            float(sums.min()) * (1.0 + ASTRAY * share_astray(found[:, 1]))
-            for sums, found in zip(self._sums, self._found, strict=True)
-        ]
         if prices[1 - self._sense] < LEAD * prices[self._sense]:
             self._sense = 1 - self._sense
 
-    def _signal(self, places: Array) -> Signal:
-        """Of new places, their angles following on those of the places before."""
-        before = self._tail.pixels[-1:]
-        signal = Signal.of(self._stereo, np.vstack([before, places]))
-        if len(before):
-            shift = float(self._tail.angles[-1] - signal.angles[0])
-            return _ending(_turned(signal, shift), len(places))
-        return signal.shifted(self._stereo, self._senses[0])
-
-    def _met(self, sense: int) -> Array:
-        """Places in space for the last part of the second side, the first side in one sense."""
-        column = int(self._sums[sense].argmin())
-        columns = [column]
-        for sources in self._sources[:0:-1]:
-            column = int(sources[sense, column])
-            columns.append(column)
-        partners = np.array(columns[::-1], np.intp)
-        known = self._senses[sense]
-        slope = self._slopes[sense][partners]
-        rest = self._tail.angles - known.angles[partners]
-        share = np.divide(rest, slope, out=np.zeros_like(rest), where=slope != 0)
-        at = partners + np.clip(share, -FURTHEST, FURTHEST)
-        near = np.column_stack([np.interp(at, np.arange(SAMPLES), c) for c in known.pixels.T])
+    def _met(self) -> list[Array]:
+        """Return places in space of the last part of the second side, for both senses."""
+        nears = []
+        for sense, known in enumerate(self._senses):
+            column = int(self._sums[sense].argmin())
+            columns = [column]
+            for sources in self._sources[:0:-1]:
+                column = int(sources[sense, column])
+                columns.append(column)
+            partners = np.array(columns[::-1], np.intp)
+            slope = self._slopes[sense][partners]
+            rest = self._tail.angles - known.angles[partners]
+            share = np.divide(rest, slope, out=np.zeros_like(rest), where=slope != 0)
+            at = partners + np.clip(share, -FURTHEST, FURTHEST)
+            nears.append(at_stations(known.pixels, at))
+        near, drawn = np.vstack(nears), np.vstack((self._tail.pixels, self._tail.pixels))
         way = self._stereo.toward_vanishing(near)
-        far = near + ((self._tail.pixels - near) * way).sum(axis=1, keepdims=True) * way
-        return self._stereo.intersected(near, far)
-
-
-def _joined(one: Signal, other: Signal) -> Signal:
-    return Signal(
-        np.vstack([one.pixels, other.pixels]),
-        np.concatenate([one.angles, other.angles]),
-        np.concatenate([one.scales, other.scales]),
-    )
-
-
-def _ending(signal: Signal, count: int) -> Signal:
-    """The last samples of a signal."""
-    return Signal(signal.pixels[-count:], signal.angles[-count:], signal.scales[-count:])
-
-
-def _turned(signal: Signal, angle: float) -> Signal:
-    return Signal(signal.pixels, signal.angles + angle, signal.scales)
+        far = near + ((drawn - near) * way).sum(axis=1, keepdims=True) * way
+        return np.split(self._stereo.intersected(near, far), 2)

@@ -1,4 +1,4 @@
-"""What is shown of a symmetry model: the box, the curves, how sure they are, what waits."""
+"""The scene of a symmetry model: the box, the curves, their uncertainty, what waits."""
 
 from __future__ import annotations
 
@@ -9,53 +9,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry.curve_flattening import FLATNESS, flattened
-from bozzetto.geometry.spline import Spline
 from bozzetto.ink.curves.resample import resample
+from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.model.visibility import shown_curves, shown_lines
 from bozzetto_symmetry.operations.construction_lines import line_layer
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.view.box import box_layers
 from bozzetto_symmetry.view.uncertainty_bands import heat_bands
-from bozzetto_symmetry.view.unmatched_ink import loose_ends
-
-__all__ = ["curve_lines", "joined", "scene_of"]
+from bozzetto_symmetry.view.unmatched_ink import unmatched_ink
 
 Array = NDArray[np.float64]
 
 WIDTH: Final = 2.0
-"""Of a curve, px."""
+"""Width of a curve, px."""
 
 CHOSEN_WIDTH: Final = 3.0
-"""Of the chosen one."""
+"""Width of the chosen curve, px."""
 
 FINER: Final = 0.2
-"""Share of the flatness that nobody sees where a curve was drawn: one comes nearer, too."""
+"""Share of the flatness that is invisible in the view of the ink: one looks from nearer, too."""
 
 LOOSE_WIDTH: Final = 1.2
-"""Of ink that found no partner: thin, it is no curve."""
+"""Width of ink without a partner, px: thin, for it is no curve."""
+
+_lines: Memory[tuple[Lines, ...]] = Memory(limit=512)
 
 FAN: Final = 24
 """Rays that are shown of a side that waits for the other."""
 
 
 def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
-    """Box, curves, the chosen one's uncertainty and loose ends, and rays of sides that wait."""
+    """Return the box, the curves, the chosen one's uncertainty, and what waits."""
     layers = [*box_layers(state)]
-    shown = [(curve, traces[curve.id]) for curve in shown_curves(state) if curve.id in traces]
+    shown = [(curve, traces[curve.id]) for curve in state.shown_curves if curve.id in traces]
     layers.append(Layer("curves", tuple(_items(state, shown))))
-    layers.append(line_layer(state, shown_lines(state)))
+    layers.append(line_layer(state, state.shown_lines))
     for curve, trace in shown:
         if curve.id == state.selected and trace.curve is not None:
             layers.append(Layer("heat", tuple(_heat(state, trace))))
             if trace.ghost is not None:
                 items = curve_lines(trace.ghost, state, camera_of(trace), "ghost", 1.0, 0.7)
                 layers.append(Layer("ghost", items))
-            if not curve.edits and (loose := loose_ends(trace)):
+            if not curve.edits and (loose := unmatched_ink(trace)):
                 pieces = [state.plane.placement.points(end) for end in loose]
                 layers.append(Layer("loose ends", (joined(pieces, "warning", LOOSE_WIDTH),)))
     waiting = [(c, t) for c, t in shown if t.reading == "half"]
@@ -80,7 +79,7 @@ def _items(state: SymmetryState, shown: Sequence[tuple[Curve, Trace]]) -> Iterab
 
 
 def camera_of(trace: Trace) -> Camera:
-    """The camera of the plane's frame through which a curve was drawn first."""
+    """Return the camera, in the plane's frame, through which a curve was drawn first."""
     return trace.views[0].stereo.camera
 
 
@@ -92,29 +91,37 @@ def curve_lines(
     width: float,
     opacity: float = 1.0,
 ) -> tuple[Lines, ...]:
-    """A curve as lines in the frame of the model; the mirror image in the second colour.
+    """Return a curve as lines in the frame of the model; the mirror image in the second colour.
 
     Parameters
     ----------
     curve : SpaceCurve
+        The curve, in the frame of the plane.
     state : SymmetryState
+        Its plane says where the curve is in the model.
     camera : Camera
-        Of the plane's frame; from how near one looks.
+        In the frame of the plane; it says how finely the curve is flattened.
     color : str or (r, g, b)
+        Colour of the curve itself.
     width : float
         px.
     opacity : float
+        Share of the light that the lines take, 0 … 1.
     """
-    made = []
-    for number, spline in enumerate(curve.curves()):
-        points = state.plane.placement.points(_flat(spline, camera))
-        paint = "second" if number else color
-        made.append(Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity))
-    return tuple(made)
+    tolerance = FINER * FLATNESS / camera.pixels_per_mm
+    question = (curve, state.plane, tolerance, color, width, opacity)
 
+    def made() -> tuple[Lines, ...]:
+        lines = []
+        for number, spline in enumerate(curve.curves()):
+            points = state.plane.placement.points(flattened(spline.beziers(), tolerance)[0])
+            paint = "second" if number else color
+            lines.append(
+                Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity)
+            )
+        return tuple(lines)
 
-def _flat(spline: Spline, camera: Camera) -> Array:
-    return flattened(spline.beziers(), FINER * FLATNESS / camera.pixels_per_mm)[0]
+    return _lines.recall(question, made)
 
 
 def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
@@ -124,7 +131,7 @@ def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
 
 
 def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
-    """A side that waits: the rays on which its curve must lie, and its ink amid the box."""
+    """Yield a side that waits: the rays on which its curve must lie, and its ink inside the box."""
     for side in view.sides:
         begin, end = _in_box(view.stereo, side.pixels, state.bounds)
         if len(begin) < 2:
@@ -139,7 +146,7 @@ def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
 
 
 def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:
-    """Ink on the sheet through the middle of the box, where that cuts its rays."""
+    """Return ink where its rays cut the sheet through the middle of the box."""
     forward = stereo.camera.axes[2]
     whole = (end - begin) @ forward
     way = (bounds.mean(axis=0) - begin) @ forward
@@ -150,14 +157,14 @@ def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:
 def joined(
     pieces: Sequence[Array] | Array, color: Paint, width: float, opacity: float = 1.0
 ) -> Lines:
-    """Polylines as one item, seen through everything."""
+    """Return polylines as one item, seen through everything."""
     starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
     points = np.concatenate(list(pieces)).astype(np.float32)
     return Lines(points, starts, color=color, width=width, opacity=opacity, hidden="show")
 
 
 def _in_box(stereo: Stereo, pixels: Array, bounds: Array) -> tuple[Array, Array]:
-    """Where the rays of ink enter and leave the box, a fifth larger; at least through its depth.
+    """Return where the rays of ink enter and leave the box, a fifth larger.
 
     A ray that misses the box keeps the depths of those that do not.
     """

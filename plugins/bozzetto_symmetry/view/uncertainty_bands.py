@@ -9,29 +9,29 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.ink.curves.resample import arc_length
 from bozzetto.scene import Lines, Paint
+from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.uncertainty import heat
-
-__all__ = ["COLORS", "heat_bands"]
 
 Array = NDArray[np.float64]
 
 COLORS: Final[tuple[Paint, Paint, Paint]] = ((0, 140, 130), "warning", (200, 52, 60))
-"""Well known, wants a look, next to unknown. The green is bluish, so that people
-who do not tell red from green tell these; all three stand out from either paper."""
+"""Well known, doubtful, nearly unknown. The green is bluish, so that people who confuse red and
+green can separate these; all three stand out on the paper of both themes."""
 
 WIDTHS: Final = (2.5, 3.0, 3.5)
 """Pixels: what is less known is wider, whatever its colour."""
 
 WORST: Final = 2
-"""The heat that is drawn in dashes: a line that nobody should take for a line."""
+"""The heat that is drawn in dashes: nobody should trust such a line."""
 
 DASHES: Final = 40
 """Dashes that a whole curve would have, with gaps as long between them."""
 
 
 def heat_bands(curves: Sequence[tuple[Array, Array]], diagonal: float) -> tuple[Lines, ...]:
-    """Bands over curves, green, yellow, and red in dashes.
+    """Return bands over curves: green, yellow, and red in dashes.
 
     A piece between two samples is as hot as the hotter of them. Stretches of different heat
     share the point where they meet.
@@ -68,7 +68,7 @@ def heat_bands(curves: Sequence[tuple[Array, Array]], diagonal: float) -> tuple[
 
 
 def _runs(points: Array, level: NDArray[np.int8]) -> Iterator[tuple[int, Array]]:
-    """Stretches of equal heat, each from the point where the one before it ends."""
+    """Yield stretches of equal heat, each from the point where the one before it ends."""
     known = np.asarray(np.isfinite(points).all(axis=1))
     hotter = np.where(known[1:] & known[:-1], np.maximum(level[1:], level[:-1]), -1)
     edges = np.concatenate(([0], np.flatnonzero(np.diff(hotter)) + 1, [len(hotter)]))
@@ -78,13 +78,13 @@ def _runs(points: Array, level: NDArray[np.int8]) -> Iterator[tuple[int, Array]]
 
 
 def _dashes(run: Array, dash: float) -> list[Array]:
-    """A polyline in dashes about so long, mm, one at either end."""
-    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(run, axis=0), axis=1))))
+    """Return a polyline in dashes of about one length, mm, one at either end."""
+    along = arc_length(run)
     if along[-1] <= 0.0:
         return [run]
     count = max(1, round(0.5 * (along[-1] / dash + 1.0)))
     cuts = np.linspace(0.0, along[-1], 2 * count)
-    corners = np.column_stack([np.interp(cuts, along, axis) for axis in run.T])
+    corners = interpolate(cuts, along, run)
     return [
         np.vstack((corners[k], run[(along > cuts[k]) & (along < cuts[k + 1])], corners[k + 1]))
         for k in range(0, 2 * count, 2)

@@ -1,4 +1,4 @@
-"""Ink that found no partner: it is no part of the curve, and must not vanish unsaid."""
+"""Ink without a partner: it is no part of the curve, and must not vanish silently."""
 
 from __future__ import annotations
 
@@ -9,28 +9,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.plugin import Memory
+from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-__all__ = ["loose_ends"]
 
 Array = NDArray[np.float64]
 
 LOOSE: Final = 8.0
-"""Distance, px, from the pictures of a curve beyond which ink is none of it: several times
-what a hand errs."""
+"""Distance, px, from the pictures of a curve beyond which ink is not part of it: several times
+the error of a hand."""
 
 SHORTEST: Final = 12.0
 """Length, px, from which such ink is shown."""
 
 
-def loose_ends(trace: Trace) -> list[Array]:
-    """Stretches of ink that lie on neither picture of the curve.
+_known: Memory[list[Array]] = Memory(limit=64)
+
+
+def unmatched_ink(trace: Trace) -> list[Array]:
+    """Return the stretches of ink that lie on neither picture of the curve.
 
     Parameters
     ----------
     trace : Trace
-        As the ink alone makes it: what was cut off is not loose.
+        A curve without edits: ink of what was cut off does not count as unmatched.
 
     Returns
     -------
@@ -40,7 +43,10 @@ def loose_ends(trace: Trace) -> list[Array]:
     """
     if trace.curve is None:
         return []
-    return [end for view in trace.views for end in _in_view(view, trace.points)]
+    return _known.recall(
+        (trace.curve, trace.views),
+        lambda: [end for view in trace.views for end in _in_view(view, trace.points)],
+    )
 
 
 def _in_view(view: View, points: Array) -> Iterator[Array]:
@@ -52,7 +58,7 @@ def _in_view(view: View, points: Array) -> Iterator[Array]:
         away = np.min([distances_to_polyline(side.pixels, line) for line in seen], axis=0)
         for run in _runs(away > LOOSE):
             ink = side.pixels[run]
-            if np.linalg.norm(np.diff(ink, axis=0), axis=1).sum() < SHORTEST:
+            if length_of(ink) < SHORTEST:
                 continue
             gaps = np.vstack([np.linalg.norm(line - ink[0], axis=1) for line in seen])
             image, place = np.unravel_index(int(gaps.argmin()), gaps.shape)
@@ -61,7 +67,6 @@ def _in_view(view: View, points: Array) -> Iterator[Array]:
 
 
 def _runs(loose: NDArray[np.bool_]) -> Iterator[slice]:
-    """Stretches of places that are loose, a place longer at either side."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], loose.astype(np.int8), [0]))))
-    for begin, end in edges.reshape(-1, 2):
+    """Yield the stretches of places that are unmatched, a place longer at either side."""
+    for begin, end in runs(loose):
         yield slice(max(0, begin - 1), end + 1)

@@ -1,4 +1,4 @@
-"""What depends on where one looks from: the back walls' grids, and where the edges vanish."""
+"""What depends on the view: grids of the back walls, and lines to the vanishing points."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS, receding
 from bozzetto_symmetry.model.box_geometry import box_edges
 from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
+from bozzetto_symmetry.model.perspective import vanishing_point
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.view.box import (
     EDGE_WIDTH,
@@ -23,19 +24,17 @@ from bozzetto_symmetry.view.box import (
     segments,
 )
 
-__all__ = ["back_faces", "hanging_on_view", "seen_from", "vanishing_marks", "vanishing_point"]
-
 Array = NDArray[np.float64]
 
 NEAR_CANVAS: Final = 3.0
-"""Distance from the middle of the canvas, in widths of it, beyond which nobody looks for a
-vanishing point."""
+"""Distance from the middle of the canvas, in its widths, beyond which a vanishing point is not
+shown."""
 
 ARM: Final = 7.0
 """Length of the arms of a mark, px."""
 
 MARK_WIDTH: Final = 1.6
-"""px."""
+"""Width of the lines of a mark, px."""
 
 CONVERGED: Final = 0.97
 """Share of the way to the vanishing point that lengthened edges go, on the sheet."""
@@ -44,19 +43,20 @@ PIECES: Final = 16
 """Pieces of a lengthened edge, over which it fades."""
 
 LINE_WIDTH, LINE_END_WIDTH = 1.0, 0.25
-"""Of lengthened edges where they leave the box and at their ends, px."""
+"""Widths of lengthened edges where they leave the box and at their ends, px."""
 
 LINE_OPACITY: Final = 0.6
+"""Opacity of lengthened edges."""
 
 GRID_OPACITY: Final = 0.24
-"""Of grids: as faint on the sheet as the colour of grids, and curves under them stay whole."""
+"""Opacity of grids: as faint on the sheet as the colour of grids; curves under them stay clear."""
 
 WIDER: Final = 2.5
 """How much longer than the box's own grids those are that show the perspective."""
 
 
 def seen_from(state: SymmetryState, camera: Camera) -> Scene:
-    """All that is shown of the box beside the model's own scene while one looks at it.
+    """Return all that is shown of the box in one view beside the model's own scene.
 
     A model that holds nothing yet is not in any document: there the box itself is part of
     it, so that it is there before the first stroke.
@@ -64,17 +64,18 @@ def seen_from(state: SymmetryState, camera: Camera) -> Scene:
     Parameters
     ----------
     state : SymmetryState
+        The box, and whether anything is drawn in it.
     camera : Camera
         In the model's frame.
     """
-    hanging = hanging_on_view(state, camera)
+    hanging = view_dependent_scene(state, camera)
     if state.nodes:
         return hanging
     return Scene(tuple(layer for layer in box_layers(state) if not layer.tool)) + hanging
 
 
-def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
-    """What belongs to the box in one view; shown over the box itself.
+def view_dependent_scene(state: SymmetryState, camera: Camera) -> Scene:
+    """Return what belongs to the box in one view; it is shown over the box itself.
 
     The edges in front are firmer, the walls behind bear grids, and where vanishing lines are
     asked for, these grids go on as a room, and the edges to the points at which they meet.
@@ -90,7 +91,7 @@ def hanging_on_view(state: SymmetryState, camera: Camera) -> Scene:
 
 
 def back_faces(state: SymmetryState, camera: Camera) -> list[tuple[int, int]]:
-    """Axis and sense (1, -1) of the faces that one looks at from inside the box."""
+    """Return axis and sense (1, -1) of the faces that one looks at from inside the box."""
     centre, half = np.asarray(state.centre), 0.5 * np.asarray(state.size)
     found = []
     for axis in range(3):
@@ -106,7 +107,7 @@ def back_faces(state: SymmetryState, camera: Camera) -> list[tuple[int, int]]:
 
 
 def front_edges(state: SymmetryState, camera: Camera) -> Array:
-    """The edges of the box that no face of it covers, (n, 2, 3) mm."""
+    """Return the edges of the box that no face of it covers, (n, 2, 3) mm."""
     back = set(back_faces(state, camera))
     edges = box_edges(state)
     aside = np.sign(edges.mean(axis=1) - state.centre).astype(int)
@@ -135,23 +136,21 @@ FLOOR: Final = (2, -1)
 # -- where edges vanish ------------------------------------------------------------------------
 
 
-def vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
-    """Where lines of a direction meet on the sheet, (2,) px; None where they do not.
+def seen_vanishing_point(camera: Camera, direction: ArrayLike) -> Array | None:
+    """Return where lines of a direction meet near the canvas, (2,) px, or None.
 
     A point further away than `NEAR_CANVAS` counts as none.
     """
-    way = receding(camera, direction)
-    if way is None:
+    if receding(camera, direction) is None:
         return None
-    focal = 0.5 * camera.viewport[1] / np.tan(np.radians(camera.fov_y) / 2.0)
-    right, up, forward = camera.axes @ way
-    offset = focal / forward * np.array([right, -up])
-    near = float(np.linalg.norm(offset)) <= NEAR_CANVAS * camera.viewport[0]
-    return np.asarray(0.5 * np.asarray(camera.viewport) + offset) if near else None
+    x, y, w = vanishing_point(camera, direction)
+    place = np.array([x, y]) / w
+    away = float(np.linalg.norm(place - 0.5 * np.asarray(camera.viewport)))
+    return place if away <= NEAR_CANVAS * camera.viewport[0] else None
 
 
 def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
-    """Crosses where the axes of the box vanish, with their letters.
+    """Return crosses where the axes of the box vanish, with their letters.
 
     So does the normal of a centre plane that is not the box's own: mirrored places lie on
     lines towards it. A vanishing point is nowhere in space: each cross stands on its line of
@@ -160,6 +159,7 @@ def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
     Parameters
     ----------
     state : SymmetryState
+        The box and its centre plane.
     camera : Camera
         In the model's frame.
     """
@@ -168,7 +168,7 @@ def vanishing_marks(state: SymmetryState, camera: Camera) -> Scene:
         marked.append((np.asarray(state.plane.normal), "ink", "left and right"))
     items: list[Item] = []
     for way, paint, text in marked:
-        place = vanishing_point(camera, way)
+        place = seen_vanishing_point(camera, way)
         if place is not None:
             items += _cross(camera, place, paint, text)
     return Scene((Layer("vanishing points", tuple(items)),)) if items else Scene()
@@ -191,7 +191,7 @@ def _cross(camera: Camera, place: Array, paint: Paint, text: str) -> tuple[Item,
 
 
 def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
-    """The edges carried on to where they meet."""
+    """Yield the edges extended to where they meet."""
     edges = box_edges(state).reshape(3, 4, 2, 3)
     share = np.linspace(0.0, 1.0, PIECES + 1)
     widths = (LINE_WIDTH + (LINE_END_WIDTH - LINE_WIDTH) * share).astype(np.float32)
@@ -217,7 +217,7 @@ def _lengthened(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
 
 
 def _room(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
-    """The grids of the faces behind, carried on towards the eye as floor and walls of a room."""
+    """Yield the grids of the faces behind, extended towards the eye as a room."""
     back, step = back_faces(state, camera), grid_step(max(state.size))
     half = 0.5 * np.asarray(state.size)
     low, high = state.centre - half, state.centre + half
@@ -236,7 +236,7 @@ def _room(state: SymmetryState, camera: Camera) -> Iterator[Lines]:
 
 
 def _fading(grid: Grid, state: SymmetryState) -> Lines:
-    """Lines of a grid that grow thinner the farther from the box they run."""
+    """Return lines of a grid that grow thinner the farther from the box they run."""
     share = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
     points = grid.begins[:, None] + share * (grid.ends - grid.begins)[:, None]
     aside = np.abs(points - state.centre) / np.asarray(state.size) - 0.5
@@ -253,7 +253,7 @@ def _fading(grid: Grid, state: SymmetryState) -> Lines:
 
 
 def _to_horizon(depth: float, way: Array, camera: Camera, share: Array) -> Array:
-    """Ways, (n, 1) mm, at equal steps on the sheet from a depth to nearly the horizon."""
+    """Return ways, (n, 1) mm, at equal steps on the sheet from a depth to nearly the horizon."""
     steepness = float(camera.axes[2] @ way)
     seen = CONVERGED * share
     return np.asarray((depth / steepness * seen / (1.0 - seen))[:, None])

@@ -1,4 +1,4 @@
-"""Whether a view serves to draw both sides in, and which way to turn it if not."""
+"""Advice on a view: whether both sides can be drawn in it, and how to turn it if not."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 from bozzetto_symmetry.stereo.degeneracies import CAUSES, REMEDIES, Case, special_case
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes, point_covariances, sigmas
-
-__all__ = ["Advice", "Level", "advice"]
 
 Array = NDArray[np.float64]
 Level = Literal["good", "warn", "refuse"]
@@ -57,7 +55,7 @@ SPREAD: Final = 0.25 / np.sqrt(3.0)
 """Half the edge of the cube in diagonals of the box: its own diagonal is half the box's."""
 
 LEAST: Final = 1.02
-"""Gain from which a view that is not good is turned at all."""
+"""Gain from which a turn is advised for a view that is not good."""
 
 MOST: Final = 12
 """Directions looked at; more of them change a median little."""
@@ -76,7 +74,7 @@ WAYS: Final = {(1, 0): "to the right", (-1, 0): "to the left", (0, 1): "up", (0,
 
 @dataclass(frozen=True)
 class Advice:
-    """What to think of a view.
+    """The judgement of a view.
 
     Parameters
     ----------
@@ -106,11 +104,11 @@ class Turn:
 
     @property
     def words(self) -> str:
-        """How one would say it to somebody."""
+        """The turn as one would say it."""
         return f"Turn {self.degrees:.0f}° {WAYS[self.azimuth, self.elevation]}"
 
     def of(self, camera: Camera) -> Camera:
-        """The camera turned about its target, upright as before."""
+        """Return the camera turned about its target, upright as before."""
         right, up, forward = camera.axes
         table = bool(abs(right[2]) < LEVEL and up[2] > 0.0 and abs(forward[2]) < STEEP)
         way = self.azimuth * self.degrees, self.elevation * self.degrees
@@ -137,6 +135,7 @@ def advice(
     camera : Camera
         In the model's frame, like all that follows.
     plane : CentrePlane
+        The plane of symmetry.
     centre : (x, y, z)
         Of the box, mm.
     diagonal : float
@@ -167,26 +166,26 @@ def advice(
 
 
 def _judged(stereo: Stereo, uncertainty: float) -> tuple[Level, str, str]:
-    """How good a view is, why, and what to do if no other is found near by."""
+    """Return how good a view is, why, and what to do if no other is found near by."""
     middle = np.multiply(stereo.camera.viewport, 0.5)[None]
     case = Case(int(special_case(stereo, middle, middle)[0]))
     if case == Case.EYE_ON_PLANE or (stereo.parallel and case == Case.BOTH_ALONG_NORMAL):
         return "refuse", CAUSES[case], REMEDIES[case]
     slant = float(np.degrees(stereo.slant))
     if slant < REFUSED:
-        return "refuse", "Looks along the centre plane.", "Turn the box by about 15°."
+        return "refuse", "This view shows next to no depth.", "Turn it by about 15°."
     if slant < WARNED:
-        return "warn", "Looks nearly along the centre plane.", "Turn the box a little."
+        return "warn", "This view shows little depth.", "Turn it a little."
     spread = uncertainty * stereo.camera.pixels_per_mm
     if spread > 1.0 / np.sin(np.radians(WARNED)):
         if slant > 90.0 - WARNED:
-            return "warn", "Left and right nearly coincide.", "Turn the box."
-        return "warn", "Lines run towards their mirror images.", "Turn the box."
-    return "good", f"Good: 1 px is {_length(uncertainty)} in space.", ""
+            return "warn", "Left and right nearly coincide.", "Turn the view."
+        return "warn", "Lines run towards their mirror images.", "Turn the view."
+    return "good", f"Good: a slip of 1 px moves a curve by {_length(uncertainty)}.", ""
 
 
 def _best_turn(camera: Camera, uncertainty: Callable[[Camera], float]) -> tuple[Turn, float]:
-    """The smallest turn that does nearly as well as any, and the uncertainty there."""
+    """Return the smallest turn that does nearly as well as any, and the uncertainty there."""
     strides = np.arange(STRIDE, FARTHEST + 0.5, STRIDE)
     turns = [Turn(*way, float(step)) for step in strides for way in WAYS]
     spreads = [uncertainty(each.of(camera)) for each in turns]
@@ -203,7 +202,7 @@ def _best_turn(camera: Camera, uncertainty: Callable[[Camera], float]) -> tuple[
 
 
 def _predicted(stereo: Stereo, points: Array, lines: Array) -> float:
-    """Median uncertainty of points on lines of all directions, mm for 1 px; plane's frame."""
+    """Return the median uncertainty of points on some lines, mm for 1 px; in the plane's frame."""
     slopes = image_slopes(stereo, points * MIRROR)
     tangents = np.einsum("pij,lj->pli", slopes, lines * MIRROR).reshape(-1, 2)
     length = np.linalg.norm(tangents, axis=1, keepdims=True)
@@ -213,7 +212,7 @@ def _predicted(stereo: Stereo, points: Array, lines: Array) -> float:
 
 
 def _places(centre: Array, target: Array, diagonal: float, visible: float) -> Array:
-    """Around the place of the box that the view is about, no farther apart than what is seen."""
+    """Return places around what the view is about, no farther apart than what is seen."""
     way = target - centre
     length = float(np.linalg.norm(way))
     near = centre + way * min(1.0, 0.5 * diagonal / length if length > 0.0 else 1.0)
@@ -221,7 +220,7 @@ def _places(centre: Array, target: Array, diagonal: float, visible: float) -> Ar
 
 
 def _lines(directions: ArrayLike | None, plane: CentrePlane) -> Array:
-    """Unit directions in the plane's frame, a dozen at most."""
+    """Return unit directions in the plane's frame, a dozen at most."""
     if directions is None:
         return USUAL
     ways = np.reshape(np.asarray(directions, float), (-1, 3))

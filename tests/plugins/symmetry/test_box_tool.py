@@ -145,7 +145,7 @@ def test_what_cannot_be_seen_from_here_is_said_so() -> None:
     path = Stroke([600.0, 640.0], [450.0, 450.0], edge_on)
     with pytest.raises(UserError, match="edge-on"):
         TOOL.apply(side, Drag("centre", path), Context())
-    with pytest.raises(UserError, match="none of the box"):
+    with pytest.raises(UserError, match="does not belong to the box"):
         TOOL.apply(STATE, Drag("move:n1", path), Context())
 
 

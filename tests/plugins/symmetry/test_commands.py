@@ -12,7 +12,7 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import scenes as s
 
@@ -34,7 +34,7 @@ def model(*curves: np.ndarray) -> SymmetryState:
 
 
 def reading(state: SymmetryState) -> str:
-    return traced(state.curves[0], state).reading
+    return trace_of(state.curves[0], state).reading
 
 
 def test_every_command_has_words_and_no_key_twice() -> None:
@@ -90,12 +90,12 @@ def test_switching_does_not_touch_the_ink_nor_other_curves() -> None:
 
 def test_the_other_matching_is_another_curve_and_goes_back() -> None:
     state = model(s.ACROSS["hood U"])
-    if traced(state.curves[0], state).choices < 2:
+    if trace_of(state.curves[0], state).choices < 2:
         pytest.skip("this ink allows one curve only")
     other = run("other-matching", state)
     assert other.curves[0].other
     assert reading(other) != "half"
-    first, second = (traced(st.curves[0], st).points for st in (state, other))
+    first, second = (trace_of(st.curves[0], st).points for st in (state, other))
     assert s.distances(second, first).max() > 1.0
     assert run("other-matching", other) == state
 

@@ -15,10 +15,10 @@ from bozzetto_symmetry.model.state import Curve, Line, Modification, Snap, Symme
 from bozzetto_symmetry.operations.curve_ends import ends_of, with_joint, with_nearest_joined
 from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
 from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
-from bozzetto_symmetry.solve.curve_solver import solved
+from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import seen_curves, solved_curves, target_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-from bozzetto_symmetry.tools.erase import erased
+from bozzetto_symmetry.tools.erase import erase
 from bozzetto_symmetry.tools.join import JoinCurves
 from bozzetto_symmetry.tools.modify import Modify
 from bozzetto_symmetry.tools.split import Split
@@ -54,7 +54,7 @@ def drawing() -> SymmetryState:
 
 
 def curve_of(state, curve_id):
-    return solved(next(node for node in state.curves if node.id == curve_id), state)
+    return solve_curve(next(node for node in state.curves if node.id == curve_id), state)
 
 
 def image(state, curve_id, begin=0.0, end=1.0, *, view=VIEW, mirrored=False, count=200):
@@ -127,7 +127,7 @@ def test_a_stroke_across_cuts_what_it_crosses():
     place = image(state, "rail", 0.4, 0.4, count=1)[0]
     made = Split().apply(state, ink(place + np.array([[0, -9], [0, 9]])), CONTEXT)
     assert [node.name for node in made.nodes] == ["rail", "rail b", "bumper"]
-    lengths = [solved(node, made).spline.length for node in made.curves[:2]]
+    lengths = [solve_curve(node, made).spline.length for node in made.curves[:2]]
     assert sum(lengths) == pytest.approx(curve_of(state, "rail").spline.length, rel=1e-9)
     end = image(made, "rail", 1.0, 1.0, count=1)[0]
     assert np.linalg.norm(end - place) < 2.0
@@ -138,7 +138,7 @@ def test_a_touch_on_either_half_leaves_the_middle_and_a_pair(share):
     state = drawing()
     place = image(state, "bumper", share, share, count=1)[0]
     made = Split().apply(state, Tap(*place, VIEW), CONTEXT)
-    readings = [solved(node, made).reading for node in made.curves]
+    readings = [solve_curve(node, made).reading for node in made.curves]
     assert readings == ["pair", "self", "pair"]
     dot = place + np.array([[-0.5, -0.5], [0.5, 0.5]])
     by_ink = Split().apply(state, ink(dot), CONTEXT)
@@ -230,7 +230,9 @@ def test_ends_are_led_on_where_they_fall_short_and_cut_where_they_pass(second, k
     for node in made.curves:
         assert [type(edit) for edit in node.edits] == kinds
     assert gap(made) < 1e-9
-    before, after = (sum(solved(node, s).spline.length for node in s.curves) for s in (state, made))
+    before, after = (
+        sum(solve_curve(node, s).spline.length for node in s.curves) for s in (state, made)
+    )
     assert after == pytest.approx(before, abs=8.0)
     with pytest.raises(UserError, match="No ends nearly meet"):
         with_ends_met(made, CONTEXT)
@@ -298,15 +300,15 @@ def test_a_part_that_is_rubbed_over_is_cut_out(tool):
 
 def test_what_is_mostly_rubbed_over_goes_whole_and_what_is_only_crossed_stays():
     state = drawing()
-    made = erased(state, eraser(image(state, "rail", 0.05, 0.95)))
+    made = erase(state, eraser(image(state, "rail", 0.05, 0.95)))
     assert [node.name for node in made.nodes] == ["bumper"]
-    across = erased(state, eraser(image(state, "bumper", 0.02, 0.98)))
+    across = erase(state, eraser(image(state, "bumper", 0.02, 0.98)))
     assert [node.name for node in across.nodes] == ["rail"]
 
 
 def test_the_middle_of_a_curve_across_the_plane_leaves_a_pair():
     state = drawing()
-    made = erased(state, eraser(image(state, "bumper", 0.4, 0.6)))
+    made = erase(state, eraser(image(state, "bumper", 0.4, 0.6)))
     assert curve_of(made, "bumper").reading == "pair"
 
 
@@ -314,12 +316,12 @@ def test_sides_that_wait_and_construction_lines_go():
     waiting = Curve("w", "w", strokes=Strokes([stroke(drawn(PAIRS["hook"], VIEW))]))
     line = Line("l", "l", begin=(-90.0, 0.0, -45.0), end=(90.0, 0.0, -45.0))
     state = SymmetryState(nodes=(waiting, line))
-    assert [n.id for n in erased(state, eraser(drawn(PAIRS["hook"], VIEW))).nodes] == ["l"]
+    assert [n.id for n in erase(state, eraser(drawn(PAIRS["hook"], VIEW))).nodes] == ["l"]
     ends = VIEW.project([line.begin, line.end])[0]
     path = ends[0] + np.linspace(0, 1, 50)[:, None] * (ends[1] - ends[0])
-    assert [n.id for n in erased(state, eraser(path)).nodes] == ["w"]
+    assert [n.id for n in erase(state, eraser(path)).nodes] == ["w"]
     with pytest.raises(UserError, match="no curve under the eraser"):
-        erased(state, eraser([[3.0, 3.0], [9.0, 9.0]]))
+        erase(state, eraser([[3.0, 3.0], [9.0, 9.0]]))
 
 
 # -- all of them ---------------------------------------------------------------------------------

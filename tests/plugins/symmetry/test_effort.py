@@ -12,8 +12,8 @@ from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink import stroke_grouping as grouping
 from bozzetto_symmetry.ink.sides import MOST_STROKES, sides_of
-from bozzetto_symmetry.ink.stroke_grouping import grouped
-from bozzetto_symmetry.ink.stroke_line import MOST_SAMPLES, drawn_line, thinned
+from bozzetto_symmetry.ink.stroke_grouping import group_strokes
+from bozzetto_symmetry.ink.stroke_line import MOST_SAMPLES, smooth_line, thin_out
 
 CAMERA = Camera().with_viewport(1000.0, 800.0)
 
@@ -39,7 +39,7 @@ def test_strokes_are_compared_once_with_each_other(monkeypatch):
     monkeypatch.setattr(grouping, "_between", lambda *pair: calls.append(1) or between(*pair))
     for count in (10, 20, 40):
         calls.clear()
-        grouped([wave(0.01 * k) for k in range(count)])
+        group_strokes([wave(0.01 * k) for k in range(count)])
         assert len(calls) == count * (count - 1) // 2
 
 
@@ -48,7 +48,7 @@ def test_uniting_groups_gives_what_uniting_them_one_by_one_gave():
     near = [wave(float(shift)) for shift in rng.normal(0.0, 2.0, 9)]
     far = [wave(150.0 + float(shift)) for shift in rng.normal(0.0, 2.0, 8)]
     mixed = [line for pair in zip(near, far, strict=False) for line in pair]
-    assert grouped(mixed) == [list(range(0, 16, 2)), list(range(1, 16, 2))]
+    assert group_strokes(mixed) == [list(range(0, 16, 2)), list(range(1, 16, 2))]
 
 
 def test_too_many_strokes_are_refused_with_what_to_do():
@@ -59,11 +59,11 @@ def test_too_many_strokes_are_refused_with_what_to_do():
 def test_samples_closer_than_a_hand_draws_change_nothing():
     turn = np.linspace(0.0, 2.0 * np.pi, 40_000)
     dense = np.c_[500.0 + 200.0 * np.cos(turn), 400.0 + 150.0 * np.sin(turn)]
-    few = thinned(dense)
+    few = thin_out(dense)
     assert len(few) <= MOST_SAMPLES + 2
     assert np.array_equal(few[[0, -1]], dense[[0, -1]])
     assert {tuple(row) for row in few.tolist()} <= {tuple(row) for row in dense.tolist()}
-    one, other = drawn_line(dense), drawn_line(dense[::4])
+    one, other = smooth_line(dense), smooth_line(dense[::4])
     assert one.closed
     assert other.closed
     assert np.abs(one.pixels - other.pixels).max() < 0.05
@@ -71,9 +71,9 @@ def test_samples_closer_than_a_hand_draws_change_nothing():
 
 def test_a_scribble_of_random_points_grows_no_faster_than_its_crossings():
     rng = np.random.default_rng(1)
-    drawn_line(rng.uniform(100.0, 700.0, (100, 2)))  # imports
+    smooth_line(rng.uniform(100.0, 700.0, (100, 2)))  # imports
     spent = [
-        processor_time(lambda n=n: drawn_line(rng.uniform(100.0, 700.0, (n, 2))))
+        processor_time(lambda n=n: smooth_line(rng.uniform(100.0, 700.0, (n, 2))))
         for n in (400, 800, 1600)
     ]
     # Crossings grow with the square; the slack is for a machine that others use as well.

@@ -72,7 +72,7 @@ def test_advice_on_a_drawing_that_was_just_opened_solves_only_its_newest_curves(
         asked.append(curve.name)
         return Trace("half")
 
-    monkeypatch.setattr(trace, "traced", counted)
+    monkeypatch.setattr(trace, "trace_of", counted)
     assert bench.view_advice(model, drawing.camera) is not None
     assert asked == [curve.name for curve in model.state.curves][-trace.NEWEST :]
 

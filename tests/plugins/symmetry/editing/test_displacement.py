@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_symmetry.editing.displacement import displaced
+from bozzetto_symmetry.editing.displacement import displace
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.edited_curves import ACROSS, LOOP, PAIR, RING
@@ -20,7 +20,7 @@ def bump(at, begin, end, way):
 def test_a_bump_is_followed_and_the_rest_stays(spline):
     at = np.linspace(0.0, 1.0, 401)[:-1]
     way = np.array([1.0, 5.0, -3.0])
-    made = displaced(spline, at, bump(at, 0.3, 0.6, way), np.full(400, 0.5))
+    made = displace(spline, at, bump(at, 0.3, 0.6, way), np.full(400, 0.5))
     fine = np.linspace(0.0, 1.0, 2000)
     change = made.value(fine) - spline.value(fine)
     assert np.abs(change - bump(fine, 0.3, 0.6, way)).max() < 0.3
@@ -33,7 +33,7 @@ def test_a_bump_over_the_seam_is_one_bump():
     at = np.linspace(0.0, 1.0, 401)[:-1]
     way = np.array([0.0, 4.0, 4.0])
     round_ = np.where(at < 0.5, at + 1.0, at)
-    made = displaced(spline, at, bump(round_, 0.85, 1.2, way), np.full(400, 0.5))
+    made = displace(spline, at, bump(round_, 0.85, 1.2, way), np.full(400, 0.5))
     assert made.closed
     for order in (0, 1, 2):
         before, after = made.derivative([-1e-9, 1e-9], order)
@@ -52,7 +52,7 @@ def test_what_moves_on_one_half_moves_on_the_other(curve, side):
     at = halves.middle + side * away
     way = np.array([2.0, 3.0, 4.0])
     shifts = bump(away, 0.3 * halves.span, 0.7 * halves.span, way)
-    made = displaced(spline, at, shifts, np.full(600, 0.5), symmetric=True)
+    made = displace(spline, at, shifts, np.full(600, 0.5), symmetric=True)
     fine = np.linspace(0.0, 0.999 * halves.span, 700)
     wanted = bump(fine, 0.3 * halves.span, 0.7 * halves.span, way)
     for sign in (1, -1):
@@ -65,12 +65,12 @@ def test_what_moves_on_one_half_moves_on_the_other(curve, side):
 def test_nothing_that_moves_less_than_anybody_sees_makes_knots():
     at = np.linspace(0.0, 1.0, 200)
     shifts = bump(at, 0.2, 0.8, np.array([0.1, 0.1, 0.0]))
-    assert displaced(PAIR.spline, at, shifts, np.ones(200)) is PAIR.spline
+    assert displace(PAIR.spline, at, shifts, np.ones(200)) is PAIR.spline
 
 
 def test_knots_are_added_only_where_they_are_needed():
     at = np.linspace(0.0, 1.0, 400)
-    made = displaced(PAIR.spline, at, bump(at, 0.4, 0.5, np.array([0, 9.0, 0])), np.ones(400))
+    made = displace(PAIR.spline, at, bump(at, 0.4, 0.5, np.array([0, 9.0, 0])), np.ones(400))
     fresh = np.setdiff1d(made.knots, PAIR.spline.knots)
     assert len(fresh) < 25
     assert fresh.min() > 0.25

@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_symmetry.editing.oversketch import drawn_over
+from bozzetto_symmetry.editing.oversketch import oversketch
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -51,9 +51,9 @@ def hump(places, height):
 @pytest.mark.parametrize("view", VIEWS)
 def test_a_curve_that_is_retraced_is_the_same_object(name, view):
     curve, stereo = ALL[name], stereo_of(*view)
-    assert drawn_over(curve, stereo, [stroke(seen(curve.spline, stereo), stereo)]) is curve
+    assert oversketch(curve, stereo, [stroke(seen(curve.spline, stereo), stereo)]) is curve
     part = seen(curve.spline, stereo, 0.55, 0.9)[::-1]
-    assert drawn_over(curve, stereo, [stroke(part, stereo)]) is curve
+    assert oversketch(curve, stereo, [stroke(part, stereo)]) is curve
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -61,7 +61,7 @@ def test_a_curve_that_is_retraced_is_the_same_object(name, view):
 def test_the_picture_follows_the_stroke_and_the_rest_stays(name, view):
     curve, stereo = ALL[name], stereo_of(*view, pixels=1400.0)
     goal = hump(seen(curve.spline, stereo, 0.6, 0.85), 14.0)
-    made = drawn_over(curve, stereo, [stroke(goal, stereo)])
+    made = oversketch(curve, stereo, [stroke(goal, stereo)])
     check(made)
     assert made.reading == curve.reading
     path = seen(made.spline, stereo, count=3000)
@@ -81,8 +81,8 @@ def test_drawing_over_the_mirror_image_is_drawing_over_the_curve_mirrored(view):
     stereo = stereo_of(*view)
     image = PAIR.spline.mirrored((0, 1, 0))
     goal = hump(seen(image, stereo, 0.3, 0.6), 12.0)
-    made = drawn_over(PAIR, stereo, [stroke(goal, stereo)], mirrored=True)
-    twin = drawn_over(
+    made = oversketch(PAIR, stereo, [stroke(goal, stereo)], mirrored=True)
+    twin = oversketch(
         SpaceCurve("pair", image), stereo, [stroke(goal, stereo)]
     ).spline.control_points
     np.testing.assert_allclose(made.spline.control_points, twin * MIRROR, atol=1e-9)
@@ -92,7 +92,7 @@ def test_drawing_over_the_mirror_image_is_drawing_over_the_curve_mirrored(view):
 def test_a_curve_across_the_plane_follows_on_either_half(side):
     stereo = stereo_of(60, 30)
     goal = hump(seen(ACROSS.spline, stereo, *side), 12.0)
-    made = drawn_over(ACROSS, stereo, [stroke(goal, stereo)])
+    made = oversketch(ACROSS, stereo, [stroke(goal, stereo)])
     check(made)
     off = distances_to_polyline(goal[20:-20], seen(made.spline, stereo, count=3000))
     assert off.max() < 3.5
@@ -101,7 +101,7 @@ def test_a_curve_across_the_plane_follows_on_either_half(side):
 def test_a_stroke_over_the_crossing_keeps_the_right_angle():
     stereo = stereo_of(5, 60)
     goal = hump(seen(ACROSS.spline, stereo, 0.3, 0.7), 10.0)
-    made = drawn_over(ACROSS, stereo, [stroke(goal, stereo)])
+    made = oversketch(ACROSS, stereo, [stroke(goal, stereo)])
     check(made)
     middle = halves_of(made.spline).middle
     before = stereo.project(ACROSS.spline.value([middle]))[0]
@@ -112,7 +112,7 @@ def test_a_stroke_over_the_crossing_keeps_the_right_angle():
 def test_places_that_move_take_the_shortest_way_in_space():
     stereo = stereo_of(40, 25)
     goal = hump(seen(PAIR.spline, stereo, 0.3, 0.6), 12.0)
-    made = drawn_over(PAIR, stereo, [stroke(goal, stereo)])
+    made = oversketch(PAIR, stereo, [stroke(goal, stereo)])
     at = np.linspace(0.35, 0.55, 50)
     old, new = PAIR.spline.value(at), made.spline.value(at)
     rays = stereo.rays(stereo.project(new)).directions
@@ -128,7 +128,7 @@ def test_firmer_strokes_pull_more():
 
     def height(one, other):
         strokes = [stroke(above, stereo, one), stroke(below, stereo, other)]
-        made = drawn_over(RAIL, stereo, strokes)
+        made = oversketch(RAIL, stereo, strokes)
         near = seen(made.spline, stereo, 0.3, 0.7, 2001)
         return float(np.interp(middle[0], *near[np.argsort(near[:, 0])].T) - middle[1])
 
@@ -142,7 +142,7 @@ def test_an_end_follows_a_stroke_that_runs_on():
     path = seen(RAIL.spline, stereo, 0.6, 1.0, 300)
     way = path[-1] - path[-20]
     longer = np.vstack((path, path[-1] + np.linspace(0.1, 2.0, 40)[:, None] * way))
-    made = drawn_over(RAIL, stereo, [stroke(longer, stereo)])
+    made = oversketch(RAIL, stereo, [stroke(longer, stereo)])
     end = stereo.project(made.spline.value(made.spline.range[1:]))[0]
     assert np.linalg.norm(end - longer[-1]) < 4.0
 
@@ -151,13 +151,13 @@ def test_the_plane_seen_edge_on_is_refused_for_a_curve_in_it():
     stereo = stereo_of(0.0, 20)
     goal = seen(FLAT.spline, stereo, 0.3, 0.7) + np.array([6.0, 0.0])
     with pytest.raises(UserError, match="edge-on"):
-        drawn_over(FLAT, stereo, [stroke(goal, stereo)])
+        oversketch(FLAT, stereo, [stroke(goal, stereo)])
 
 
 def test_a_curve_behind_the_eye_is_refused():
     stereo = Stereo(Camera(eye=(0, -900, 0), target=(0, -1800, 0)))
     with pytest.raises(UserError, match="not seen"):
-        drawn_over(RAIL, stereo, [stroke(np.array([[10.0, 10.0], [80.0, 90.0]]), stereo)])
+        oversketch(RAIL, stereo, [stroke(np.array([[10.0, 10.0], [80.0, 90.0]]), stereo)])
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -172,7 +172,7 @@ def test_odd_ink_does_no_harm(name):
         seen(ALL[name].spline, stereo) + tremor(400, 3.0, random),
     ):
         try:
-            made = drawn_over(ALL[name], stereo, [stroke(ink, stereo)])
+            made = oversketch(ALL[name], stereo, [stroke(ink, stereo)])
         except UserError:
             assert name == "plane"  # whose horizon is on the sheet
         else:
@@ -186,7 +186,7 @@ def test_it_is_quick():
         took = []
         for _ in range(5):
             begin = time.process_time()
-            drawn_over(curve, stereo, [ink])
+            oversketch(curve, stereo, [ink])
             took.append(time.process_time() - begin)
         assert min(took) < 0.06
 
@@ -203,11 +203,11 @@ def test_real_curves_are_retraced_without_change_and_follow_what_is_drawn():
         curve = SpaceCurve("pair", spline)
         view = camera(random.uniform(20, 70), random.uniform(5, 35), pixels=800.0)
         stereo = Stereo(view)
-        assert drawn_over(curve, stereo, [stroke(seen(spline, stereo), stereo)]) is curve
+        assert oversketch(curve, stereo, [stroke(seen(spline, stereo), stereo)]) is curve
         begin = random.uniform(0.05, 0.6)
         goal = hump(seen(spline, stereo, begin, begin + 0.3), random.uniform(8, 20))
         start = time.process_time()
-        made = drawn_over(curve, stereo, [stroke(goal, stereo)])
+        made = oversketch(curve, stereo, [stroke(goal, stereo)])
         took.append(time.process_time() - start)
         off.append(np.median(distances_to_polyline(goal, seen(made.spline, stereo, count=3000))))
     assert np.median(off) < 0.3

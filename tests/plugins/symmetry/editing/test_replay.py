@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from hypothesis import strategies as st
 
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke, Strokes
-from bozzetto_symmetry.editing.replay import applied, edited
+from bozzetto_symmetry.editing import replay
+from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Joint, Modification, Snap, SymmetryState, Trim
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
@@ -23,6 +25,15 @@ STATE = SymmetryState()
 VIEW = camera(35, 20, pixels=700.0)
 DOT = Strokes((Stroke([0.0], [0.0], VIEW),))
 OTHER = Curve(id="other", strokes=DOT)
+
+
+class Made(NamedTuple):
+    curve: SpaceCurve
+    warnings: tuple[str, ...]
+
+
+def applied(*arguments) -> Made:
+    return Made(*replay.apply_edits(*arguments))
 
 
 def nobody(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
@@ -44,7 +55,7 @@ def test_edits_are_done_in_order():
     made = applied(PAIR, edits, STATE, nobody)
     one = PAIR
     for edit in edits:
-        one = edited(one, edit, STATE, nobody)
+        one = apply_edit(one, edit, STATE, nobody)
     assert made.warnings == ()
     assert (made.curve.spline.control_points == one.spline.control_points).all()
     end = made.curve.spline.value([0.2])[0]
@@ -53,9 +64,9 @@ def test_edits_are_done_in_order():
 
 def test_what_was_done_is_remembered():
     edit = over(PAIR.spline, 0.2, 0.5, 9.0)
-    assert edited(PAIR, edit, STATE, nobody) is edited(PAIR, edit, STATE, nobody)
-    other = edited(PAIR, edit, replace(STATE, restitution=1.5), nobody)
-    assert same(other.spline, edited(PAIR, edit, STATE, nobody).spline) > 0.01
+    assert apply_edit(PAIR, edit, STATE, nobody) is apply_edit(PAIR, edit, STATE, nobody)
+    other = apply_edit(PAIR, edit, replace(STATE, restitution=1.5), nobody)
+    assert same(other.spline, apply_edit(PAIR, edit, STATE, nobody).spline) > 0.01
 
 
 @pytest.mark.parametrize(

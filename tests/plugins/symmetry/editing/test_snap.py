@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.editing.snap import snapped
+from bozzetto_symmetry.editing.snap import snap_end
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.edited_curves import ACROSS, FLAT, LOOP, PAIR, check
 
@@ -24,7 +24,7 @@ def direction(spline, end):
 def test_an_end_is_exactly_where_it_is_taken(curve, end, size):
     way = WAY * size * (1.0 if curve is PAIR else (1, 0, 1))
     goal = curve.spline.value([curve.spline.range[end]])[0] + way
-    made = snapped(curve, end, goal)
+    made = snap_end(curve, end, goal)
     check(made)
     assert (made.spline.value([made.spline.range[end]])[0] == goal).all()
     np.testing.assert_allclose(direction(made.spline, end), direction(curve.spline, end), atol=1e-9)
@@ -38,7 +38,7 @@ def test_an_end_is_exactly_where_it_is_taken(curve, end, size):
 
 def test_both_free_ends_of_a_curve_across_the_plane_go():
     goal = ACROSS.spline.value([1.0])[0] + WAY
-    made = snapped(ACROSS, 1, goal)
+    made = snap_end(ACROSS, 1, goal)
     check(made)
     assert (made.spline.value([1.0])[0] == goal).all()
     assert (made.spline.value([-1.0])[0] == goal * MIRROR).all()
@@ -47,18 +47,18 @@ def test_both_free_ends_of_a_curve_across_the_plane_go():
 
 
 def test_an_end_that_stays_changes_nothing():
-    made = snapped(PAIR, 1, PAIR.spline.value([1.0])[0])
+    made = snap_end(PAIR, 1, PAIR.spline.value([1.0])[0])
     at = np.linspace(0.0, 1.0, 300)
     np.testing.assert_allclose(made.spline.value(at), PAIR.spline.value(at), atol=1e-10)
 
 
 def test_an_end_that_is_taken_to_the_plane_but_for_rounding_is_on_it():
-    made = snapped(PAIR, 0, (-80.0, 1e-15, 20.0))
+    made = snap_end(PAIR, 0, (-80.0, 1e-15, 20.0))
     assert made.spline.control_points[0, 1] == 0.0
 
 
 def test_what_has_no_end_or_no_place_is_refused():
     with pytest.raises(UserError, match="closed curve has no end"):
-        snapped(LOOP, 0, (0, 0, 0))
+        snap_end(LOOP, 0, (0, 0, 0))
     with pytest.raises(UserError, match="another place"):
-        snapped(PAIR, 0, (np.nan, 0, 0))
+        snap_end(PAIR, 0, (np.nan, 0, 0))

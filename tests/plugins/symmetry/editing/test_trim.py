@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.editing.trim import piece, share_of, trimmed
+from bozzetto_symmetry.editing.trim import piece, share_of, trim
 from tests.plugins.symmetry.edited_curves import (
     ACROSS,
     ALL,
@@ -23,7 +23,7 @@ from tests.plugins.symmetry.edited_curves import (
 @pytest.mark.parametrize("stretch", [(0.0, 0.4), (0.4, 1.0), (0.25, 0.7)])
 def test_a_piece_lies_on_the_curve(name, stretch):
     curve = ALL[name]
-    kept = trimmed(curve, *stretch)
+    kept = trim(curve, *stretch)
     assert not kept.closed
     assert farthest(kept.spline, curve.spline) < 1e-9
     check(kept)
@@ -31,12 +31,12 @@ def test_a_piece_lies_on_the_curve(name, stretch):
 
 @pytest.mark.parametrize("curve", [PAIR, FLAT])
 def test_pieces_of_an_open_curve_are_as_long_as_the_curve(curve):
-    lengths = [trimmed(curve, *cut).spline.length for cut in ((0, 0.3), (0.3, 0.8), (0.8, 1))]
+    lengths = [trim(curve, *cut).spline.length for cut in ((0, 0.3), (0.3, 0.8), (0.8, 1))]
     assert sum(lengths) == pytest.approx(curve.spline.length, rel=1e-9)
 
 
 def test_a_curve_across_the_plane_leaves_its_middle_and_a_pair():
-    middle, rest = trimmed(ACROSS, 0.0, 0.6), trimmed(ACROSS, 0.6, 1.0)
+    middle, rest = trim(ACROSS, 0.0, 0.6), trim(ACROSS, 0.6, 1.0)
     assert (middle.reading, rest.reading) == ("self", "pair")
     whole = middle.spline.length + 2.0 * rest.spline.length
     assert whole == pytest.approx(ACROSS.spline.length, rel=1e-9)
@@ -45,7 +45,7 @@ def test_a_curve_across_the_plane_leaves_its_middle_and_a_pair():
 
 
 def test_a_ring_is_cut_into_two_curves_across_the_plane():
-    first, second = trimmed(RING, 0.0, 0.3), trimmed(RING, 0.3, 1.0)
+    first, second = trim(RING, 0.0, 0.3), trim(RING, 0.3, 1.0)
     assert (first.reading, second.reading) == ("self", "self")
     whole = first.spline.length + second.spline.length
     assert whole == pytest.approx(RING.spline.length, rel=1e-9)
@@ -54,11 +54,11 @@ def test_a_ring_is_cut_into_two_curves_across_the_plane():
 
 
 def test_a_closed_curve_is_opened_and_cut_over_its_seam():
-    opened = trimmed(LOOP, 0.3, 1.3)
+    opened = trim(LOOP, 0.3, 1.3)
     assert not opened.closed
     assert opened.spline.length == pytest.approx(LOOP.spline.length, rel=1e-9)
     np.testing.assert_allclose(*opened.spline.value(opened.spline.range), atol=1e-9)
-    over, under = trimmed(LOOP, 0.8, 1.2), trimmed(LOOP, 0.2, 0.8)
+    over, under = trim(LOOP, 0.8, 1.2), trim(LOOP, 0.2, 0.8)
     both = over.spline.length + under.spline.length
     assert both == pytest.approx(LOOP.spline.length, rel=1e-9)
 
@@ -66,7 +66,7 @@ def test_a_closed_curve_is_opened_and_cut_over_its_seam():
 @pytest.mark.parametrize("name", ALL)
 def test_the_whole_stretch_of_what_cannot_be_opened_is_the_curve_itself(name):
     curve = ALL[name]
-    kept = trimmed(curve, 0.0, 1.0)
+    kept = trim(curve, 0.0, 1.0)
     assert (kept is curve) == (name != "loop")
 
 
@@ -74,7 +74,7 @@ def test_the_whole_stretch_of_what_cannot_be_opened_is_the_curve_itself(name):
 @pytest.mark.parametrize("stretch", [(0.5, 0.5), (0.7, 0.2), (np.nan, 1.0), (0.0, np.nan)])
 def test_nothing_is_refused(name, stretch):
     with pytest.raises(UserError, match="Nothing would be left"):
-        trimmed(ALL[name], *stretch)
+        trim(ALL[name], *stretch)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -83,7 +83,7 @@ def test_shares_lead_back_to_places(name):
     begin, end = curve.spline.range
     at = 0.5 * (begin + end) + 0.31 * (end - begin)
     share = share_of(curve, at)
-    kept = trimmed(curve, 0.0, share)
+    kept = trim(curve, 0.0, share)
     ends = kept.spline.value(kept.spline.range)
     place = curve.spline.value([at])
     assert np.linalg.norm(ends * (1, np.sign(place[0, 1]) or 1, 1) - place, axis=1).min() < 40

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
-from bozzetto_symmetry.fitting.bundle_adjustment import Bundled, Sight, bundled, through
+from bozzetto_symmetry.fitting.bundle_adjustment import Adjusted, Sight, adjust_bundle
 from bozzetto_symmetry.fitting.space_curve import Reading
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import (
@@ -64,7 +64,7 @@ def fitted(
     closed: bool = False,
     kind: str = "perspective",
     controls: str = "adaptive",
-) -> Bundled:
+) -> Adjusted:
     """What the bundle makes of a pair (or a curve in the plane) drawn in some views."""
     random = np.random.default_rng(seed)
     sights = []
@@ -80,12 +80,12 @@ def fitted(
         points, spread = first.on_plane(pixels), plane_covariances(first, pixels)
     else:
         points, spread = known(curve, first, random)
-    return bundled(reading, points, spread, sights, closed=closed, controls=controls)
+    return adjust_bundle(reading, points, spread, sights, closed=closed, controls=controls)
 
 
 def fitted_across(
     half: Array, azimuth: float, noise: float = 0.0, seed: int = 0, *, ring: bool = False
-) -> tuple[Bundled, Array]:
+) -> tuple[Adjusted, Array]:
     """The same of a curve across the plane, and the whole true curve."""
     random = np.random.default_rng(seed)
     stereo = Stereo(camera(azimuth, 20))
@@ -95,10 +95,10 @@ def fitted_across(
     far = np.vstack([ink[middle:], ink[:1]]) if ring else ink[middle:]
     points, spread = known(half, stereo, random, max(0.1, noise))
     sight = Sight(stereo, (ink[: middle + 1][::-1],), (far,), noise)
-    return bundled("self", points, spread, [sight], ring=ring), whole
+    return adjust_bundle("self", points, spread, [sight], ring=ring), whole
 
 
-def off(made: Bundled, curve: Array, *, closed: bool = False) -> tuple[Array, Array]:
+def off(made: Adjusted, curve: Array, *, closed: bool = False) -> tuple[Array, Array]:
     """Distances of the fit from the truth, and of the truth from the fit, % of the diagonal."""
     there = distances(made.curve.spline.sampled(400), curve, closed=closed)
     back = cKDTree(made.curve.spline.sampled(8000)).query(curve)[0]
@@ -168,9 +168,9 @@ def test_whole_curve_and_half_are_read_alike() -> None:
     near, far = stereo.project(half), stereo.project(half * MIRROR)
     sight = Sight(stereo, (near,), (far,))
     none = np.zeros((len(half), 3, 3))
-    one = bundled("self", half, none, [sight]).curve.spline
+    one = adjust_bundle("self", half, none, [sight]).curve.spline
     for points in (whole, whole[::-1]):
-        other = bundled("self", points, np.zeros((len(whole), 3, 3)), [sight]).curve.spline
+        other = adjust_bundle("self", points, np.zeros((len(whole), 3, 3)), [sight]).curve.spline
         assert np.abs(one.sampled(50) - other.sampled(50)).max() < 1e-3 * DIAGONAL
 
 
@@ -179,9 +179,9 @@ def test_sense_and_pieces_of_the_ink_do_not_matter(turned: tuple[int, int]) -> N
     curve, stereo = PAIRS["S-wave"], Stereo(camera(30, 20))
     near, far = drawn(curve, stereo.camera), drawn(curve * MIRROR, stereo.camera)
     points, spread = known(curve, stereo, np.random.default_rng(1))
-    one = bundled("pair", points, spread, [Sight(stereo, (near,), (far,))])
+    one = adjust_bundle("pair", points, spread, [Sight(stereo, (near,), (far,))])
     pieces = (near[:160][:: turned[0]], near[140:][:: turned[0]])
-    other = bundled("pair", points, spread, [Sight(stereo, pieces, (far[:: turned[1]],))])
+    other = adjust_bundle("pair", points, spread, [Sight(stereo, pieces, (far[:: turned[1]],))])
     apart = one.curve.spline.sampled(100) - other.curve.spline.sampled(100)
     assert percent(np.linalg.norm(apart, axis=1)).max() < 0.1
 
@@ -190,7 +190,7 @@ def test_ink_beyond_what_is_matched_does_not_lead_the_curve_on() -> None:
     curve, stereo = PAIRS["hook"], Stereo(camera(30, 20))
     near, far = drawn(curve, stereo.camera), drawn(curve * MIRROR, stereo.camera)
     points, spread = known(curve, stereo, np.random.default_rng(1))
-    made = bundled("pair", points[60:], spread[60:], [Sight(stereo, (near,), (far[60:],))])
+    made = adjust_bundle("pair", points[60:], spread[60:], [Sight(stereo, (near,), (far[60:],))])
     assert percent(distances(made.curve.spline.sampled(200), curve[60:])).max() < 0.5
 
 
@@ -199,7 +199,7 @@ def test_places_that_are_no_numbers_are_left_out() -> None:
     points, spread = known(curve, stereo, np.random.default_rng(1))
     points[50:60], spread[80:90] = np.nan, np.inf
     sight = Sight(stereo, (drawn(curve, stereo.camera),), (drawn(curve * MIRROR, stereo.camera),))
-    made = bundled("pair", points, spread, [sight])
+    made = adjust_bundle("pair", points, spread, [sight])
     assert np.median(off(made, curve)[0]) < 0.05
 
 
@@ -212,17 +212,17 @@ def test_dots_and_curves_that_no_ink_shows_are_refused() -> None:
     stereo = Stereo(camera(30, 20))
     dot, line = np.zeros((5, 3)), np.column_stack([np.arange(5.0)] * 3)
     with pytest.raises(UserError, match="dot"):
-        bundled("pair", dot, np.zeros((5, 3, 3)), [Sight(stereo, (stereo.project(line),))])
+        adjust_bundle("pair", dot, np.zeros((5, 3, 3)), [Sight(stereo, (stereo.project(line),))])
     with pytest.raises(UserError, match="No ink"):
-        bundled("pair", line, np.zeros((5, 3, 3)), [])
+        adjust_bundle("pair", line, np.zeros((5, 3, 3)), [])
     with pytest.raises(UserError, match="No ink"):
-        bundled("pair", line, np.zeros((5, 3, 3)), [Sight(stereo, (np.zeros((4, 2)),))])
+        adjust_bundle("pair", line, np.zeros((5, 3, 3)), [Sight(stereo, (np.zeros((4, 2)),))])
 
 
 # -- with a hand's noise -----------------------------------------------------------------------
 
 
-def foretold(made: Bundled, points: Array, azimuth: float) -> Array:
+def foretold(made: Adjusted, points: Array, azimuth: float) -> Array:
     """How far off places of a curve may be for 1 px of noise, mm."""
     views = [Stereo(camera(azimuth, 20))]
     at = np.linspace(*made.curve.spline.range, len(points))
@@ -279,38 +279,3 @@ def test_recorded_hands_lifted_to_space() -> None:
     ]
     assert np.median(errors) < 0.5
     assert np.percentile(errors, 90) < 1.2
-
-
-# -- through places in space -------------------------------------------------------------------
-
-PIXEL = DIAGONAL / 400.0
-
-
-@pytest.mark.parametrize(
-    ("name", "curve", "reading", "closed", "ring"),
-    [(n, c, "pair", False, False) for n, c in PAIRS.items()]
-    + [(n, c, "pair", True, False) for n, c in LOOPS.items()]
-    + [(n, c, "plane", False, False) for n, c in FLAT.items()]
-    + [(n, c, "self", False, False) for n, c in HALVES.items()]
-    + [(n, c, "self", False, True) for n, c in RINGS.items()],
-)
-def test_through_known_places(
-    name: str, curve: Array, reading: Reading, closed: bool, ring: bool
-) -> None:
-    made = through(curve, reading, closed=closed, ring=ring, pixel=PIXEL)
-    apart = cKDTree(made.spline.sampled(5000)).query(curve)[0] / PIXEL
-    assert np.sqrt((apart**2).mean()) < 0.1
-    assert apart.max() < 0.5
-    if not closed and not ring:
-        begin, end = made.spline.control_points[[0, -1]]
-        assert (end == curve[-1]).all()
-        assert (begin == (curve[-1] * MIRROR if reading == "self" else curve[0])).all()
-
-
-def test_through_two_and_three_places() -> None:
-    line = through([[0, 1, 0], [10, 1, 0]], "pair", pixel=0.5).spline.sampled(9)
-    assert np.abs(line[:, 1:] - (1, 0)).max() < 1e-6
-    bow = through([[0, 1, 0], [10, 1, 5], [20, 1, 0]], "pair", pixel=0.5).spline
-    assert np.linalg.norm(bow.sampled(2001) - (10, 1, 5), axis=1).min() < 0.05
-    with pytest.raises(UserError, match="dot"):
-        through([[1, 2, 3], [1, 2, 3]], "pair", pixel=0.5)

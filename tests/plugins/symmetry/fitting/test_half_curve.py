@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_symmetry.fitting.half_curve import halves_of, made_symmetric
+from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import across
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.edited_curves import ACROSS, LOOP, RING
@@ -46,7 +46,7 @@ def test_a_curve_with_more_knots_is_still_symmetric_and_becomes_so_exactly(ring)
     halves = halves_of(spline)
     away = halves.span * np.array([0.11, 0.36, 0.361, 0.9])
     finer = spline.refined(np.concatenate((halves.middle + away, halves.middle - away)))
-    exact = made_symmetric(finer)
+    exact = symmetrize(finer)
     again = halves_of(exact)
     assert again.middle == pytest.approx(halves.middle, abs=1e-12)
     once = exact.control_points[:-3] if ring else exact.control_points

@@ -15,9 +15,9 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_symmetry.ink.sides import drawn_twice, gap_between, joined, sides_of
-from bozzetto_symmetry.ink.stroke_grouping import grouped
-from bozzetto_symmetry.ink.stroke_line import drawn_line
+from bozzetto_symmetry.ink.sides import gap_between, join_ends, merge_alongside, sides_of
+from bozzetto_symmetry.ink.stroke_grouping import group_strokes
+from bozzetto_symmetry.ink.stroke_line import smooth_line
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.scenes import ACROSS, LOOPS, PAIRS, camera, drawn, tremor
 
@@ -70,8 +70,8 @@ def test_scribbles_fall_into_sides() -> None:
             both = [drawn(c, seen) for c in (curve, curve * MIRROR)]
             inks = [ink for one in both for ink in scribbled(one, 3, random)]
             order = random.permutation(6)
-            lines = [drawn_line(inks[k]).pixels for k in order]
-            found = [tuple(group) for group in grouped(lines)]
+            lines = [smooth_line(inks[k]).pixels for k in order]
+            found = [tuple(group) for group in group_strokes(lines)]
             halves = [tuple(np.flatnonzero((order < 3) == first).tolist()) for first in (True, 0)]
             right.append(found == sorted(halves))
     assert np.mean(right) >= 0.9
@@ -129,7 +129,7 @@ def test_halves_of_a_curve_across_can_be_joined(name: str) -> None:
     for inks in ([whole[:300], whole[299:]], [whole[:300][::-1], whole[299:]]):
         sides = sides_of(strokes(inks, seen))
         assert len(sides) == 2
-        one = joined(*sides)
+        one = join_ends(*sides)
         assert one is not None
         assert distances_to_polyline(one.pixels, whole).max() < 0.2
         assert gap_between(sides[0].pixels, sides[1].pixels)[0] < 1e-3
@@ -139,17 +139,17 @@ def test_sides_that_lie_apart_are_neither_joined_nor_settled() -> None:
     seen = camera(30, 20)
     curve = PAIRS["roof rail"]
     sides = sides_of(strokes([drawn(c, seen) for c in (curve, curve * MIRROR)], seen))
-    assert joined(*sides) is None
-    assert drawn_twice(*sides) is None
+    assert join_ends(*sides) is None
+    assert merge_alongside(*sides) is None
 
 
 def test_a_side_drawn_twice_can_be_settled() -> None:
     random = np.random.default_rng(5)
     seen = camera(30, 20)
     true = drawn(PAIRS["S-wave"], seen)
-    sides = sides_of(strokes(scribbled(true, 2, random), seen), asked="pair")
+    sides = sides_of(strokes(scribbled(true, 2, random), seen), apart=True)
     assert len(sides) == 2
-    one = drawn_twice(*sides)
+    one = merge_alongside(*sides)
     assert one is not None
     off = [distances_to_polyline(side.pixels, true).mean() for side in (one, *sides)]
     assert off[0] < max(off[1:])
@@ -159,9 +159,9 @@ def test_a_side_drawn_twice_can_be_settled() -> None:
 def test_lines_that_merely_cross_are_two_groups() -> None:
     along = np.linspace(-100.0, 100.0, 101)
     lines = [np.column_stack((along, share * along)) for share in (0.4, -0.4)]
-    assert grouped(lines) == [[0], [1]]
+    assert group_strokes(lines) == [[0], [1]]
     third = lines[0] + (0.0, 3.0)
-    assert grouped([lines[0], lines[1], third]) == [[0, 2], [1]]
+    assert group_strokes([lines[0], lines[1], third]) == [[0, 2], [1]]
 
 
 def test_order_of_drawing_decides_which_side_is_first() -> None:

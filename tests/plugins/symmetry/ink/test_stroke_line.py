@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto_symmetry.ink.stroke_line import CLOSING, MOST, drawn_line, hand_noise, pen_down
+from bozzetto_symmetry.ink.stroke_line import CLOSING, MOST, hand_noise, pen_down, smooth_line
 from tests.plugins.symmetry.scenes import ACROSS, FLAT, LOOPS, PAIRS, camera, drawn
 
 VIEWS = [(10, 15), (30, 20), (60, 30), (85, 10)]
@@ -22,7 +22,7 @@ OPEN = {**PAIRS, **ACROSS, **FLAT}
 @pytest.mark.parametrize("view", VIEWS)
 def test_ink_without_noise_keeps_its_form(name: str, view: tuple[float, float]) -> None:
     ink = drawn(OPEN[name], camera(*view))
-    line = drawn_line(ink)
+    line = smooth_line(ink)
     assert not line.closed
     assert line.noise < 0.2
     assert distances_to_polyline(line.pixels, ink).max() < 0.15
@@ -32,7 +32,7 @@ def test_ink_without_noise_keeps_its_form(name: str, view: tuple[float, float]) 
 @pytest.mark.parametrize("radius", [10.0, 20.0, 100.0])
 def test_a_bend_does_not_shrink(radius: float) -> None:
     turn = np.linspace(0.0, 1.5 * np.pi, 200)
-    line = drawn_line(radius * np.column_stack((np.cos(turn), np.sin(turn))) + 300.0)
+    line = smooth_line(radius * np.column_stack((np.cos(turn), np.sin(turn))) + 300.0)
     assert np.abs(np.linalg.norm(line.pixels - 300.0, axis=1) - radius).max() < 0.02
 
 
@@ -40,7 +40,7 @@ def test_a_bend_does_not_shrink(radius: float) -> None:
 def test_points_are_even_whatever_the_sampling(count: int) -> None:
     turn = np.linspace(0.0, np.pi, count) ** 1.3
     ink = 200.0 * np.column_stack((turn, np.sin(turn)))
-    steps = np.linalg.norm(np.diff(drawn_line(ink).pixels, axis=0), axis=1)
+    steps = np.linalg.norm(np.diff(smooth_line(ink).pixels, axis=0), axis=1)
     assert steps.max() / steps.min() < 1.01
     assert 1.5 < steps.mean() < 2.5
 
@@ -51,7 +51,7 @@ def test_noise_of_single_samples_goes(count: int, noise: float) -> None:
     random = np.random.default_rng(count)
     along = np.linspace(0.0, np.pi, count)
     true = np.column_stack((120.0 * along, 100.0 * np.sin(along)))
-    line = drawn_line(true + noise * random.standard_normal(true.shape))
+    line = smooth_line(true + noise * random.standard_normal(true.shape))
     left = np.sqrt(np.mean(distances_to_polyline(line.pixels[10:-10], true) ** 2))
     assert left < 0.5 * noise
     assert left < line.noise < 1.2 * noise
@@ -60,21 +60,21 @@ def test_noise_of_single_samples_goes(count: int, noise: float) -> None:
 def test_integer_pixels_count_as_noise() -> None:
     along = np.linspace(0.0, np.pi, 800)
     true = np.column_stack((120.0 * along, 100.0 * np.sin(along)))
-    line = drawn_line(np.round(true))
+    line = smooth_line(np.round(true))
     assert 0.05 < line.noise < 0.6
     assert distances_to_polyline(line.pixels, true).mean() < 0.3
 
 
 def test_sparse_samples_are_joined_by_curves() -> None:
     turn = np.linspace(0.0, np.pi, 20)
-    line = drawn_line(100.0 * np.column_stack((np.cos(turn), np.sin(turn))))
+    line = smooth_line(100.0 * np.column_stack((np.cos(turn), np.sin(turn))))
     assert np.abs(np.linalg.norm(line.pixels, axis=1) - 100.0).max() < 0.1  # chords: 0.34
 
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_loops_close(name: str) -> None:
     ink = drawn(LOOPS[name], camera(30, 20))
-    line = drawn_line(np.vstack((ink, ink[:4])))
+    line = smooth_line(np.vstack((ink, ink[:4])))
     assert line.closed
     ring = np.vstack((ink, ink[:1]))
     assert distances_to_polyline(line.pixels, ring).max() < 0.15
@@ -85,7 +85,7 @@ def test_loops_close(name: str) -> None:
 def test_an_arch_that_nearly_closes_stays_open() -> None:
     for share, closed in ((0.95, False), (0.99, True)):
         turn = 2.0 * np.pi * share * np.linspace(0.0, 1.0, 200)
-        line = drawn_line(80.0 * np.column_stack((np.cos(turn), np.sin(turn))))
+        line = smooth_line(80.0 * np.column_stack((np.cos(turn), np.sin(turn))))
         assert line.closed is closed
     assert CLOSING < 0.1
 
@@ -102,7 +102,7 @@ def test_the_tail_of_a_lifted_pen_is_left_out() -> None:
 
 def test_a_dot_is_refused() -> None:
     with pytest.raises(UserError, match="dot"):
-        drawn_line(np.full((9, 2), 7.0))
+        smooth_line(np.full((9, 2), 7.0))
 
 
 def test_short_lines_have_no_noise_to_tell() -> None:
@@ -114,7 +114,7 @@ def test_short_lines_have_no_noise_to_tell() -> None:
               elements=st.floats(-5000, 5000, width=32)))  # fmt: skip
 def test_any_ink_gives_a_line_or_says_why_not(ink: np.ndarray) -> None:
     try:
-        line = drawn_line(ink.astype(float))
+        line = smooth_line(ink.astype(float))
     except UserError:
         return
     assert np.isfinite(line.pixels).all()

@@ -16,7 +16,8 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.sides import sides_of
-from bozzetto_symmetry.interpretation.reader import Read, read
+from bozzetto_symmetry.interpretation.candidate import Read
+from bozzetto_symmetry.interpretation.reader import read
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from tests.plugins.symmetry.scenes import (
     ACROSS,
@@ -38,7 +39,7 @@ VIEWS = [(10, 15), (20, 5), (30, 20), (45, 35), (60, 30), (75, 10), (85, 10), (-
 
 def readings(inks: Sequence[Array], view: Camera, asked: str = "auto") -> tuple[Read, ...]:
     strokes = [Stroke(ink[:, 0], ink[:, 1], view) for ink in inks]
-    return read(Stereo(view), sides_of(strokes, asked), asked, box=BOX)
+    return read(Stereo(view), sides_of(strokes, apart=asked == "pair"), asked, box=BOX)
 
 
 def ring(ink: Array) -> Array:
@@ -181,7 +182,7 @@ def test_what_has_no_partner_is_left_out_and_told() -> None:
     assert found.reading == "pair"
     assert len(found.warnings) == 1
     assert found.warnings[0].startswith("The last ")
-    assert found.warnings[0].endswith(" % of the first side have no partner.")
+    assert found.warnings[0].endswith(" % of the first side have no counterpart.")
     assert found.points[:, 0].max() < curve[:, 0].max() - 15.0
     assert error(found, curve) < 0.1
 
@@ -261,8 +262,8 @@ def test_any_ink_in_any_view_is_read_or_refused(
 @pytest.mark.parametrize(
     ("view", "words"),
     [
-        (camera(0, 20), "The eye is on the centre plane"),
-        (camera(0, 20, "orthographic"), "The eye is on the centre plane"),
+        (camera(0, 20), "The view lies in the centre plane"),
+        (camera(0, 20, "orthographic"), "The view lies in the centre plane"),
         (camera(90, 0, "orthographic"), "left and right are in one place"),
     ],
 )

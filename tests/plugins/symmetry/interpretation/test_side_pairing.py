@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
-from bozzetto_symmetry.interpretation.side_pairing import Folding, Pairing, foldings, pairings
+from bozzetto_symmetry.interpretation.folding import Folding, foldings
+from bozzetto_symmetry.interpretation.side_pairing import pairings
+from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from tests.plugins.symmetry.scenes import (
     ACROSS,

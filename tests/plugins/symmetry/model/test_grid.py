@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bozzetto_symmetry.model.grid import HEAVY_EVERY, clipped, grid_in_box, grid_step
+from bozzetto_symmetry.model.grid import HEAVY_EVERY, clip_to_box, grid_in_box, grid_step
 
 RANDOM = np.random.default_rng(8)
 
@@ -30,7 +30,7 @@ def test_clipping_against_places_along_the_lines() -> None:
     centre, size = np.array([5.0, -3.0, 2.0]), np.array([40.0, 20.0, 10.0])
     places = centre + RANDOM.uniform(-30, 30, (300, 3))
     ways = RANDOM.normal(size=(300, 3))
-    begin, end, inside = clipped(places, ways, centre, size)
+    begin, end, inside = clip_to_box(places, ways, centre, size)
     at = np.linspace(-200, 200, 40001)
     for place, way, low, high, hit in zip(places, ways, begin, end, inside, strict=True):
         within = (np.abs(place + at[:, None] * way - centre) <= 0.5 * size).all(axis=1)
@@ -43,7 +43,9 @@ def test_clipping_against_places_along_the_lines() -> None:
 
 
 def test_lines_along_a_face_are_inside() -> None:
-    begin, end, inside = clipped([[0, 0, 5], [0, 0, 5.1]], [1.0, 0.0, 0.0], [0, 0, 0], [40, 20, 10])
+    begin, end, inside = clip_to_box(
+        [[0, 0, 5], [0, 0, 5.1]], [1.0, 0.0, 0.0], [0, 0, 0], [40, 20, 10]
+    )
     assert inside.tolist() == [True, False]
     assert (begin[0], end[0]) == (-20.0, 20.0)
 

@@ -13,8 +13,8 @@ from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.modeler import Symmetry
-from bozzetto_symmetry.operations.assign_stroke import drawn_curves, landed
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import scenes as s
 
@@ -27,18 +27,18 @@ def stroke(curve: np.ndarray, view: Camera = VIEW, **hand) -> Stroke:
 
 
 def reading(state: SymmetryState, number: int = -1) -> str:
-    return traced(state.curves[number], state).reading
+    return trace_of(state.curves[number], state).reading
 
 
 @pytest.mark.parametrize("name", list(s.PAIRS))
 def test_the_second_side_joins_the_one_that_waits(name: str) -> None:
     side = s.PAIRS[name]
-    state = landed(SymmetryState(), (stroke(side),))
+    state = add_strokes(SymmetryState(), (stroke(side),))
     assert len(state.curves) == 1
-    state = landed(state, (stroke(side * MIRROR, sense=-1),))
+    state = add_strokes(state, (stroke(side * MIRROR, sense=-1),))
     assert len(state.curves) == 1
     assert reading(state) == "pair"
-    made = traced(state.curves[0], state)
+    made = trace_of(state.curves[0], state)
     assert np.median(s.distances(made.points, side)) < 5e-4 * s.DIAGONAL
 
 
@@ -46,11 +46,11 @@ def test_two_sides_wait_until_their_partners_come() -> None:
     first, second = s.PAIRS["roof rail"], s.PAIRS["wheel arch"]
     state = SymmetryState()
     for curve in (first, second, second * MIRROR, first * MIRROR):
-        state = landed(state, (stroke(curve),))
+        state = add_strokes(state, (stroke(curve),))
     assert len(state.curves) == 2
     for number, side in enumerate((first, second)):
         assert reading(state, number) == "pair"
-        made = traced(state.curves[number], state)
+        made = trace_of(state.curves[number], state)
         assert np.median(s.distances(made.points, side)) < 2e-3 * s.DIAGONAL
 
 
@@ -60,16 +60,16 @@ def test_ink_along_the_chosen_curve_is_more_of_it() -> None:
     hands = [(side, 1), (side * MIRROR, 2), (side, 3), (side * MIRROR, 4)]
     for curve, seed in hands:
         random = np.random.default_rng(seed)
-        state = landed(state, (stroke(curve, noise=1.5, random=random),))
+        state = add_strokes(state, (stroke(curve, noise=1.5, random=random),))
     assert len(state.curves) == 1
     assert len(state.curves[0].strokes) == 4
     assert reading(state) == "pair"
 
 
 def test_a_stroke_across_is_a_curve_of_its_own_and_so_is_the_next_one() -> None:
-    state = landed(SymmetryState(), (stroke(s.ACROSS["windscreen base"]),))
+    state = add_strokes(SymmetryState(), (stroke(s.ACROSS["windscreen base"]),))
     assert reading(state) == "self"
-    state = landed(state, (stroke(s.ACROSS["wavy bumper"]),))
+    state = add_strokes(state, (stroke(s.ACROSS["wavy bumper"]),))
     assert len(state.curves) == 2
     assert reading(state, 0) == reading(state, 1) == "self"
 
@@ -80,20 +80,20 @@ def test_a_curve_that_is_drawn_again_from_elsewhere_is_known_better() -> None:
     for view in (s.camera(10, 15), s.camera(60, 25)):
         for number, curve in enumerate((side, side * MIRROR)):
             random = np.random.default_rng(number)
-            state = landed(state, (stroke(curve, view, noise=1.0, random=random),))
+            state = add_strokes(state, (stroke(curve, view, noise=1.0, random=random),))
             if view == s.camera(10, 15):
                 once = state
     assert len(state.curves) == 1
-    before, after = traced(once.curves[0], once), traced(state.curves[0], state)
+    before, after = trace_of(once.curves[0], once), trace_of(state.curves[0], state)
     assert np.median(after.sigma) < 0.7 * np.median(before.sigma)
     errors = [np.median(s.distances(t.points, side)) for t in (before, after)]
     assert errors[1] < errors[0]
 
 
 def test_beside_another_curve_a_new_one_begins() -> None:
-    state = landed(SymmetryState(), (stroke(s.ACROSS["wavy bumper"]),))
+    state = add_strokes(SymmetryState(), (stroke(s.ACROSS["wavy bumper"]),))
     lower = s.ACROSS["wavy bumper"] - (0.0, 0.0, 15.0)
-    state = landed(state, (stroke(lower),))
+    state = add_strokes(state, (stroke(lower),))
     assert len(state.curves) == 2
 
 
@@ -103,26 +103,26 @@ def test_groups_of_a_drawing_are_curves_by_their_names() -> None:
     for curve in (side, side * MIRROR):
         pixels = s.drawn(curve, VIEW)
         strokes.append(Stroke(pixels[:, 0], pixels[:, 1], VIEW, group="rail", color=(1, 2, 3)))
-    state = drawn_curves(SymmetryState(), strokes, {"rail": "pair"})
+    state = add_drawing(SymmetryState(), strokes, {"rail": "pair"})
     (curve,) = state.curves
     assert (curve.id, curve.name, curve.reading, curve.color) == ("rail", "rail", "pair", (1, 2, 3))
 
 
 def test_a_dot_is_refused() -> None:
     with pytest.raises(UserError):
-        landed(SymmetryState(), (Stroke([5.0], [5.0], VIEW),))
+        add_strokes(SymmetryState(), (Stroke([5.0], [5.0], VIEW),))
     with pytest.raises(UserError):
-        landed(SymmetryState(), (Stroke([5.0, 5.0], [5.0, 5.0], VIEW),))
+        add_strokes(SymmetryState(), (Stroke([5.0, 5.0], [5.0, 5.0], VIEW),))
 
 
 @pytest.mark.parametrize("name", ["roof rail", "S-wave"])
 def test_one_side_drawn_again_from_elsewhere_makes_no_other_curve_of_a_pair(name: str) -> None:
     side = s.PAIRS[name]
-    state = landed(SymmetryState(), (stroke(side),))
-    state = landed(state, (stroke(side * MIRROR),))
-    state = landed(state, (stroke(side, s.camera(70, 30)),))
+    state = add_strokes(SymmetryState(), (stroke(side),))
+    state = add_strokes(state, (stroke(side * MIRROR),))
+    state = add_strokes(state, (stroke(side, s.camera(70, 30)),))
     assert len(state.curves) == 1
-    made = traced(state.curves[0], state)
+    made = trace_of(state.curves[0], state)
     assert made.reading == "pair"
     assert len(made.views) == 2
     assert np.median(s.distances(made.points, side)) < 1e-3 * s.DIAGONAL
@@ -130,7 +130,7 @@ def test_one_side_drawn_again_from_elsewhere_makes_no_other_curve_of_a_pair(name
 
 def test_half_of_a_curve_across_drawn_again_from_elsewhere() -> None:
     whole = s.ACROSS["wavy bumper"]
-    state = landed(SymmetryState(), (stroke(whole),))
+    state = add_strokes(SymmetryState(), (stroke(whole),))
     again = state.with_node(
         replace(
             state.curves[0],
@@ -139,28 +139,28 @@ def test_half_of_a_curve_across_drawn_again_from_elsewhere() -> None:
             ),
         )
     )
-    made = traced(again.curves[0], again)
+    made = trace_of(again.curves[0], again)
     assert made.reading == "self"
     assert np.median(s.distances(made.points, whole)) < 2e-3 * s.DIAGONAL
 
 
 def test_a_window_that_is_resized_shows_the_same_view() -> None:
     side = s.PAIRS["S-wave"]
-    state = landed(SymmetryState(), (stroke(side),))
+    state = add_strokes(SymmetryState(), (stroke(side),))
     other = VIEW.with_viewport(900.0, 1300.0)
-    state = landed(state, (stroke(side * MIRROR, other),))
+    state = add_strokes(state, (stroke(side * MIRROR, other),))
     assert len(state.curves) == 1
-    made = traced(state.curves[0], state)
+    made = trace_of(state.curves[0], state)
     assert made.reading == "pair"
     assert len(made.views) == 1
     assert np.median(s.distances(made.points, side)) < 5e-4 * s.DIAGONAL
-    again = landed(state, (stroke(side, VIEW.with_viewport(500.0, 400.0)),))
+    again = add_strokes(state, (stroke(side, VIEW.with_viewport(500.0, 400.0)),))
     assert len(again.curves) == 1
 
 
 def test_the_way_back_to_the_view_of_a_side_that_waits() -> None:
     modeler, aside = Symmetry(), s.camera(70, 40)
-    state = landed(SymmetryState(), (stroke(s.PAIRS["S-wave"]),))
+    state = add_strokes(SymmetryState(), (stroke(s.PAIRS["S-wave"]),))
     told = modeler.view_advice(state, aside)
     assert told.better == VIEW
     assert "waits" in told.message
@@ -170,5 +170,5 @@ def test_the_way_back_to_the_view_of_a_side_that_waits() -> None:
     )
     assert there_and_back != VIEW
     assert "waits" not in modeler.view_advice(state, there_and_back).message
-    whole = landed(state, (stroke(s.PAIRS["S-wave"] * MIRROR),))
+    whole = add_strokes(state, (stroke(s.PAIRS["S-wave"] * MIRROR),))
     assert "waits" not in modeler.view_advice(whole, aside).message

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from bozzetto_symmetry.editing.trim import trimmed
+from bozzetto_symmetry.editing.trim import trim
 from bozzetto_symmetry.model.state import Curve, SymmetryState, Trim
-from bozzetto_symmetry.operations.split import cut_at, parted, without_stretch
+from bozzetto_symmetry.operations.split import cut_at, replace_by_pieces, without_stretch
 from tests.plugins.symmetry.edited_curves import ACROSS, ALL, LOOP, PAIR, RING
 
 
@@ -31,7 +31,7 @@ def test_cuts_make_pieces(curve, shares, pieces):
 def test_what_is_left_and_what_is_cut_out_are_the_curve(name, gone):
     curve = ALL[name]
     left = without_stretch(curve, gone)
-    pieces = [trimmed(curve, *stretch) for stretch in (*left, gone)]
+    pieces = [trim(curve, *stretch) for stretch in (*left, gone)]
     single = {"pair": 2.0, "plane": 1.0, "self": 1.0}
     length = sum(single[piece.reading] * piece.spline.length for piece in pieces)
     whole = single[curve.reading] * curve.spline.length
@@ -51,15 +51,15 @@ def test_stubs_go_along():
 def test_pieces_stand_where_the_curve_stood_and_keep_its_name():
     nodes = tuple(Curve(id=key, name=name) for key, name in (("a", "Roof"), ("b", "Roof c")))
     state = SymmetryState(nodes=nodes)
-    made = parted(state, nodes[0], ((0.0, 0.2), (0.2, 0.5), (0.5, 1.0)))
+    made = replace_by_pieces(state, nodes[0], ((0.0, 0.2), (0.2, 0.5), (0.5, 1.0)))
     assert [node.name for node in made.nodes] == ["Roof", "Roof b", "Roof d", "Roof c"]
     assert [node.edits for node in made.curves[:2]] == [(Trim(0.0, 0.2),), (Trim(0.2, 0.5),)]
     assert len({node.id for node in made.nodes}) == 4
     assert made.selected == "a"
-    again = parted(made, made.curves[1], ((0.0, 0.5), (0.5, 1.0)))
+    again = replace_by_pieces(made, made.curves[1], ((0.0, 0.5), (0.5, 1.0)))
     assert [node.name for node in again.nodes] == ["Roof", "Roof b", "Roof e", "Roof d", "Roof c"]
 
 
 def test_a_curve_of_which_nothing_is_left_is_gone():
     node = Curve(id="a", name="Roof")
-    assert parted(SymmetryState(nodes=(node,)), node, ()).nodes == ()
+    assert replace_by_pieces(SymmetryState(nodes=(node,)), node, ()).nodes == ()

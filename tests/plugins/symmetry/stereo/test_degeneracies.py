@@ -16,8 +16,8 @@ from bozzetto_symmetry.stereo.degeneracies import (
     REMEDIES,
     SOLVABLE,
     Case,
-    reasons,
-    solved,
+    intersect_rays,
+    reasons_of,
     special_case,
 )
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -34,7 +34,7 @@ def vanishing(stereo: Stereo) -> Array:
 
 
 def one_case(stereo: Stereo, near: Array, far: Array) -> Case:
-    points, codes = solved(stereo, near, far)
+    points, codes = intersect_rays(stereo, near, far)
     assert codes.tolist() == special_case(stereo, near, far).tolist()
     assert (np.isfinite(points).all(axis=1) == np.isin(codes, SOLVABLE)).all()
     assert (codes == codes[0]).all()
@@ -44,7 +44,7 @@ def one_case(stereo: Stereo, near: Array, far: Array) -> Case:
 def test_an_ordinary_pair_is_where_it_is_drawn() -> None:
     stereo = Stereo(camera(40, 20))
     curve = PAIRS["S-wave"]
-    points, codes = solved(stereo, stereo.project(curve), stereo.project(curve * MIRROR))
+    points, codes = intersect_rays(stereo, stereo.project(curve), stereo.project(curve * MIRROR))
     assert (codes == Case.ORDINARY).all()
     assert np.abs(points - curve).max() < 1e-9 * DIAGONAL
 
@@ -52,7 +52,7 @@ def test_an_ordinary_pair_is_where_it_is_drawn() -> None:
 def test_an_eye_at_infinity_is_solved_by_origins() -> None:
     stereo = Stereo(camera(40, 20, "orthographic"))
     curve = PAIRS["S-wave"]
-    points, codes = solved(stereo, stereo.project(curve), stereo.project(curve * MIRROR))
+    points, codes = intersect_rays(stereo, stereo.project(curve), stereo.project(curve * MIRROR))
     assert (codes == Case.EYE_AT_INFINITY).all()
     assert np.abs(points - curve).max() < 1e-9 * DIAGONAL
 
@@ -62,7 +62,7 @@ def test_both_sides_in_one_place_are_exactly_in_the_plane(kind: Kind) -> None:
     stereo = Stereo(camera(40, 20, kind))
     curve = FLAT["bonnet line"]
     drawn = stereo.project(curve)
-    points, codes = solved(stereo, drawn, drawn)
+    points, codes = intersect_rays(stereo, drawn, drawn)
     assert (codes == Case.IN_PLANE).all()
     assert (points[:, 1] == 0.0).all()
     assert np.abs(points - curve).max() < 1e-9 * DIAGONAL
@@ -122,7 +122,7 @@ def test_cases_are_those_of_two_lines_in_space(kind: Kind) -> None:
         stereo = Stereo(camera(azimuth, elevation, kind))
         near = random.uniform(0, 900, (20, 2))
         far = near + random.uniform(-300, 300, (20, 1)) * stereo.toward_vanishing(near)
-        points, codes = solved(stereo, near, far)
+        points, codes = intersect_rays(stereo, near, far)
         rays = (*stereo.rays(near), *stereo.rays(far))
         for point, code, o1, d1, o2, d2 in zip(points, codes, *rays, strict=True):
             (t, s), *_ = np.linalg.lstsq(np.column_stack((d1, -d2 * MIRROR)), o2 * MIRROR - o1)
@@ -145,7 +145,7 @@ def test_a_hundred_thousand_pairs_in_degenerate_views(kind: Kind) -> None:
             far[:100] = near[:100]
             near[100:110], far[105:115] = (600.0, 450.0), (600.0, 450.0)
             far[200:300] = random.uniform(-500, 1500, (100, 2))
-            points, codes = solved(stereo, near, far)
+            points, codes = intersect_rays(stereo, near, far)
             assert (np.isfinite(points).all(axis=1) == np.isin(codes, SOLVABLE)).all()
             assert not np.isinf(points).any()
             assert np.isin(codes, list(Case)).all()
@@ -170,15 +170,15 @@ def test_any_view_gives_points_or_a_reason(
         return
     stereo = Stereo(Camera(kind=kind, eye=eye, target=target))
     ink = np.array(pixels).reshape(-1, 4)
-    points, codes = solved(stereo, ink[:, :2], ink[:, 2:])
+    points, codes = intersect_rays(stereo, ink[:, :2], ink[:, 2:])
     known = np.isfinite(points).all(axis=1)
     assert (known == np.isin(codes, SOLVABLE)).all()
-    assert bool(reasons(codes)) == bool((~known).any())
+    assert bool(reasons_of(codes)) == bool((~known).any())
 
 
 def test_reasons_are_told_the_commonest_first() -> None:
-    assert reasons([0, 6, 7, 0]) == ()
-    told = reasons([Case.BEHIND, Case.PARALLEL, 0, Case.BEHIND])
+    assert reasons_of([0, 6, 7, 0]) == ()
+    told = reasons_of([Case.BEHIND, Case.PARALLEL, 0, Case.BEHIND])
     assert told == tuple(f"{CAUSES[c]} {REMEDIES[c]}" for c in (Case.BEHIND, Case.PARALLEL))
     assert set(CAUSES) == set(REMEDIES) == set(Case) - set(SOLVABLE)
-    assert reasons([]) == ()
+    assert reasons_of([]) == ()

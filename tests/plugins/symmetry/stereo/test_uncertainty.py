@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from bozzetto.view import Camera
 from bozzetto_symmetry.interpretation.side_pairing import pairings
-from bozzetto_symmetry.interpretation.triangulation import solved
+from bozzetto_symmetry.interpretation.triangulation import triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import (
     ANYWHERE,
@@ -93,7 +93,7 @@ def test_hands_whose_sides_are_matched_err_by_what_is_predicted(name: str, kind:
         near, far = (
             drawn(side, view, noise=1.0, random=random) for side in (curve, curve * MIRROR)
         )
-        made = solved(stereo, pairings(stereo, near, far)[0], None)
+        made = triangulate(stereo, pairings(stereo, near, far)[0])
         distance, nearest = map(np.asarray, tree.query(made.points))
         along = tangents[nearest]
         across = np.trace(made.covariances, axis1=1, axis2=2) - np.einsum(

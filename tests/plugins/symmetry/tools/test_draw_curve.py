@@ -13,7 +13,7 @@ from bozzetto.plugin import Context, Ink, Job, Tap
 from bozzetto.scene import Lines, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.state import SymmetryState
-from bozzetto_symmetry.solve.curve_solver import traced
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.draw_curve import DrawCurve, rungs
 from bozzetto_symmetry.view.hints import FIRST
@@ -145,8 +145,8 @@ def test_the_keys_that_are_named_are_those_of_the_commands(waiting) -> None:
     from bozzetto_symmetry.view.hints import OTHERWISE, UNDECIDED
 
     keys = {command.id: command.key for command in all_commands()}
-    assert OTHERWISE.startswith(keys["switch-reading"] + " ")
-    assert f": {keys['other-matching']} takes it" in UNDECIDED
+    assert f"Press {keys['switch-reading']} " in OTHERWISE
+    assert f"Press {keys['other-matching']} " in UNDECIDED
 
 
 def test_where_no_curve_is_chosen_or_it_is_hidden_the_first_words_are_said(waiting) -> None:
@@ -160,7 +160,7 @@ def test_warnings_come_first(waiting) -> None:
     (far,) = gesture(RAIL * MIRROR, trimmed=0.4).strokes
     both = replace(curve, strokes=curve.strokes.extended((far,)), reading="pair")
     short = waiting.with_node(both)
-    warnings = traced(short.curves[0], short).warnings
+    warnings = trace_of(short.curves[0], short).warnings
     assert warnings
     assert said(short).startswith(warnings[0])
 
@@ -171,7 +171,7 @@ def test_what_cannot_be_is_said_with_what_to_do_instead() -> None:
     (curve,) = state.curves
     wrong = state.with_node(replace(curve, reading="pair"))
     with pytest.raises(UserError) as refused:
-        traced(wrong.curves[0], wrong)
+        trace_of(wrong.curves[0], wrong)
     assert said(wrong) == refused.value.message
 
 

@@ -10,7 +10,7 @@ import pytest
 from bozzetto.scene import Label, Lines
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
-from bozzetto_symmetry.model.grid import clipped
+from bozzetto_symmetry.model.grid import clip_to_box
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.view.box import box_layers
@@ -19,8 +19,8 @@ from bozzetto_symmetry.view.vanishing_lines import (
     back_faces,
     front_edges,
     seen_from,
+    seen_vanishing_point,
     vanishing_marks,
-    vanishing_point,
 )
 
 STATE = SymmetryState(centre=(10.0, -5.0, 30.0), length=200.0, width=120.0, height=80.0)
@@ -44,7 +44,7 @@ def test_lines_of_sight_leave_the_box_through_its_back_faces(camera: Camera) -> 
     back = back_faces(STATE, camera)
     pixels = np.random.default_rng(2).uniform((0, 0), camera.viewport, (2000, 2))
     origins, ways = camera.rays(pixels)
-    begin, end, inside = clipped(origins, ways, STATE.centre, STATE.size)
+    begin, end, inside = clip_to_box(origins, ways, STATE.centre, STATE.size)
 
     def walls(at: np.ndarray, seen: np.ndarray) -> set[tuple[int, int]]:
         share = (origins + at[:, None] * ways - STATE.centre)[seen] / STATE.size
@@ -69,7 +69,7 @@ def test_from_outside_nine_edges_are_in_front_and_from_inside_none() -> None:
 @pytest.mark.parametrize("camera", VIEWS[::2])
 def test_vanishing_points_are_images_of_places_far_away(camera: Camera) -> None:
     for axis in AXES:
-        found = vanishing_point(camera, axis)
+        found = seen_vanishing_point(camera, axis)
         depth = camera.axes[2] @ axis
         if found is None:
             continue
@@ -79,9 +79,9 @@ def test_vanishing_points_are_images_of_places_far_away(camera: Camera) -> None:
 
 def test_vanishing_points_far_from_the_canvas_are_left_out() -> None:
     camera = Camera(eye=(20.0, -600.0, 0.0))
-    assert vanishing_point(camera, AXES[0]) is None
-    assert vanishing_point(camera, AXES[1]) is not None
-    assert vanishing_point(camera, AXES[2]) is None
+    assert seen_vanishing_point(camera, AXES[0]) is None
+    assert seen_vanishing_point(camera, AXES[1]) is not None
+    assert seen_vanishing_point(camera, AXES[2]) is None
     assert not vanishing_marks(STATE, Camera(kind="orthographic")).layers
 
 
@@ -93,7 +93,7 @@ def test_marks_are_seen_where_the_axes_vanish(fov: float) -> None:
     letters = [item for item in layer.items if isinstance(item, Label)]
     assert len(crosses) == len(letters) >= 2
     for cross, letter in zip(crosses, letters, strict=True):
-        expected = vanishing_point(camera, AXES["xyz".index(letter.text)])
+        expected = seen_vanishing_point(camera, AXES["xyz".index(letter.text)])
         assert expected is not None
         ends, _ = camera.project(cross.points)
         assert ends.mean(axis=0) == pytest.approx(expected, abs=0.01)
@@ -131,7 +131,7 @@ def test_lengthened_edges_go_on_along_their_axis_and_nearly_meet(camera: Camera)
         ways = np.array([line[-1] - line[0] for line in lines])
         axis = int(np.abs(ways[0]).argmax())
         assert np.abs(np.delete(ways, axis, axis=1)).max() < 1e-3 * np.abs(ways).max()
-        place = vanishing_point(camera, AXES[axis])
+        place = seen_vanishing_point(camera, AXES[axis])
         if place is None:
             continue
         for line in lines:

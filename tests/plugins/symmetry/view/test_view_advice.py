@@ -14,7 +14,7 @@ from bozzetto.geometry import Placement
 from bozzetto.view import Camera
 from bozzetto.view.navigation import turn
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-from bozzetto_symmetry.stereo.degeneracies import CAUSES, Case, solved
+from bozzetto_symmetry.stereo.degeneracies import CAUSES, Case, intersect_rays
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
 from bozzetto_symmetry.view.view_advice import Advice, advice
@@ -267,6 +267,6 @@ def test_fifty_thousand_views_of_each_kind(kind: Kind) -> None:
             continue
         stereo = Stereo(Camera(kind=kind, eye=tuple(eye), target=tuple(target)))
         near, far = random.choice([0.0, 450.0, 600.0, 777.0], (2, 1, 2))
-        points, _ = solved(stereo, near, far)
+        points, _ = intersect_rays(stereo, near, far)
         assert not np.isinf(points).any()
         assert np.isfinite(pair_covariances(stereo, near, far, tangents)).all()
