@@ -255,6 +255,8 @@ def in_world_of(body: Body, edit: BodyEdit) -> Network:
 
 
 def _map_to(network: Network, wanted: Dimensions) -> Reshaping | None:
+    if not wanted.given():
+        return None
     return _maps.recall((network, wanted), partial(reshaping_of, network, wanted))
 
 
@@ -356,10 +358,12 @@ def _seen_again(body: Body) -> dict[str, Stand]:
     for key in body.solved.solid:
         placed = body.solved.placed[key]
         nodes, marks = counted_marks(placed, body.template)
+        assert placed.resection is not None
         try:
             found = resect(
                 body.network.positions[nodes], marks, placed.sketch.size,
                 kind=placed.stand.camera.kind, cropped=placed.sketch.cropped,
+                before=replace(placed.resection, disagreeing=()),
             )  # fmt: skip
         except UserError:
             continue  # marks that say too little of another body: it is seen as the one before

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -30,7 +29,10 @@ SPACING: Final = 4.0
 """Distance of the places that are shown, mm: from how near one ever looks at a car, straight
 pieces so short look round."""
 
-_lines: Memory[tuple[Array, ...]] = Memory(limit=64)
+REMEMBERED: Final = 16
+"""Bodies of which the lines of all curves are remembered."""
+
+_lines: Memory[tuple[tuple[Array, ...], ...]] = Memory(REMEMBERED)
 
 
 def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
@@ -41,10 +43,11 @@ def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
 def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
     """The styling curves that are shown; mirror images in the second colour."""
     made: list[Item] = []
-    for curve in shown_styling(state):
+    curves = shown_styling(state)
+    row = _lines.recall((curves, body), lambda: tuple(_laid_out(own, body) for own in curves))
+    for curve, lines in zip(curves, row, strict=True):
         chosen = curve.id == state.selected
         paint: Paint = "accent" if chosen else curve.color or "ink"
-        lines = _lines.recall((curve, body), partial(_laid_out, curve, body))
         if not lines:
             continue
         points = np.concatenate(lines)
