@@ -10,8 +10,6 @@ from bozzetto_car.marking.commands import marking_commands
 from bozzetto_car.marking.edit_marks import with_sides_exchanged
 from bozzetto_car.state import CarState, Treatment
 
-__all__ = ["all_commands"]
-
 
 def all_commands() -> tuple[Command, ...]:
     """All of them, in the order in which they are listed."""

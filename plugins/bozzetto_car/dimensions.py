@@ -14,15 +14,10 @@ from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.template.model import Template
-
-__all__ = ["NONE_BEYOND", "WORDS", "Dimensions", "Locks", "Overlap", "measured"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 WORDS: Final = {
     "length": "length",

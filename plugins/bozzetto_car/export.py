@@ -10,8 +10,6 @@ from bozzetto_car.state import CarState
 from bozzetto_car.styling.export import as_curves
 from bozzetto_car.styling.scene import shown_styling
 
-__all__ = ["curves_of", "shapes_of"]
-
 ONE_SPAN = np.repeat((0.0, 1.0), 4)
 """Knots of a cubic of one span."""
 

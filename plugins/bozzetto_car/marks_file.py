@@ -12,21 +12,17 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.scene import Picture
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.sketch_camera import flat_stand
 from bozzetto_car.report import SHORT
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
 from bozzetto_car.styling.curve import laid
 from bozzetto_car.template.loader import TEMPLATES
-
-__all__ = ["car_from_facts", "is_car_file"]
-
-Array = NDArray[np.float64]
 
 MOST_SKETCHES: Final = 8
 """Views of one file."""

@@ -23,8 +23,6 @@ from bozzetto_car.tools import all_tools
 from bozzetto_car.view.scene import scene_of
 from bozzetto_car.view.view_advice import advice_on, view_after
 
-__all__ = ["Car"]
-
 NO_MARKS: Final = (
     "This file holds no marks of a car. Give a file with “views”, or drop a picture and mark it."
 )

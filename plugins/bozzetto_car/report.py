@@ -14,10 +14,8 @@ from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import Stand
-from bozzetto_car.solver.pipeline import Placed, counted_marks
+from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.uncertainty import certainty, further_views
-
-__all__ = ["cautions_of", "report_of"]
 
 
 def report_of(body: Body) -> dict[str, Any]:

@@ -17,24 +17,9 @@ from bozzetto.geometry import frozen
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto.scene import Picture
+from bozzetto_car.array_types import Array
 from bozzetto_car.dimensions import LONGEST, Dimensions
 from bozzetto_car.template.loader import Bundled
-
-__all__ = [
-    "TRACE",
-    "BentEdge",
-    "BodyEdit",
-    "CarState",
-    "Group",
-    "Mark",
-    "MovedNode",
-    "Node",
-    "Side",
-    "Sketch",
-    "StylingCurve",
-    "TracedEdges",
-    "Treatment",
-]
 
 Point = tuple[float, float, float]
 Color = tuple[int, int, int]
@@ -237,7 +222,7 @@ class StylingCurve(Node):
 
     patches: tuple[str, ...] = ()
     on: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    places: Array = field(default_factory=lambda: np.zeros((0, 2)))
     both: Annotated[
         bool, Parameter("On both sides", help="Show the mirror image on the other side, too.")
     ] = True

@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.coons import coons_nets
@@ -18,6 +17,7 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.plugin import Memory
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.chain_smoothing import annealed, ratio_locked, reduced
 from bozzetto_car.body.default_shape import pulled_out
 from bozzetto_car.body.dimension_map import Reshaping
@@ -26,17 +26,12 @@ from bozzetto_car.body.stretch import brought_back, reshaping_of, stretched
 from bozzetto_car.body.trace_edges import traced
 from bozzetto_car.camera.sketch_camera import Stand
 from bozzetto_car.dimensions import Dimensions, measured
-from bozzetto_car.solver.pipeline import Solved, counted_marks, solved
+from bozzetto_car.solver.initial_cameras import counted_marks
+from bozzetto_car.solver.pipeline import Solved, solved
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, node_called, with_positions
 
-__all__ = [
-    "Body", "Trouble", "body_of", "drawn_through", "in_world_of", "preview_of",
-    "unstretched_body_of",
-]  # fmt: skip
-
-Array = NDArray[np.float64]
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
 
 REMEMBERED: Final = 1024

@@ -15,15 +15,12 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry.patches.crease import locked
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import Chain
 from bozzetto_car.template.network import HANDLE, Joint, Network, as_hermite, joints, with_tangents
-
-__all__ = ["annealed", "ratio_locked", "reduced", "smoothed"]
-
-Array = NDArray[np.float64]
 
 PARALLEL: Final = 1e-12
 """Sine of the angle below which two tangents have one direction already: they stay as they are,

@@ -13,14 +13,10 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import HANDLE, Network, with_tangents
-
-__all__ = ["CORNER", "PANEL", "posts", "pulled_out"]
-
-Array = NDArray[np.float64]
 
 PANEL: Final = 30.0
 """How far the middle of a post between two side panels stands out from its chord, mm."""

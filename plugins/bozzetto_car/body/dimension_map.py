@@ -24,15 +24,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array
 from bozzetto_car.dimensions import WORDS, Dimensions, measured
 from bozzetto_car.template.model import Template
-
-__all__ = ["EXACT", "Reshaping", "reshaped"]
-
-Array = NDArray[np.float64]
 
 EXACT: Final = 1e-6
 """Difference, mm, at which a dimension is what was wanted."""

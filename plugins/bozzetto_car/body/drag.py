@@ -10,18 +10,15 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.chain_smoothing import smoothed
 from bozzetto_car.body.edge_fit import UNSEEN, seen, seen_slopes
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents
-
-__all__ = ["bent", "dragged_place", "handle_dragged", "node_dragged"]
-
-Array = NDArray[np.float64]
 
 SHORTEST_HANDLE: Final = 0.01
 """Least length of a handle, per chord of its edge: a tangent of no length has no direction."""

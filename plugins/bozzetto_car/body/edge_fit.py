@@ -16,18 +16,15 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.ink.checked_points import is_on_sheet
 from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
-
-__all__ = ["Sighting", "fitted", "four_point_cubic", "paper_cubic", "seen", "seen_slopes"]
-
-Array = NDArray[np.float64]
 
 INNER: Final = np.array([1.0, 2.0]) / 3.0
 """Parameters of the inner points that the cubic of the paper goes through."""

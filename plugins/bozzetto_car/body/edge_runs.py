@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import bernstein
@@ -17,14 +17,11 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.body.edge_fit import seen
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
-
-__all__ = ["Run", "run_along"]
-
-Array = NDArray[np.float64]
 
 SHORTEST: Final = 4.0
 """Length of a stroke, px, below which it is a dot."""
@@ -208,7 +205,7 @@ def _distance(away: Array, row: tuple[int, ...]) -> float:
     return float(away[:, [max(edge, ~edge) for edge in row]].min(axis=1).mean())
 
 
-def _cost(away: Array, row: tuple[int, ...], faces: NDArray[np.bool_]) -> float:
+def _cost(away: Array, row: tuple[int, ...], faces: Flags) -> float:
     """The same, with what is added where the row is hidden."""
     distance = _distance(away, row)
     factor, more = HIDDEN
@@ -216,7 +213,7 @@ def _cost(away: Array, row: tuple[int, ...], faces: NDArray[np.bool_]) -> float:
     return distance + hidden * ((factor - 1.0) * distance + more)
 
 
-def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, NDArray[np.intp]]:
+def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, Index]:
     """Lengths along the picture of a row, and the places there that a stroke passes, in order."""
     path = _laid_out(paths, row)
     along = arc_length(path)

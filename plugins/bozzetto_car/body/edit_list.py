@@ -13,8 +13,6 @@ import numpy as np
 
 from bozzetto_car.state import BentEdge, MovedNode, TracedEdges, Treatment
 
-__all__ = ["dragged", "without_last_of"]
-
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
 Edits = tuple[Edit, ...]
 

@@ -8,17 +8,13 @@ the edge as a whole by what the cubic form leaves out, as it does if its control
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import extent
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.dimension_map import Reshaping, reshaped
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.template.network import Network
-
-__all__ = ["brought_back", "reshaping_of", "stretched"]
-
-Array = NDArray[np.float64]
 
 
 def reshaping_of(network: Network, wanted: Dimensions) -> Reshaping | None:

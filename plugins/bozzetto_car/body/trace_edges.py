@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import bernstein
@@ -16,6 +16,7 @@ from bozzetto.ink.checked_points import FARTHEST
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.chain_smoothing import smoothed
 from bozzetto_car.body.drag import dragged_place
 from bozzetto_car.body.edge_fit import UNSEEN, Sighting, fitted, paper_cubic, seen, seen_slopes
@@ -24,9 +25,6 @@ from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network, as_hermite, joints, with_positions, with_tangents
 
-__all__ = ["Traced", "traced"]
-
-Array = NDArray[np.float64]
 Directions = tuple[Array, Array]
 
 NEAR_END: Final = 0.25
@@ -235,7 +233,7 @@ def _deviations(network: Network, run: Run, camera: Camera) -> tuple[float, ...]
     return tuple(found)
 
 
-def _beside(part: Array, path: Array) -> NDArray[np.bool_]:
+def _beside(part: Array, path: Array) -> Flags:
     """Samples that are nearer to the inside of a polyline than to either of its ends."""
     away = np.linalg.norm(part[:, None] - path, axis=2).argmin(axis=1)
     return np.asarray((away > 0) & (away < len(path) - 1))

@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches.patch import Places, grid, points_at
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
 
-__all__ = ["wheel_meshes"]
-
-Array = NDArray[np.float64]
 Color = tuple[int, int, int, int]
 Piece = tuple[Array, Array, NDArray[np.integer[Any]], Array]
 

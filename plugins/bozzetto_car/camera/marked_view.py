@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
@@ -14,12 +13,8 @@ from bozzetto.view import Camera
 from bozzetto.view.calibration.levenberg_marquardt import CROPPED, freedom
 from bozzetto.view.calibration.normalization import Framing
 from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, Poses
+from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.template.model import Template
-
-__all__ = ["MOST_VIEWS", "MarkedView", "Residuals", "Sight", "framing_of"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 FEWEST_MARKS: Final = 4
 """Marks of a sketch that can say anything: a camera has seven numbers, a mark tells two."""
@@ -88,7 +83,7 @@ class MarkedView:
         """The same marks seen by another camera."""
         return replace(self, camera=camera, shift=shift)
 
-    def only(self, counted: NDArray[np.bool_]) -> MarkedView:
+    def only(self, counted: Flags) -> MarkedView:
         """The same with some of its marks, (k,)."""
         return replace(self, nodes=self.nodes[counted], marks=self.marks[counted])
 

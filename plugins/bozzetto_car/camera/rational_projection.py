@@ -10,13 +10,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-
-__all__ = ["Pictured", "camera_matrix"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 POWERS: Final = np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], float)
 """Coefficients of 1, t, t², t³ from Bézier points."""

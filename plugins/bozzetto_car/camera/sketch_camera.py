@@ -11,16 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.scene import Image, Picture
 from bozzetto.view import Camera
 from bozzetto.view.eye_fixed_motion import FOV_LIMITS
 from bozzetto.view.rotations import triple
-
-__all__ = ["Stand", "flat_stand"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 SHEET: Final = 6000.0
 """Width of a picture whose camera is not known yet, mm: a car in it has about its size."""

@@ -5,21 +5,17 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
-
-__all__ = ["facing"]
-
-Array = NDArray[np.float64]
 
 GRAZING: Final = 0.08
 """Least cosine between a patch's normal and the ray to the eye: at less than five degrees a
 patch is too narrow in the sketch for anybody to tell where it ends."""
 
 
-def facing(template: Template, positions: Array, camera: Camera) -> NDArray[np.bool_]:
+def facing(template: Template, positions: Array, camera: Camera) -> Flags:
     """Nodes in front of the camera with a patch that faces it, and wheels on its side, (n,).
 
     A node that another part of the car hides counts as seen: on a car that is next to convex

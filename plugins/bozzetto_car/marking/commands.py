@@ -17,8 +17,6 @@ from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, in_work
 from bozzetto_car.solver.pipeline import solved
 from bozzetto_car.state import CarState
 
-__all__ = ["asked_node", "marking_commands", "passed_over"]
-
 NOTHING_HIDDEN: Final = "No point of this sketch is noted as not visible. There is none to ask for."
 
 

@@ -14,18 +14,6 @@ from bozzetto.errors import UserError
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.model import Template, twin
 
-__all__ = [
-    "marked",
-    "near_wheels",
-    "sketch_in_work",
-    "with_all_asked",
-    "with_asked",
-    "with_sides_exchanged",
-    "with_skipped",
-    "without_last_mark",
-    "without_marks",
-]
-
 
 def sketch_in_work(state: CarState) -> Sketch:
     """The sketch that is marked.

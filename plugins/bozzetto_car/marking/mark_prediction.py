@@ -11,18 +11,14 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
 from bozzetto.view.calibration import Places
+from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import Sight
 from bozzetto_car.solver.bundle_adjustment import Joint
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.prior import robust_weights
-
-__all__ = ["expected"]
-
-Array = NDArray[np.float64]
 
 OPEN: Final = 1e-12
 """Share of the largest part of a form below which it says nothing of a number of the camera."""

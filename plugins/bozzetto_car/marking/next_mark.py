@@ -6,30 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.edit_marks import near_wheels
 from bozzetto_car.marking.mark_prediction import expected
-from bozzetto_car.solver.pipeline import FEWEST, Placed, Solved
+from bozzetto_car.solver.initial_cameras import FEWEST, Placed
+from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.model import Template
-
-__all__ = [
-    "ALL_MARKED",
-    "HIDDEN",
-    "Asked",
-    "asked_of",
-    "hint_of",
-    "in_work",
-    "neighbour_of",
-    "open_nodes",
-    "shown_nodes",
-    "titled",
-]
-
-Array = NDArray[np.float64]
 
 HIDDEN: Final = "This sketch is hidden. Show it to mark it."
 
@@ -129,14 +113,14 @@ def _order_after_newest(sketch: Sketch, template: Template) -> tuple[int, ...]:
     return (*order[begin:], *order[:begin])
 
 
-def shown_nodes(placed: Placed, solved: Solved) -> NDArray[np.bool_] | None:
+def shown_nodes(placed: Placed, solved: Solved) -> Flags | None:
     """Which nodes a sketch shows, (n,); None while that is not known."""
     if not placed.is_known:
         return None
     return facing(solved.template, solved.positions, placed.stand.camera)
 
 
-def _described(node: int, placed: Placed, solved: Solved, shown: NDArray[np.bool_] | None) -> Asked:
+def _described(node: int, placed: Placed, solved: Solved, shown: Flags | None) -> Asked:
     name = solved.template.names[node]
     if shown is None:
         return Asked(name)

@@ -16,12 +16,11 @@ from bozzetto.scene import Layer, Palette, Scene, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 from bozzetto.view.navigation import fit_points
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.wheels import wheel_meshes
 from bozzetto_car.template.model import Picture, Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import network_lines
-
-__all__ = ["Pose", "SmallCar", "between", "pose_of", "small_car"]
 
 DIVISIONS: Final = 8
 """Steps along each side of a patch."""
@@ -130,7 +129,7 @@ def _camera(template: Template, pose: Pose, size: tuple[int, int]) -> Camera:
     return fit_points(camera, _outline(template), MARGIN)
 
 
-def _outline(template: Template) -> NDArray[np.float64]:
+def _outline(template: Template) -> Array:
     """The nodes, and the lowest points of the wheels."""
     wheels = template.positions[template.wheels.ravel()]
     return np.vstack((template.positions, wheels * (1.0, 1.0, 0.0)))

@@ -7,8 +7,6 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene import DARK, LIGHT, Palette
 
-__all__ = ["palette_of", "role", "warning_of"]
-
 
 def palette_of(widget: QWidget) -> Palette:
     """The palette of the sheet that goes with a widget's own."""

@@ -29,8 +29,6 @@ from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
 from bozzetto_car.panel.worker import Work
 from bozzetto_car.state import CarState
 
-__all__ = ["GuidePanel"]
-
 PATIENCE: Final = 60
 """Time after a change before the panel looks at it, ms: the program solves the car first, and
 then its answer is remembered."""

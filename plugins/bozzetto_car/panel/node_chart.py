@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -20,10 +19,9 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.panel.colors import palette_of, role, warning_of
 from bozzetto_car.panel.view_model import Chart, Guide, NodeRow, chart_of
-
-__all__ = ["NodeChart", "told"]
 
 MARGIN: Final = 12.0
 """Free space around the drawing, px."""
@@ -101,7 +99,7 @@ class NodeChart(QWidget):
             inner = self.width() - 2.0 * MARGIN
             self.setFixedHeight(round(inner * self._chart.height + 2.0 * MARGIN))
 
-    def _laid(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _laid(self, places: Array) -> Array:
         return np.asarray(MARGIN + (self.width() - 2.0 * MARGIN) * places)
 
     def _row_at(self, at: QPointF) -> NodeRow | None:
@@ -133,7 +131,7 @@ class NodeChart(QWidget):
             painter.setPen(QPen(role(self, Role.Link), 1.0))
             painter.drawRoundedRect(self.rect().adjusted(0, 0, -1, -1), 4.0, 4.0)
 
-    def _path(self, edges: NDArray[np.float64]) -> QPainterPath:
+    def _path(self, edges: Array) -> QPainterPath:
         path = QPainterPath()
         for edge in self._laid(edges).tolist():
             path.moveTo(*edge[0])

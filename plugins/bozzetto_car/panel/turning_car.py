@@ -22,8 +22,6 @@ from bozzetto_car.panel.colors import palette_of, role
 from bozzetto_car.panel.worker import Work
 from bozzetto_car.template.model import Template
 
-__all__ = ["STILL", "TurningCar"]
-
 SHAPE: Final = 0.5
 """Height of the picture per width."""
 

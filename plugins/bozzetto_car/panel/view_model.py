@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import (
@@ -21,15 +21,13 @@ from bozzetto_car.marking.next_mark import (
     shown_nodes,
     titled,
 )
-from bozzetto_car.solver.pipeline import FEWEST, Placed, Solved
+from bozzetto_car.solver.initial_cameras import FEWEST, Placed
+from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import further_views
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.model import Picture, Template
 from bozzetto_car.template.shape_constraints import soundness_names
 
-__all__ = ["Chart", "Guide", "NodeRow", "Rule", "SketchRow", "Status", "chart_of", "guide_of"]
-
-Array = NDArray[np.float64]
 Status = Literal["asked", "set", "wrong", "skipped", "open", "hidden"]
 
 CHART_POSE: Final = Picture(69.0, 20.0)
@@ -103,7 +101,7 @@ class Chart:
 
     places: Array
     edges: Array
-    front: NDArray[np.bool_]
+    front: Flags
     height: float
 
 

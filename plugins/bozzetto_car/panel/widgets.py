@@ -11,8 +11,6 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QSizePolicy, QVBoxLayout,
 from bozzetto_car.panel.colors import role, warning_of
 from bozzetto_car.panel.view_model import SketchRow
 
-__all__ = ["Fold", "Progress", "SketchButton", "label"]
-
 Role = QPalette.ColorRole
 
 CHEVRON: Final = [QPointF(-2.0, -4.0), QPointF(2.0, 0.0), QPointF(-2.0, 4.0)]

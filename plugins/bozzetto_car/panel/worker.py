@@ -10,8 +10,6 @@ from PySide6.QtCore import QObject, QTimer
 
 from bozzetto.errors import UserError
 
-__all__ = ["Work"]
-
 LOOK: Final = 12
 """Time between two looks at whether the answer is there, ms. The thread never touches Qt."""
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.pose import Poses
+from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Sight
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
 from bozzetto_car.solver.feasible_set import Feasible
@@ -27,10 +27,6 @@ from bozzetto_car.solver.leave_one_out import LeftOut, left_out
 from bozzetto_car.solver.prior import Cost, Prior, robust_weights
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
-
-__all__ = ["Joint", "solve", "without_cameras"]
-
-Array = NDArray[np.float64]
 
 MOST_STEPS: Final = 40
 """Most steps, taken or not. A cold solve takes six to ten."""

@@ -12,16 +12,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.dimensions import Locks
 from bozzetto_car.solver.quadratic_program import Contradiction, constrained_minimum
 from bozzetto_car.template.shape_constraints import Soundness
-
-__all__ = ["VIOLATED", "Feasible"]
-
-Array = NDArray[np.float64]
 
 VIOLATED: Final = 1e-10
 """Negative slack, mm, that counts as a violation. What rounding leaves of a car of 5000 mm is a
@@ -136,7 +132,7 @@ class Feasible:
         allowed = self._slacks(moved).min(initial=0.0) >= -VIOLATED
         return np.asarray(moved) if allowed else None
 
-    def _straight(self) -> NDArray[np.bool_]:
+    def _straight(self) -> Flags:
         """Which of the inequalities are linear."""
         linear, named = len(self.soundness.matrix), len(self.soundness.names)
         number = np.arange(named + len(self.bounds))

@@ -22,16 +22,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MarkedView, Sight
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.template.model import Template
-
-__all__ = ["Evidence", "Weighed", "evidence_of", "weighed"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 SPREADS: Final = np.geomspace(0.03, 1.5, 12)
 """Shares t of the deviations that the cost expects; all of them as likely beforehand."""

@@ -11,19 +11,15 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view.calibration import Resection, resect
+from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.camera.sketch_camera import Stand, flat_stand
 from bozzetto_car.solver.hyperparameters import evidence_of
 from bozzetto_car.state import Sketch
 from bozzetto_car.template.model import Template
-
-__all__ = ["FEWEST", "Placed", "counted_marks", "placed_by", "told_by", "view_of"]
-
-Array = NDArray[np.float64]
 
 FEWEST: Final = 6
 """Marks from which the camera of a sketch can be found."""
@@ -108,7 +104,7 @@ def placed_by(template: Template, sketch: Sketch, resumed: Placed | None = None)
 def _camera_of(
     sketch: Sketch,
     template: Template,
-    nodes: NDArray[np.intp],
+    nodes: Index,
     places: Array,
     resumed: Placed | None,
 ) -> Resection:
@@ -149,7 +145,7 @@ def _is_exchanged(placed: Placed, template: Template) -> bool:
     return left.spread < PLAUSIBLE and left.total > right.total + EXCHANGED
 
 
-def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
+def _too_near(template: Template, nodes: Index, found: Resection) -> Flags:
     """Which nodes (k,) a camera has so near its eye, or behind it, that it cannot show them."""
     depth = found.camera.view_space(template.positions)[:, 2]
     return np.asarray(depth[nodes] < NEAR_EYE * depth.mean())
@@ -163,7 +159,7 @@ def view_of(placed: Placed, template: Template) -> MarkedView:
     return MarkedView(found.camera, nodes, marks, found.shift, placed.sketch.cropped)
 
 
-def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp], Array]:
+def counted_marks(placed: Placed, template: Template) -> tuple[Index, Array]:
     """Nodes (k,) and marks (k, 2), px, of a sketch without those that were set aside."""
     marks = [
         mark

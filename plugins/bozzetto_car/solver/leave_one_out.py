@@ -12,11 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["LeftOut", "left_out"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,19 +14,18 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import extent
 from bozzetto.plugin import Memory, switched_on
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import Stand
 from bozzetto_car.dimensions import Overlap
 from bozzetto_car.solver.bundle_adjustment import Joint, solve
 from bozzetto_car.solver.hyperparameters import weighed
 from bozzetto_car.solver.initial_cameras import (
-    FEWEST,
     Placed,
     counted_marks,
     placed_by,
@@ -39,10 +38,6 @@ from bozzetto_car.template.loader import bundled, read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.shape_constraints import Soundness
-
-__all__ = ["FEWEST", "Placed", "Solved", "counted_marks", "solved", "template_of"]
-
-Array = NDArray[np.float64]
 
 GENEROUS: Final = 2.0
 """Factor of the spread that is probable. It is half of what the cost expects for most cars, whose
@@ -198,7 +193,7 @@ def _spread(found: float, trace: float) -> float:
     return float(min(1.0, GENEROUS * found) ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
 
 
-def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> NDArray[np.bool_]:
+def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> Flags:
     """Which marks of a sketch, (k,), are those of the nodes that are named."""
     return np.array([template.names[node] in names for node in view.nodes.tolist()], bool)
 

@@ -16,16 +16,11 @@ from dataclasses import dataclass, replace
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.state import TRACE
 from bozzetto_car.template.model import Template
-
-__all__ = ["Cost", "Prior", "extent", "robust_weights"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 HAND: Final = (0.02, 0.0005)
 """Standard deviation of a mark, in diagonals of all marks, where the balance is 0 and where it

@@ -13,12 +13,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Constrained", "Contradiction", "constrained_minimum"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto_car.array_types import Array, Index
 
 CONTRADICTORY: Final = 1e-9
 """Length of the dual residual, of 1, below which no vector keeps all inequalities: it is the

@@ -15,18 +15,15 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MarkedView, Sight
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.bundle_adjustment import Joint, without_cameras
 from bozzetto_car.solver.prior import Cost, Prior, extent
 from bozzetto_car.template.model import Picture, Template
 
-__all__ = ["FURTHER_VIEWS", "Certainty", "FurtherView", "Source", "certainty", "further_views"]
-
-Array = NDArray[np.float64]
 Source = Literal["seen", "mirrored", "guessed"]
 
 FURTHER_VIEWS: Final = {

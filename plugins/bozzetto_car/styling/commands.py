@@ -12,8 +12,6 @@ from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import mirrored, stem_of
 from bozzetto_car.styling.oversketch import smoothed
 
-__all__ = ["styling_commands"]
-
 SHARE: Final = 0.02
 """By how much a curve is smoothed at a time; see `smoothed`."""
 

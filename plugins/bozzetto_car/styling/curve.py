@@ -16,24 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.project_on_body import laid_paths
 from bozzetto_car.styling.stroke_line import smoothed_line
 from bozzetto_car.styling.surface_path import joined, unbroken
 from bozzetto_car.template.model import Template, twin
-
-__all__ = [
-    "Laid",
-    "curve_paths",
-    "curve_points",
-    "laid",
-    "mirrored",
-    "stem_of",
-    "with_paths",
-]
-
-Array = NDArray[np.float64]
 
 
 class Laid(NamedTuple):
@@ -94,12 +83,6 @@ def curve_paths(curve: StylingCurve, nets: Array, template: Template) -> list[Pl
         if len(run) and patches[run[0]] >= 0:
             paths += unbroken(nets, Places(patches[run], curve.places[run]))
     return paths
-
-
-def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
-    """The places of a styling curve on a body, (n, 3) mm, without those on patches it has not."""
-    path = joined(curve_paths(curve, nets, template))
-    return points_at(nets, path) if len(path) else np.zeros((0, 3))
 
 
 def with_paths(curve: StylingCurve, body: Body, paths: Sequence[Places]) -> StylingCurve:

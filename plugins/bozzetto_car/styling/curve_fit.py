@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_car.array_types import Array
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths
 from bozzetto_car.styling.surface_path import SAME, joined
@@ -26,9 +26,6 @@ from bozzetto_car.template.model import Template
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-__all__ = ["Course", "courses_on", "spline_of"]
-
-Array = NDArray[np.float64]
 
 TOLERANCE: Final = 0.005
 """Distance, mm, between a spline that is handed over and the line on the body."""

@@ -7,7 +7,7 @@ from operator import is_
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import Places
@@ -16,6 +16,7 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import unused_id, unused_name
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import mirrored, stem_of, with_paths
@@ -24,10 +25,6 @@ from bozzetto_car.styling.oversketch import begun_away
 from bozzetto_car.styling.picking import seen_parts
 from bozzetto_car.styling.scene import shown_styling
 from bozzetto_car.styling.surface_path import is_closed, joined
-
-__all__ = ["erased", "without_stretch"]
-
-Array = NDArray[np.float64]
 
 RUBBED: Final = 9.0
 """Half the width of the eraser, px."""

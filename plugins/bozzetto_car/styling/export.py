@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bozzetto.geometry import Curve
+from bozzetto_car.array_types import Array
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve_fit import courses_on, spline_of
 from bozzetto_car.styling.surface_path import is_closed
 from bozzetto_car.template.model import MIRROR, Template
-
-__all__ = ["as_curves"]
-
-Array = NDArray[np.float64]
 
 
 def as_curves(curve: StylingCurve, nets: Array, template: Template) -> tuple[Curve, ...]:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.ink.curves.resample import steps_along
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.styling.project_on_body import Seen, runs_of, seen_on_body
 from bozzetto_car.styling.stroke_line import STEP
-
-__all__ = ["Growing"]
-
-Array = NDArray[np.float64]
 
 MOST_AT_ONCE: Final = 24
 """Most rays between two samples; after a leap of the pen they are farther apart."""

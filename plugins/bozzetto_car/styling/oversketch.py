@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.closest_points import foot_points
@@ -16,6 +16,7 @@ from bozzetto.ink.curves.resample import arc_length, resample
 from bozzetto.ink.curves.smooth import smooth
 from bozzetto.ink.oversketch.snake import modified
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths, with_paths
@@ -24,11 +25,6 @@ from bozzetto_car.styling.picking import seen_parts, sight_of
 from bozzetto_car.styling.project_on_body import laid_paths
 from bozzetto_car.styling.stroke_line import STEP, smoothed_line
 from bozzetto_car.styling.surface_path import connected, is_closed, joined
-
-__all__ = ["begun_away", "oversketched", "smoothed"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 NODES: Final = 3.0
 """Distance of the nodes of the picture of a curve that is drawn over, px."""

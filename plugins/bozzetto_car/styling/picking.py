@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import normals_at, points_at
 from bozzetto.geometry.patches.ray_intersections import ray_hits
@@ -15,15 +14,11 @@ from bozzetto.ink.checked_points import FARTHEST
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import mirrored
 from bozzetto_car.styling.curve_fit import Course, courses_on
-
-__all__ = ["SeenPart", "Target", "seen_parts", "sight_of", "target_of"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 LOOKS: Final = 1024
 """Places by which the picture of a curve is measured."""

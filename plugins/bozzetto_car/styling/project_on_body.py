@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.closest_points import foot_points
@@ -20,14 +19,9 @@ from bozzetto.geometry.patches.ray_intersections import ray_hits
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.styling.surface_path import connected, joined
 from bozzetto_car.template.model import Template
-
-__all__ = ["Seen", "laid_paths", "runs_of", "seen_on_body"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Index = NDArray[np.intp]
 
 FINEST: Final = 0.25
 """Way, px, down to which the rim of the body and its breaks are located."""

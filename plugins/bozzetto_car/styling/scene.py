@@ -5,19 +5,15 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import points_at
 from bozzetto.plugin import Memory, switched_on
 from bozzetto.scene import Item, Lines, Paint
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve_fit import courses_on
 from bozzetto_car.template.model import MIRROR
-
-__all__ = ["shown_styling", "styling_items"]
-
-Array = NDArray[np.float64]
 
 WIDTH: Final = 2.0
 """Of a curve, px."""
@@ -59,7 +55,7 @@ def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
     return tuple(made)
 
 
-def _line(points: Array, starts: NDArray[np.intp], paint: Paint, width: float) -> Lines:
+def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:
     return Lines(points.astype(np.float32), starts.astype(np.int32), color=paint, width=width)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
@@ -19,10 +19,7 @@ from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.merge import fading, settle
-
-__all__ = ["STEP", "one_stroke", "smoothed_line"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 STEP: Final = 6.0
 """Distance of the places of a line, px."""

@@ -12,16 +12,11 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.coons import sides_of
 from bozzetto.geometry.patches.patch import Places, bernstein, points_at
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
-
-__all__ = ["SAME", "connected", "is_closed", "joined", "unbroken"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 SAME: Final = 1e-6
 """Distance, mm, below which two places are one point."""

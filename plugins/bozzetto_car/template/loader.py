@@ -29,16 +29,6 @@ from bozzetto_car.template.schema import (
 )
 from bozzetto_car.template.validation import check
 
-__all__ = [
-    "TEMPLATES",
-    "Bundled",
-    "bundled",
-    "faults_in",
-    "is_template",
-    "load_template",
-    "read_template",
-]
-
 Bundled = Literal["sedan", "hatchback", "minivan"]
 
 TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
@@ -64,17 +54,6 @@ def bundled(name: str) -> Template:
         there = ", ".join(TEMPLATES)
         raise FormatError(f"There is no template “{name[:40]}”. Choose one of: {there}.")
     return read_template(files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes())
-
-
-def load_template(path: Path) -> Template:
-    """Read a template from a file; see `read_template`.
-
-    Raises
-    ------
-    FormatError
-        Also if there is no such file.
-    """
-    return read_template(_content(path))
 
 
 def read_template(data: bytes) -> Template:

@@ -18,14 +18,9 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import frozen
-
-__all__ = ["AXES", "MIRROR", "Chain", "Patch", "Picture", "Rule", "Template", "twin"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto_car.array_types import Array, Index
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in the plane of symmetry, as factors of the coordinates."""

@@ -17,25 +17,12 @@ from functools import cached_property, lru_cache
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import MIRROR, Template
-
-__all__ = [
-    "Joint",
-    "Network",
-    "as_bezier",
-    "as_hermite",
-    "edge_called",
-    "joints",
-    "node_called",
-    "with_positions",
-    "with_tangents",
-]
-
-Array = NDArray[np.float64]
 
 HANDLE: Final = 1.0 / 3.0
 """Length of a handle, the leg of a cubic's Bézier polygon at its end, per length of the tangent."""
@@ -114,23 +101,6 @@ class Network:
         places = template.positions if positions is None else np.asarray(positions, float)
         return cls(template, places, template.tangents)
 
-    @classmethod
-    def from_control_points(
-        cls, template: Template, positions: ArrayLike, control_points: ArrayLike
-    ) -> Self:
-        """A network from nodes (n, 3) and Bézier points (m, 4, 3), mm.
-
-        Raises
-        ------
-        ValueError
-            If an edge does not begin and end in its nodes, to the last bit.
-        """
-        ends, tangents = as_hermite(control_points)
-        places = np.asarray(positions, float)
-        if not np.array_equal(places[template.edges], ends):
-            raise ValueError("an edge must begin and end in its nodes")
-        return cls(template, places, tangents)
-
     @cached_property
     def ends(self) -> Array:
         """Start and end of each edge, (m, 2, 3) mm."""
@@ -142,7 +112,7 @@ class Network:
         return as_bezier(self.ends, self.tangents)
 
     @cached_property
-    def free_axes(self) -> NDArray[np.bool_]:
+    def free_axes(self) -> Flags:
         """Coordinates that the tangents of a symmetric car may have, (m, 2, 3).
 
         An edge in the middle has no y; one that goes over to the other side smoothly has

@@ -14,13 +14,9 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR, Chain, Template
-
-__all__ = ["RIM_EDGES", "SMOOTH_ANGLE", "chain_faults", "edge_faults", "patch_faults"]
-
-Array = NDArray[np.float64]
 
 RIM_EDGES: Final = 12
 """Edges round the open bottom: on either side one along the front bumper, one below the front

@@ -14,8 +14,6 @@ from typing import Final
 from bozzetto.errors import FormatError
 from bozzetto_car.template.model import AXES, Rule
 
-__all__ = ["parsed"]
-
 LARGEST_NUMBER: Final = 1e6
 """Largest factor or number of mm in a rule: a car is shorter than a kilometre."""
 

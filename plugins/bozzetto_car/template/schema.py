@@ -16,17 +16,6 @@ from msgspec import Meta
 
 from bozzetto.errors import FormatError, words_of
 
-__all__ = [
-    "FORMAT",
-    "LARGEST_FILE",
-    "ChainRecord",
-    "NodeRecord",
-    "PictureRecord",
-    "Records",
-    "Vector",
-    "read_records",
-]
-
 FORMAT: Final = "bozzetto-car-template/1"
 
 LARGEST_FILE: Final = 1 << 20

@@ -22,14 +22,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.template.model import Template
-
-__all__ = ["FOLD_MARGIN", "Soundness", "fold_name", "soundness_names"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 FOLD_MARGIN: Final = 10.0
 """Least width of a corner, mm. At nought the surface would have no normal there."""

@@ -11,13 +11,11 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network_validation import chain_faults, edge_faults, patch_faults
 from bozzetto_car.template.shape_constraints import Soundness
-
-__all__ = ["check"]
 
 NEAREST_NODES: Final = 1.0
 """Least distance of two nodes, mm; nearer ones could not be told apart in a sketch."""
@@ -100,7 +98,7 @@ def _marking_faults(template: Template) -> Iterator[str]:
             yield f"The picture of {name} looks at the car from where it cannot be seen."
 
 
-def _faces(template: Template, number: int, eye: NDArray[np.float64]) -> bool:
+def _faces(template: Template, number: int, eye: Array) -> bool:
     """Whether a patch at the node faces the eye; of a wheel, whether its side of the car does."""
     around = [patch for patch in template.patches if number in patch.nodes]
     if not around:

@@ -11,8 +11,6 @@ from bozzetto_car.tools.mark_points import MarkPoints
 from bozzetto_car.tools.shape_nodes import ShapeNodes
 from bozzetto_car.tools.trace_edges import TraceEdges
 
-__all__ = ["all_tools"]
-
 
 def all_tools() -> Sequence[Tool[CarState]]:
     """All tools, most used first."""

@@ -20,8 +20,6 @@ from bozzetto_car.styling.picking import target_of
 from bozzetto_car.styling.scene import CHOSEN_WIDTH, shown_styling
 from bozzetto_car.styling.stroke_line import one_stroke
 
-__all__ = ["Style"]
-
 NAME: Final = "Styling"
 """What new curves are called, with a number."""
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.marking.edit_marks import marked, sketch_in_work, without_marks
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
@@ -20,9 +20,6 @@ from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, preview_of
 from bozzetto_car.view.view_advice import stand_seen
 
-__all__ = ["MarkPoints"]
-
-Array = NDArray[np.float64]
 Seen = tuple[CarState, ...]
 
 FARTHEST: Final = 5.0

@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Scene
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.body.drag import handle_dragged, node_dragged
 from bozzetto_car.body.edit_list import dragged
@@ -19,10 +19,6 @@ from bozzetto_car.template.network import edge_called, node_called
 from bozzetto_car.view.edge_items import NODE, SHAPE_TOOL, TANGENT
 from bozzetto_car.view.picking import touched
 from bozzetto_car.view.scene import body_in_work, body_layers
-
-__all__ = ["ShapeNodes"]
-
-Array = NDArray[np.float64]
 
 STILL: Final = 3.0
 """Way of the pen, px, below which a handle is touched and not dragged."""

@@ -20,8 +20,6 @@ from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
 from bozzetto_car.view.scene import body_in_work
 
-__all__ = ["TraceEdges"]
-
 NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
 
 

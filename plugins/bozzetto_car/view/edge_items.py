@@ -7,7 +7,6 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.crease import SMOOTH
 from bozzetto.geometry.patches.patch import bernstein
@@ -15,6 +14,7 @@ from bozzetto.plugin import Memory
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.scene.display_list import Hidden
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.pipeline import Solved
@@ -22,22 +22,6 @@ from bozzetto_car.solver.uncertainty import Source, certainty
 from bozzetto_car.state import CarState
 from bozzetto_car.template.network import joints
 from bozzetto_car.view.surface_colors import SOURCE_COLORS
-
-__all__ = [
-    "NODE",
-    "ON_PAPER",
-    "SHAPE_TOOL",
-    "TANGENT",
-    "crease_labels",
-    "edge_items",
-    "handle_layer",
-    "network_lines",
-    "node_items",
-    "revealed_ends",
-    "sources_of",
-]
-
-Array = NDArray[np.float64]
 
 SHAPE_TOOL: Final = "shape"
 

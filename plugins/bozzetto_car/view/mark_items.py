@@ -11,23 +11,19 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view.calibration import direct_linear_transform
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.sketch_camera import Stand
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import Asked, asked_of, in_work, titled
-from bozzetto_car.solver.pipeline import Placed, counted_marks
+from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.edge_items import ON_PAPER
-
-__all__ = ["MARK", "MARK_TOOL", "mark_layers", "preview_of"]
-
-Array = NDArray[np.float64]
 
 MARK_TOOL: Final = "mark"
 

@@ -5,19 +5,16 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.edge_fit import seen
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.network import Network
-
-__all__ = ["edges_under", "touched"]
-
-Array = NDArray[np.float64]
 
 NEAR_NODE: Final = 16.0
 """Farthest touch, px, that means a node; it goes before edges, which all end in one."""

@@ -26,15 +26,6 @@ from bozzetto_car.view.edge_items import (
 from bozzetto_car.view.mark_items import mark_layers
 from bozzetto_car.view.surface_colors import certainty_colors, curvature_colors
 
-__all__ = [
-    "SKETCH_LAYERS",
-    "body_in_work",
-    "body_layers",
-    "hanging_on_view",
-    "is_shown",
-    "scene_of",
-]
-
 DIVISIONS: Final = 12
 """Steps along each side of a patch that is shown."""
 

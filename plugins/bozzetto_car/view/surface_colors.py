@@ -10,12 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.patches.curvature import grid_curvatures
 from bozzetto.geometry.patches.tessellation import shaded_parameters
+from bozzetto_car.array_types import Array
 from bozzetto_car.solver.uncertainty import Source
 from bozzetto_car.template.model import Template
 
-__all__ = ["SOURCE_COLORS", "certainty_colors", "curvature_colors"]
-
-Array = NDArray[np.float64]
 Colors = NDArray[np.uint8]
 
 LOUDEST: Final = 95.0

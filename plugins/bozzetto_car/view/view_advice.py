@@ -18,11 +18,9 @@ from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.sketch_camera import Stand
 from bozzetto_car.marking.next_mark import asked_of, in_work, titled
-from bozzetto_car.solver.pipeline import FEWEST, Placed
+from bozzetto_car.solver.initial_cameras import FEWEST, Placed
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.view.scene import body_layers, hanging_on_view, is_shown
-
-__all__ = ["advice_on", "stand_seen", "view_after"]
 
 NO_SKETCH: Final = "Drop a sketch on the sheet, or look at the template."
 

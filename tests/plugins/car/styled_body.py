@@ -14,6 +14,8 @@ from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import curve_paths, laid
 from bozzetto_car.styling.curve_fit import Course, courses_on
+from bozzetto_car.styling.surface_path import joined
+from bozzetto_car.template.model import Template
 from tests.plugins.car.traced_car import view
 
 Array = NDArray[np.float64]
@@ -23,6 +25,12 @@ SHOULDER = [[450.0, 850.0, 640.0], [2300.0, 890.0, 600.0], [4000.0, 850.0, 730.0
 
 QUARTER: Camera = view(50.0, 15.0)
 ABOVE: Camera = view(10.0, 45.0)
+
+
+def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
+    """The places of a styling curve on a body, (n, 3) mm, without those on patches it has not."""
+    path = joined(curve_paths(curve, nets, template))
+    return points_at(nets, path) if len(path) else np.zeros((0, 3))
 
 
 def template_body(name: str = "sedan") -> Body:

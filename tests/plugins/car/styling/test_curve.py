@@ -21,7 +21,7 @@ from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import curve_paths, curve_points, laid, mirrored
+from bozzetto_car.styling.curve import curve_paths, laid, mirrored
 from bozzetto_car.styling.stroke_line import smoothed_line
 from bozzetto_car.template.loader import TEMPLATES
 from bozzetto_car.template.network import with_positions
@@ -29,6 +29,7 @@ from tests.plugins.car.styled_body import (
     ABOVE,
     QUARTER,
     assert_sound,
+    curve_points,
     dense,
     off_surface,
     styled,
