@@ -71,7 +71,7 @@ class Dimensions:
         return given
 
 
-def measured(box: Array, front: float, rear: float) -> Dimensions:
+def measure_dimensions(box: Array, front: float, rear: float) -> Dimensions:
     """Dimensions of a body.
 
     Parameters

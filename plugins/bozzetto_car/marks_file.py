@@ -18,10 +18,10 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.scene import Picture
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import body_of
-from bozzetto_car.camera.sketch_camera import flat_stand
+from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.report import SHORT
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
-from bozzetto_car.styling.curve import laid
+from bozzetto_car.styling.curve import project_stroke
 from bozzetto_car.template.loader import TEMPLATES
 
 MOST_SKETCHES: Final = 8
@@ -146,7 +146,7 @@ def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     strokes = _object(told, where)
     if len(strokes) > MOST_NAMES:
         raise UserError(f"{where} has more than {MOST_NAMES} strokes.")
-    camera = flat_stand(sketch.size).camera
+    camera = upright_camera(sketch.size).camera
     made = []
     for edge, places in strokes.items():
         points = _places(places, f"{where}.{edge}")
@@ -190,8 +190,8 @@ def _styled(state: CarState, told: Mapping[str, Any], where: str) -> CarState:
         raise UserError(f"{where}.name is a text of 1 to 200 characters.")
     points = _places(told.get("points"), f"{where}.points")
     body = body_of(state)
-    stand = body.stands[sketches[view].id]
-    patches, on, places = laid(body, points - stand.shift, stand.camera)
+    sketch_camera = body.sketch_cameras[sketches[view].id]
+    patches, on, places = project_stroke(body, points - sketch_camera.shift, sketch_camera.camera)
     curve = StylingCurve(id=state.unused_id(), name=name, patches=patches, on=on, places=places)
     return replace(state, nodes=(*state.nodes, curve))
 

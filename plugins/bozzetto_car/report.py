@@ -13,7 +13,7 @@ from bozzetto.plugin import Caution
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.rational_projection import camera_matrix
-from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.uncertainty import certainty, further_views
 
@@ -39,7 +39,7 @@ def report_of(body: Body) -> dict[str, Any]:
     told: dict[str, Any] = {
         "template": template.id,
         "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
-        "views": [_view(p, body.stands[key], body) for key, p in solved.placed.items()],
+        "views": [_view(p, body.sketch_cameras[key], body) for key, p in solved.placed.items()],
         "constraints": solved.soundness.least(variables),
         "crease_deg": {name: float(angle) for name, angle in angles if np.isfinite(angle)},
         "dimensions": _dimensions(body),
@@ -75,7 +75,7 @@ def _dimensions(body: Body) -> dict[str, float]:
     return {SHORT[name]: value for name, value in asdict(body.dimensions).items()}
 
 
-def _view(placed: Placed, stand: Stand, body: Body) -> dict[str, Any]:
+def _view(placed: Placed, sketch_camera: SketchCamera, body: Body) -> dict[str, Any]:
     nodes, marks = counted_marks(placed, body.template)
     told: dict[str, Any] = {
         "name": placed.sketch.name,
@@ -86,10 +86,12 @@ def _view(placed: Placed, stand: Stand, body: Body) -> dict[str, Any]:
         return told | {"camera": None, "residual_px": {}, "leave_one_out_px": {},
                        "problem": placed.problem}  # fmt: skip
     every = [(m.node, (m.u, m.v)) for m in placed.sketch.marks if m.node in body.template.node]
-    at = stand.pixels(body.network.positions[[body.template.node[name] for name, _ in every]])
+    at = sketch_camera.pixels(
+        body.network.positions[[body.template.node[name] for name, _ in every]]
+    )
     off = np.linalg.norm(at - [place for _, place in every], axis=1)
     told |= {
-        "camera": _camera(stand),
+        "camera": _camera(sketch_camera),
         "residual_px": {name: float(px) for (name, _), px in zip(every, off, strict=True)},
         "leave_one_out_px": dict(placed.left_out or {}),
         "disagreeing": list(placed.disagreeing),
@@ -116,27 +118,27 @@ def _parts(parts: Parts) -> dict[str, Any]:
     }
 
 
-def _camera(stand: Stand) -> dict[str, Any]:
+def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
     """A camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
-    camera = stand.camera
+    camera = sketch_camera.camera
     told: dict[str, Any] = {
         "kind": camera.kind,
         "eye": list(camera.eye),
         "target": list(camera.target),
         "up": list(camera.up),
         "canvas": list(camera.viewport),
-        "shift": list(stand.shift),
-        "matrix": _matrix(stand),
+        "shift": list(sketch_camera.shift),
+        "matrix": _matrix(sketch_camera),
     }
     if camera.kind == "perspective":
         return told | {"fov_y": camera.fov_y}
     return told | {"height": camera.height}
 
 
-def _matrix(stand: Stand) -> list[list[float]]:
+def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
     """M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
-    matrix = camera_matrix(stand.camera)
-    matrix[:2] += np.outer(stand.shift, matrix[2])
+    matrix = camera_matrix(sketch_camera.camera)
+    matrix[:2] += np.outer(sketch_camera.shift, matrix[2])
     rows: list[list[float]] = matrix.tolist()
     return rows
 

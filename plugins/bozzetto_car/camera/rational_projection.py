@@ -1,4 +1,4 @@
-"""The picture of a cubic: seen through a camera it is a rational cubic in the plane.
+"""The picture of a cubic: through a camera it is a rational cubic in the plane.
 
 The four Bézier points times the camera's matrix are the homogeneous points of the picture, so
 places and derivatives there cost a few products, however often a search asks for them.
@@ -18,11 +18,11 @@ POWERS: Final = np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3
 """Coefficients of 1, t, t², t³ from Bézier points."""
 
 AT_EYE: Final = 1e-6
-"""Depth, mm, at which a place is in the eye."""
+"""Depth, mm, at which a place counts as in the eye."""
 
 
 def camera_matrix(camera: Camera) -> Array:
-    """M (3, 4) with (u w, v w, w) = M (x, y, z, 1): px from mm, w above 0 before the eye."""
+    """Return M (3, 4) with (u w, v w, w) = M (x, y, z, 1): px from mm, w > 0 before the eye."""
     right, up, forward = camera.axes
     eye = np.asarray(camera.eye)
     width, height = camera.viewport
@@ -43,28 +43,28 @@ class Pictured:
     Attributes
     ----------
     coefficients : (4, 3) float
-        Of 1, t, t², t³ in (u w, v w, w).
+        Coefficients of 1, t, t², t³ in (u w, v w, w).
     """
 
     coefficients: Array
 
     @classmethod
     def of(cls, matrix: Array, control_points: Array) -> Pictured:
-        """The picture of Bézier points (4, 3), mm, through a camera's matrix (3, 4)."""
+        """Return the picture of Bézier points (4, 3), mm, through a camera's matrix (3, 4)."""
         seen = control_points @ matrix[:, :3].T + matrix[:, 3]
         return cls(POWERS @ seen)
 
     def laid_out(self, pieces: int) -> Array:
-        """Places (pieces + 1, 2), px, at equal steps of t; infinite at or behind the eye."""
+        """Return places (pieces + 1, 2), px, at equal steps of t; infinite at or behind the eye."""
         t = np.linspace(0.0, 1.0, pieces + 1)
         return self._places(self._at(t))
 
     def places(self, t: Array) -> Array:
-        """Places (n, 2), px; infinite at or behind the eye."""
+        """Return places (n, 2), px; infinite at or behind the eye."""
         return self._places(self._at(t))
 
     def rates(self, t: Array) -> tuple[Array, Array, Array]:
-        """Places (n, 2), px, their derivatives by t, and w (n,); where w is above 0."""
+        """Return places (n, 2), px, their derivatives by t, and w (n,), clipped above 0."""
         c, s = self.coefficients, t[:, None]
         seen = self._at(t)
         slope = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3]))

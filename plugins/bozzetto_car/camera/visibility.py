@@ -1,4 +1,4 @@
-"""Which nodes of a car a camera sees, as far as the patches' own directions tell."""
+"""The nodes of a car that a camera sees, judged by the directions of the patches."""
 
 from __future__ import annotations
 
@@ -16,17 +16,19 @@ patch is too narrow in the sketch for anybody to tell where it ends."""
 
 
 def facing(template: Template, positions: Array, camera: Camera) -> Flags:
-    """Nodes in front of the camera with a patch that faces it, and wheels on its side, (n,).
+    """Whether nodes are in front of the camera and face it, and wheels are on its side, (n,).
 
-    A node that another part of the car hides counts as seen: on a car that is next to convex
-    these are few.
+    A node with any patch that faces the camera faces it. A node that another part of the car
+    hides counts as seen: on a nearly convex car these are few.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     positions : (n, 3) float
         Nodes of the car, mm.
     camera : Camera
+        The view.
     """
     if camera.kind == "orthographic":
         toward = np.broadcast_to(-camera.axes[2], positions.shape)

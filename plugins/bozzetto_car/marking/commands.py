@@ -14,7 +14,7 @@ from bozzetto_car.marking.edit_marks import (
     without_last_mark,
 )
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, in_work, neighbour_of
-from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.state import CarState
 
 NOTHING_HIDDEN: Final = "No point of this sketch is noted as not visible. There is none to ask for."
@@ -59,7 +59,7 @@ def asked_node(state: CarState) -> str:
         If there is no sketch, it is hidden, or all is marked.
     """
     sketch_in_work(state)
-    solved_ = solved(state)
+    solved_ = solve_car(state)
     if in_work(state, solved_) is None:
         raise UserError(HIDDEN)
     asked = asked_of(state, solved_)
@@ -77,7 +77,7 @@ def passed_over(state: CarState, step: int) -> CarState:
         As of `asked_node`; with all marked, only forward.
     """
     sketch = sketch_in_work(state)
-    solved_ = solved(state)
+    solved_ = solve_car(state)
     placed, asked = in_work(state, solved_), asked_of(state, solved_)
     if placed is None:
         raise UserError(HIDDEN)

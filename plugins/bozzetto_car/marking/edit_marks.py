@@ -29,7 +29,9 @@ def sketch_in_work(state: CarState) -> Sketch:
     return sketch
 
 
-def marked(state: CarState, node: str, place: tuple[float, float], template: Template) -> CarState:
+def set_mark(
+    state: CarState, node: str, place: tuple[float, float], template: Template
+) -> CarState:
     """With a node of the sketch in work marked, or its mark moved.
 
     Parameters

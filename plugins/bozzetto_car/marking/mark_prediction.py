@@ -15,8 +15,8 @@ import numpy as np
 from bozzetto.plugin import Memory
 from bozzetto.view.calibration import Places
 from bozzetto_car.array_types import Array
-from bozzetto_car.camera.marked_view import Sight
-from bozzetto_car.solver.bundle_adjustment import Joint
+from bozzetto_car.camera.marked_view import Reprojection
+from bozzetto_car.solver.bundle_adjustment import JointSolution
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.prior import robust_weights
 
@@ -51,7 +51,7 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     if joint is None or sketch not in solved.solid:
         return None
     view = joint.views[solved.solid.index(sketch)]
-    sight, pose = Sight.of(solved.template, view, held=False)
+    sight, pose = Reprojection.of(solved.template, view, held=False)
     one = replace(sight, nodes=np.array([node]), marks=np.zeros((1, 2)))
     known, asked = (each.residuals(pose, solved.positions) for each in (sight, one))
     if known is None or asked is None:
@@ -75,7 +75,7 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     return Places(np.asarray(place), covariance[None])
 
 
-def _following(solved: Solved, joint: Joint) -> Array:
+def _following(solved: Solved, joint: JointSolution) -> Array:
     """How the nodes follow the free directions of the car, (n, 3, f)."""
     span = joint.span
     return np.asarray((solved.template.basis @ span).reshape(-1, 3, span.shape[1]))

@@ -117,7 +117,7 @@ def shown_nodes(placed: Placed, solved: Solved) -> Flags | None:
     """Which nodes a sketch shows, (n,); None while that is not known."""
     if not placed.is_known:
         return None
-    return facing(solved.template, solved.positions, placed.stand.camera)
+    return facing(solved.template, solved.positions, placed.sketch_camera.camera)
 
 
 def _described(node: int, placed: Placed, solved: Solved, shown: Flags | None) -> Asked:
@@ -141,7 +141,7 @@ def side_of(node: str, sketch: Sketch) -> str:
     return "near side" if side == sketch.shows else "far side"
 
 
-def titled(node: str, sketch: Sketch, template: Template) -> str:
+def node_title(node: str, sketch: Sketch, template: Template) -> str:
     """What a node is called in a sketch: ``Front wheel, near side``."""
     title = template.titles.get(node, node)
     side = side_of(node, sketch)

@@ -18,7 +18,7 @@ from bozzetto.view import Camera
 from bozzetto.view.navigation import fit_points
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.wheels import wheel_meshes
-from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import network_lines
 
@@ -44,13 +44,13 @@ TINT: Final = 0.62
 """Share of the accent in the colour of the patches that a prompt speaks of, and of glass in that
 of windows: the clay below keeps them together."""
 
-USUAL: Final = Picture(40.0, 15.0)
+USUAL: Final = ViewHint(40.0, 15.0)
 """From where a node is seen for which a template tells nothing."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """From where the small car is looked at, degrees; see `template.Picture`."""
+    """From where the small car is looked at, degrees; see `template.ViewHint`."""
 
     azimuth: float
     elevation: float
@@ -121,7 +121,7 @@ def small_car(
 
 def _camera(template: Template, pose: Pose, size: tuple[int, int]) -> Camera:
     middle = 0.5 * (template.positions.min(axis=0) + template.positions.max(axis=0))
-    eye = middle + AWAY * Picture(pose.azimuth, pose.elevation).toward_eye
+    eye = middle + AWAY * ViewHint(pose.azimuth, pose.elevation).toward_eye
     (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
     camera = Camera(
         "perspective", (x, y, z), (tx, ty, tz), fov_y=OPENING, viewport=(size[0], size[1])

@@ -18,19 +18,19 @@ from bozzetto_car.marking.next_mark import (
     asked_of,
     in_work,
     neighbour_of,
+    node_title,
     shown_nodes,
-    titled,
 )
 from bozzetto_car.solver.initial_cameras import FEWEST, Placed
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import further_views
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.shape_constraints import soundness_names
 
 Status = Literal["asked", "set", "wrong", "skipped", "open", "hidden"]
 
-CHART_POSE: Final = Picture(69.0, 20.0)
+CHART_POSE: Final = ViewHint(69.0, 20.0)
 """From where the chart of all nodes shows the car: no two nodes lie on each other, in none of the
 three templates."""
 
@@ -161,7 +161,7 @@ def guide_of(state: CarState) -> Guide:
     placed, asked = in_work(state, solved), asked_of(state, solved)
     sketch = None if placed is None else placed.sketch
     node = "" if asked is None else asked.node
-    title = titled(node, sketch, template) if sketch is not None and node else ""
+    title = node_title(node, sketch, template) if sketch is not None and node else ""
     is_hidden = placed is None and state.sketch is not None
     before, after = _neighbours(node, placed, solved)
     return Guide(
@@ -215,7 +215,7 @@ def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:
     missed, others = placed.missed or {}, placed.left_out or {}
     for number in template.asked(sketch.shows):
         node = template.names[number]
-        title, off = titled(node, sketch, template), missed.get(node)
+        title, off = node_title(node, sketch, template), missed.get(node)
         status: Status = "open"
         if node in placed.disagreeing:
             status, off = "wrong", others.get(node, off)
@@ -244,7 +244,7 @@ def _told(sketch: Sketch, placed: Placed) -> str:
     if wrong:
         words.insert(0, "1 mark disagrees" if wrong == 1 else f"{wrong} marks disagree")
     elif placed.is_known:
-        words.insert(0, placed.stand.camera.kind)
+        words.insert(0, placed.sketch_camera.camera.kind)
     agreeing = [px for node, px in (placed.missed or {}).items() if node not in placed.disagreeing]
     if agreeing:
         words.append(f"{np.sqrt(np.mean(np.square(agreeing))):.1f} px")
@@ -280,7 +280,7 @@ def _rules(state: CarState, body: Body) -> Iterator[Rule]:
 def chart_of(template: Template, near: str) -> Chart:
     """The template drawn from a little above the corner of its nose, on the side that is near."""
     side = 1.0 if near == "R" else -1.0
-    pose = Picture(side * CHART_POSE.azimuth, CHART_POSE.elevation)
+    pose = ViewHint(side * CHART_POSE.azimuth, CHART_POSE.elevation)
     middle = template.positions.mean(axis=0)
     eye = middle + 20_000.0 * pose.toward_eye
     (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()

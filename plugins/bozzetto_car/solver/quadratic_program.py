@@ -21,15 +21,15 @@ CONTRADICTORY: Final = 1e-9
 share of the farthest-off inequality that is left when the others are combined against it."""
 
 NOUGHT: Final = 1e-9
-"""Length of a row, as a share of the longest, that says nothing about the vector: where some
-combinations are held, the others do not change what such a row stands for."""
+"""Length of a row, relative to the longest, that counts as zero. Such rows appear where locked
+dimensions leave no freedom to change what the row measures."""
 
 MOST_CHANGES: Final = 3
 """Most changes of the active set for each inequality; a usual search takes one for each that
 ends up active."""
 
 KEPT: Final = 1e-11
-"""Shortfall of an inequality that is no violation, as a share of the largest one demanded."""
+"""Shortfall of an inequality that is rounding, as a share of the largest bound."""
 
 
 class Contradiction(ValueError):
@@ -38,7 +38,7 @@ class Contradiction(ValueError):
     Attributes
     ----------
     rows : (k,) int
-        Inequalities that contradict each other: a certificate by Farkas' lemma.
+        Indices of inequalities that contradict each other: a certificate by Farkas' lemma.
     """
 
     def __init__(self, rows: Index) -> None:
@@ -48,13 +48,13 @@ class Contradiction(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Constrained:
-    """Where a quadratic function is least.
+    """The place where a quadratic function is least.
 
     Attributes
     ----------
     place : (n,) float
     active : (k,) int
-        Inequalities that hold it back.
+        Indices of the inequalities that hold with equality.
     """
 
     place: Array
@@ -62,15 +62,18 @@ class Constrained:
 
 
 def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) -> Constrained:
-    """The vector x for which x·form·x / 2 + slope·x is least while rows·x ≥ least.
+    """Find the vector x with the least x·form·x / 2 + slope·x while rows·x ≥ least.
 
     Parameters
     ----------
     form : (n, n) float
         Symmetric, positive definite.
     slope : (n,) float
+        The linear part of the function.
     rows : (m, n) float
+        The left sides of the inequalities.
     least : (m,) float
+        The right sides of the inequalities.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Styling curves as other programs get them: splines in space, named and coloured."""
+"""Styling curves for export: splines in space, named and coloured."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from bozzetto_car.template.model import MIRROR, Template
 
 
 def as_curves(curve: StylingCurve, nets: Array, template: Template) -> tuple[Curve, ...]:
-    """A styling curve on a body, and its mirror image where it is on both sides.
+    """Return a styling curve on a body, with its mirror image where it is on both sides.
 
     Parameters
     ----------
     curve : StylingCurve
+        The styling curve.
     nets : (k, 4, 4, 3) float
-        Of the body, mm.
+        Control nets of the body, mm.
     template : Template
+        The template of the body.
 
     Returns
     -------

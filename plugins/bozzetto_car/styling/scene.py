@@ -1,4 +1,4 @@
-"""What is shown of the styling curves."""
+"""The styling curves as scene items."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from bozzetto_car.styling.curve_fit import courses_on
 from bozzetto_car.template.model import MIRROR
 
 WIDTH: Final = 2.0
-"""Of a curve, px."""
+"""Width of a curve, px."""
 
 CHOSEN_WIDTH: Final = 3.0
-"""Of the chosen one."""
+"""Width of the chosen curve, px."""
 
 SPACING: Final = 4.0
-"""Distance of the places that are shown, mm: from how near one ever looks at a car, straight
-pieces so short look round."""
+"""Distance of the vertices of a line that is shown, mm: straight pieces so short look round from
+any usual distance."""
 
 REMEMBERED: Final = 16
-"""Bodies of which the lines of all curves are remembered."""
+"""Number of bodies whose styling lines are remembered."""
 
 _lines: Memory[tuple[tuple[Array, ...], ...]] = Memory(REMEMBERED)
 
 
 def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
-    """Those that are not switched off, nor a group of theirs, in the order of the list."""
+    """Return the styling curves that are visible, in the order of the list."""
     return tuple(node for node in switched_on(state.nodes) if isinstance(node, StylingCurve))
 
 
 def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
-    """The styling curves that are shown; mirror images in the second colour."""
+    """Return the items of the visible styling curves; mirror images in the second colour."""
     made: list[Item] = []
     curves = shown_styling(state)
     row = _lines.recall((curves, body), lambda: tuple(_laid_out(own, body) for own in curves))
@@ -60,7 +60,7 @@ def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:
 
 
 def _laid_out(curve: StylingCurve, body: Body) -> tuple[Array, ...]:
-    """The parts of a curve on a body as polylines."""
+    """Return the parts of a curve on a body as polylines."""
     lines = []
     for course in courses_on(curve, body.nets, body.template):
         count = max(2, round(course.length / SPACING))

@@ -18,8 +18,8 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from bozzetto.errors import FormatError
-from bozzetto_car.template.model import MIRROR, Chain, Patch, Picture, Rule, Template, twin
-from bozzetto_car.template.rules import parsed
+from bozzetto_car.template.model import MIRROR, Chain, Patch, Rule, Template, ViewHint, twin
+from bozzetto_car.template.rules import parse_rule
 from bozzetto_car.template.schema import (
     LARGEST_FILE,
     PictureRecord,
@@ -258,7 +258,7 @@ class _Whole:
     def _rules(self) -> tuple[Rule, ...]:
         nodes = {half: self.node[name] for half, name in self.halves.items()}
         told = self.records.soundness.items()
-        return tuple(parsed(name, text, nodes) for name, text in told)
+        return tuple(parse_rule(name, text, nodes) for name, text in told)
 
     def _order(self) -> list[str]:
         for word in self.records.order:
@@ -279,9 +279,9 @@ def _reflected(vector: Vector) -> Vector:
     return vector[0], 0.0 - vector[1], vector[2]
 
 
-def _picture(record: PictureRecord, name: str) -> Picture:
+def _picture(record: PictureRecord, name: str) -> ViewHint:
     """The picture of a node: its own side of the car, or both halves of what is in the middle."""
     sides = (name[-2:],) if name.endswith((".R", ".L")) else (".R", ".L")
     turn = -record.azimuth if sides == (".L",) else record.azimuth
     tinted = tuple(f"{patch}{side}" for patch in record.patches for side in sides)
-    return Picture(turn, record.elevation, tinted)
+    return ViewHint(turn, record.elevation, tinted)

@@ -37,7 +37,7 @@ def twin(name: str) -> str:
 
 
 @dataclass(frozen=True)
-class Picture:
+class ViewHint:
     """From where a node is seen best on the small car that shows what is asked for.
 
     Attributes
@@ -151,7 +151,7 @@ class Template:
         sketch shows, ``S1.far`` the other; `asked` gives the nodes.
     titles, prompts : mapping of str to str
         By name of the node: what it is, and how to ask for it.
-    pictures : mapping of str to Picture
+    pictures : mapping of str to ViewHint
     """
 
     id: str
@@ -170,7 +170,7 @@ class Template:
     order: tuple[str, ...]
     titles: Mapping[str, str]
     prompts: Mapping[str, str]
-    pictures: Mapping[str, Picture]
+    pictures: Mapping[str, ViewHint]
 
     def __post_init__(self) -> None:
         for name, columns in (("positions", 3), ("pairs", 2), ("wheels", 2), ("edges", 2)):

@@ -121,7 +121,7 @@ class Network:
         template = self.template
         free = np.ones(template.tangents.shape, bool)
         free[np.isin(template.edges, template.centre).all(axis=1), :, 1] = False
-        for joint in joints(template):
+        for joint in junctions(template):
             if joint.crosses:
                 for edge, end in (joint.before, joint.after):
                     free[edge, end] = (False, True, False)
@@ -129,7 +129,7 @@ class Network:
 
 
 @dataclass(frozen=True)
-class Joint:
+class EdgeJunction:
     """A node at which a chain is smooth, with the ends of the two edges that meet there.
 
     Attributes
@@ -154,19 +154,19 @@ class Joint:
 
 
 @lru_cache(maxsize=KNOWN)
-def joints(template: Template) -> tuple[Joint, ...]:
+def junctions(template: Template) -> tuple[EdgeJunction, ...]:
     """All smooth nodes of all chains."""
-    return tuple(_joints(template))
+    return tuple(_junctions(template))
 
 
-def _joints(template: Template) -> Iterator[Joint]:
+def _junctions(template: Template) -> Iterator[EdgeJunction]:
     image = template.mirrored_edges
     for chain in template.chains:
         for node in chain.smooth:
             at = chain.nodes.index(node)
             before, after = chain.edges[at - 1], chain.edges[at]
             one, other = max(before, ~before), max(after, ~after)
-            yield Joint(
+            yield EdgeJunction(
                 node,
                 (one, 1 if before >= 0 else 0),
                 (other, 0 if after >= 0 else 1),

@@ -27,7 +27,7 @@ TERM: Final = re.compile(
 )
 
 
-def parsed(name: str, text: str, nodes: Mapping[str, int]) -> Rule:
+def parse_rule(name: str, text: str, nodes: Mapping[str, int]) -> Rule:
     """Read one rule.
 
     Parameters

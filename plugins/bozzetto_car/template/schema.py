@@ -45,7 +45,7 @@ Names = Annotated[list[Name], Meta(min_length=2, max_length=MOST_ITEMS)]
 
 
 class PictureRecord(msgspec.Struct, forbid_unknown_fields=True):
-    """From where a node is seen best; `template.Picture` of the right half."""
+    """From where a node is seen best; `ViewHint` of the right half."""
 
     azimuth: Annotated[float, Meta(ge=-180, le=180)]
     elevation: Annotated[float, Meta(ge=-90, le=90)]

@@ -12,10 +12,10 @@ from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import laid, mirrored
-from bozzetto_car.styling.erase import erased
+from bozzetto_car.styling.curve import mirror_curve, project_stroke
+from bozzetto_car.styling.erase import erase
 from bozzetto_car.styling.live_preview import Growing
-from bozzetto_car.styling.oversketch import oversketched
+from bozzetto_car.styling.oversketch import oversketch
 from bozzetto_car.styling.picking import target_of
 from bozzetto_car.styling.scene import CHOSEN_WIDTH, shown_styling
 from bozzetto_car.styling.stroke_line import one_stroke
@@ -65,13 +65,13 @@ class Style:
             raise UserError("Draw a line on the body with the pen.")
         body = body_of(state)
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, body, gesture.strokes[-1])
+            return erase(state, body, gesture.strokes[-1])
         camera, stroke = gesture.camera, one_stroke(gesture.strokes)
         target = target_of(shown_styling(state), body, stroke, camera, state.selected)
         if target is None:
-            new = laid(body, stroke, camera)
+            new = project_stroke(body, stroke, camera)
             name, number = state.unused_name(NAME), state.unused_id()
             return state.with_node(StylingCurve(number, name, True, "", *new))
-        side = mirrored(target.curve) if target.mirrored else target.curve
-        bent = oversketched(side, body, stroke, camera)
-        return state.with_node(mirrored(bent) if target.mirrored else bent)
+        side = mirror_curve(target.curve) if target.mirrored else target.curve
+        bent = oversketch(side, body, stroke, camera)
+        return state.with_node(mirror_curve(bent) if target.mirrored else bent)

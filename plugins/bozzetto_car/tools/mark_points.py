@@ -13,12 +13,12 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
-from bozzetto_car.marking.edit_marks import marked, sketch_in_work, without_marks
+from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
-from bozzetto_car.solver.pipeline import solved, template_of
+from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, preview_of
-from bozzetto_car.view.view_advice import stand_seen
+from bozzetto_car.view.view_advice import camera_looked_through
 
 Seen = tuple[CarState, ...]
 
@@ -49,7 +49,7 @@ class MarkPoints:
 
     def next_hint(self, state: CarState) -> str:
         """Which point to touch, in the template's words."""
-        return hint_of(state, solved(state))
+        return hint_of(state, solve_car(state))
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """The car as the mark would have it, on the picture."""
@@ -58,7 +58,7 @@ class MarkPoints:
         try:
             before = body_of(state)
             mark = _mark(state, before, gesture, _seen(context))
-            moved = marked(state, mark.node, (mark.u, mark.v), before.template)
+            moved = set_mark(state, mark.node, (mark.u, mark.v), before.template)
             after = body_of(moved, before=state)
         except UserError:
             return Scene()
@@ -73,14 +73,14 @@ class MarkPoints:
             If there is nothing to mark, or the sketch is not seen as it was drawn.
         """
         body = body_of(state)
-        if sketch_in_work(state).id not in body.stands:
+        if sketch_in_work(state).id not in body.sketch_cameras:
             raise UserError(HIDDEN)
         if isinstance(gesture, Ink):
             return _erased(state, body, gesture, context.pen.tolerance)
         if isinstance(gesture, Drag) and _is_touch(gesture):
             return state
         mark = _mark(state, body, gesture, _seen(context))
-        return marked(state, mark.node, (mark.u, mark.v), template_of(state))
+        return set_mark(state, mark.node, (mark.u, mark.v), template_of(state))
 
 
 def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
@@ -122,10 +122,10 @@ def _pixels(
         If the view is from elsewhere, or a place is far beside the picture.
     """
     sketch = sketch_in_work(state)
-    stand = stand_seen(sketch, body, camera, seen)
-    if stand is None:
+    sketch_camera = camera_looked_through(sketch, body, camera, seen)
+    if sketch_camera is None:
         raise UserError(NOT_THROUGH)
-    pixels = stand.seen_at(camera, places)
+    pixels = sketch_camera.seen_at(camera, places)
     off = np.abs(pixels - 0.5 * np.array(sketch.size)).max(initial=0.0)
     if not off <= FARTHEST * np.hypot(*sketch.size):
         raise UserError("That is far beside the picture. Touch a place on it or next to it.")
@@ -142,8 +142,10 @@ def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarS
     sketch = sketch_in_work(state)
     if any(stroke.tool != "eraser" for stroke in gesture.strokes):
         raise UserError("Touch the point that is asked for.")
-    stand = body.stands[sketch.id]
-    places = stand.lifted(np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2))
+    sketch_camera = body.sketch_cameras[sketch.id]
+    places = sketch_camera.lifted(
+        np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2)
+    )
     met = set()
     for stroke in gesture.strokes:
         seen = stroke.camera.project(places)[0]

@@ -12,8 +12,8 @@ from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Scene
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
-from bozzetto_car.body.drag import handle_dragged, node_dragged
-from bozzetto_car.body.edit_list import dragged
+from bozzetto_car.body.drag import drag_handle, drag_node
+from bozzetto_car.body.edit_list import add_drag
 from bozzetto_car.state import BentEdge, CarState, MovedNode
 from bozzetto_car.template.network import edge_called, node_called
 from bozzetto_car.view.edge_items import NODE, SHAPE_TOOL, TANGENT
@@ -70,7 +70,7 @@ class ShapeNodes:
         if np.ptp(gesture.path.points, axis=0).max() < STILL:
             return replace(state, revealed=_touched_handle(state, gesture.handle))
         edit = _edit_of(state, body, gesture)
-        return replace(state, edits=dragged(state.edits, edit))
+        return replace(state, edits=add_drag(state.edits, edit))
 
 
 def _touched_handle(state: CarState, handle: str) -> str:
@@ -85,7 +85,7 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
         node = node_called(template, drag.handle.removeprefix(NODE))
         goal = _pen(drag, network.positions[node])
         own = min(node, int(template.mirrored[node]))
-        moved = node_dragged(network, node, goal, drag.camera).positions[own]
+        moved = drag_node(network, node, goal, drag.camera).positions[own]
         x, y, z = (moved - network.positions[own]).tolist()
         return MovedNode(state.dimensions, template.names[own], (x, y, z))
     name, _, last = drag.handle.removeprefix(TANGENT).rpartition(" ")
@@ -93,7 +93,7 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
         raise UserError("This handle is none of the body. Drag a node or the end of a tangent.")
     edge, end = edge_called(template, name), int(last)
     goal = _pen(drag, network.control_points[edge, 1 + end])
-    bent = handle_dragged(network, edge, end, goal, drag.camera)
+    bent = drag_handle(network, edge, end, goal, drag.camera)
     image = int(template.mirrored_edges[edge])
     if max(image, ~image) < edge:
         edge, end = (image, end) if image >= 0 else (~image, 1 - end)

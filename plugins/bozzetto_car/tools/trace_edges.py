@@ -12,9 +12,9 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
 from bozzetto_car.body.build import Body, body_of, drawn_through, in_world_of, unstretched_body_of
-from bozzetto_car.body.edge_runs import run_along
+from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
-from bozzetto_car.camera.sketch_camera import Stand, flat_stand
+from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
@@ -78,7 +78,7 @@ def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
     edit = _edit_of(state, body, stroke)
     unstretched = unstretched_body_of(state)
     points, camera = drawn_through(unstretched, edit)
-    run = run_along(in_world_of(unstretched, edit), points, camera)
+    run = find_run(in_world_of(unstretched, edit), points, camera)
     names = tuple(body.template.edge_names[max(edge, ~edge)] for edge in run.edges)
     edit = replace(edit, edges=names)
     return replace(state, edits=(*state.edits, edit)), edit
@@ -87,20 +87,20 @@ def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
 def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
     """A stroke as it is kept: in pixels of the sketch if that is looked through."""
     sketch = state.sketch
-    stand = None if sketch is None else body.stands.get(sketch.id)
-    if sketch is None or stand is None or not stand.is_seen_through(stroke.camera):
+    sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
+    if sketch is None or sketch_camera is None or not sketch_camera.is_seen_through(stroke.camera):
         return TracedEdges(
             dimensions=state.dimensions, strokes=Strokes((stroke,)), nodes_follow=state.nodes_follow
         )
-    own = _on_picture(stroke, stand, sketch.size)
+    own = _on_picture(stroke, sketch_camera, sketch.size)
     return TracedEdges(strokes=Strokes((own,)), sketch=sketch.id, nodes_follow=state.nodes_follow)
 
 
-def _on_picture(stroke: Stroke, stand: Stand, size: tuple[float, float]) -> Stroke:
+def _on_picture(stroke: Stroke, sketch_camera: SketchCamera, size: tuple[float, float]) -> Stroke:
     """A stroke in pixels of the picture that is seen behind it."""
-    u, v = stand.seen_at(stroke.camera, stroke.points).T
+    u, v = sketch_camera.seen_at(stroke.camera, stroke.points).T
     return Stroke(
-        u, v, flat_stand(size).camera,
+        u, v, upright_camera(size).camera,
         pressure=stroke.pressure if stroke.has_pressure else None,
         t=stroke.t if stroke.has_time else None,
         tool=stroke.tool,

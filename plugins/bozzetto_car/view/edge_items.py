@@ -20,7 +20,7 @@ from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import Source, certainty
 from bozzetto_car.state import CarState
-from bozzetto_car.template.network import joints
+from bozzetto_car.template.network import junctions
 from bozzetto_car.view.surface_colors import SOURCE_COLORS
 
 SHAPE_TOOL: Final = "shape"
@@ -135,7 +135,7 @@ def _crossed_smoothly(body: Body) -> set[int]:
     """Edges that smooth lines cross at both ends: their patches should meet without a crease."""
     template = body.template
     crossings: dict[int, set[int]] = {}
-    for joint in joints(template):
+    for joint in junctions(template):
         taken = {joint.before[0], joint.after[0]}
         for edge, ends in enumerate(template.edges.tolist()):
             if joint.node in ends and edge not in taken:

@@ -18,9 +18,9 @@ from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view.calibration import direct_linear_transform
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
-from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.camera.visibility import facing
-from bozzetto_car.marking.next_mark import Asked, asked_of, in_work, titled
+from bozzetto_car.marking.next_mark import Asked, asked_of, in_work, node_title
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.edge_items import ON_PAPER
@@ -54,13 +54,13 @@ def mark_layers(state: CarState, body: Body) -> tuple[Layer, ...]:
     placed = in_work(state, body.solved)
     if placed is None:
         return ()
-    stand = body.stands[placed.sketch.id]
-    items = [*_marks(placed, body, stand, stand)]
+    sketch_camera = body.sketch_cameras[placed.sketch.id]
+    items = [*_marks(placed, body, sketch_camera, sketch_camera)]
     if state.direct:
-        items += [*_direct(placed, body, stand)]
+        items += [*_direct(placed, body, sketch_camera)]
     asked = asked_of(state, body.solved)
     if asked is not None:
-        items += [*_expected(asked, placed, body, stand)]
+        items += [*_expected(asked, placed, body, sketch_camera)]
     return (Layer("marks", tuple(items), tool=MARK_TOOL),)
 
 
@@ -81,7 +81,7 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
     placed = in_work(state, after.solved)
     if placed is None:
         return Scene()
-    on, now = before.stands[placed.sketch.id], after.stands[placed.sketch.id]
+    on, now = before.sketch_cameras[placed.sketch.id], after.sketch_cameras[placed.sketch.id]
     items = [*_marks(placed, after, now, on, moved.node)]
     if not placed.is_known:
         return Scene((Layer("marks", tuple(items), tool=MARK_TOOL),))
@@ -90,7 +90,7 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
     return Scene((*gone, shape, Layer("marks", tuple(items), tool=MARK_TOOL)))
 
 
-def _network(body: Body, now: Stand, on: Stand) -> Iterator[Lines]:
+def _network(body: Body, now: SketchCamera, on: SketchCamera) -> Iterator[Lines]:
     """The edges where the picture would show them, faint on the side that is not seen."""
     curves = bernstein(np.linspace(0.0, 1.0, ALONG + 1)) @ body.network.control_points
     seen = now.pixels(curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
@@ -106,7 +106,7 @@ def _network(body: Body, now: Stand, on: Stand) -> Iterator[Lines]:
 
 
 def _marks(
-    placed: Placed, body: Body, seen_from: Stand, on: Stand, moved: str = ""
+    placed: Placed, body: Body, seen_from: SketchCamera, on: SketchCamera, moved: str = ""
 ) -> Iterator[Item]:
     """Marks on one stand, with where another has their nodes."""
     template, sketch = body.template, placed.sketch
@@ -121,7 +121,7 @@ def _marks(
         x, y, z = place.tolist()
         wrong = mark.node in placed.disagreeing
         unknown = mark.node not in template.node
-        title = titled(mark.node, sketch, template)
+        title = node_title(mark.node, sketch, template)
         node, missed = off.get(mark.node, (None, 0.0))
         tip = title if node is None else f"{title}: {missed:.1f} px off"
         color = "ghost" if unknown else "warning" if wrong else "accent"
@@ -141,14 +141,16 @@ def _marks(
         yield Lines(points, starts, color="second", width=1.2, hidden="show")
 
 
-def _missed(placed: Placed, body: Body, stand: Stand) -> dict[str, tuple[Array, float]]:
+def _missed(
+    placed: Placed, body: Body, sketch_camera: SketchCamera
+) -> dict[str, tuple[Array, float]]:
     """By node that is marked: where it is seen, and how far from its mark, px."""
     if not placed.is_known:
         return {}
     template = body.template
     marks = [mark for mark in placed.sketch.marks if mark.node in template.node]
     nodes = [template.node[mark.node] for mark in marks]
-    seen = stand.pixels(body.network.positions[nodes])
+    seen = sketch_camera.pixels(body.network.positions[nodes])
     told = {}
     for mark, place in zip(marks, seen, strict=True):
         if np.isfinite(place).all():
@@ -156,15 +158,17 @@ def _missed(placed: Placed, body: Body, stand: Stand) -> dict[str, tuple[Array, 
     return told
 
 
-def _expected(asked: Asked, placed: Placed, body: Body, stand: Stand) -> Iterator[Item]:
+def _expected(
+    asked: Asked, placed: Placed, body: Body, sketch_camera: SketchCamera
+) -> Iterator[Item]:
     """A ring where the next mark is expected, and the region in which it lies."""
     if asked.place is None or asked.ellipse is None:
         return
     color = "ghost" if asked.hidden else "second"
-    at = stand.lifted(asked.place[None])
+    at = sketch_camera.lifted(asked.place[None])
     yield Points(at.astype(np.float32), color=color, size=7.0, hidden="show")
     x, y, z = at[0].tolist()
-    title = titled(asked.node, placed.sketch, body.template)
+    title = node_title(asked.node, placed.sketch, body.template)
     yield Label((x, y, z), f"{title}: not seen from here" if asked.hidden else title, color=color)
     axes = asked.ellipse
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
@@ -175,11 +179,15 @@ def _expected(asked: Asked, placed: Placed, body: Body, stand: Stand) -> Iterato
     turn = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
     ring = asked.place + np.stack((np.cos(turn), np.sin(turn)), axis=1) @ axes
     yield Lines(
-        stand.lifted(ring).astype(np.float32), color=color, width=1.4, opacity=0.8, hidden="show"
+        sketch_camera.lifted(ring).astype(np.float32),
+        color=color,
+        width=1.4,
+        opacity=0.8,
+        hidden="show",
     )
 
 
-def _direct(placed: Placed, body: Body, stand: Stand) -> Iterator[Lines]:
+def _direct(placed: Placed, body: Body, sketch_camera: SketchCamera) -> Iterator[Lines]:
     """Crosses where the direct linear transform has the marked nodes of the template."""
     nodes, marks = counted_marks(placed, body.template)
     points = body.template.positions[nodes]
@@ -189,8 +197,10 @@ def _direct(placed: Placed, body: Body, stand: Stand) -> Iterator[Lines]:
         return  # too few marks, or in one plane: the report says so
     seen = seen[np.isfinite(seen).all(axis=1)]
     if len(seen):
-        size = CROSS * float(np.hypot(*stand.camera.viewport))
+        size = CROSS * float(np.hypot(*sketch_camera.camera.viewport))
         strokes = np.array([[-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]])
         corners = (seen[:, None] + size * strokes).reshape(-1, 2)
         starts = np.arange(0, len(corners), 2, dtype=np.int32)
-        yield Lines(stand.lifted(corners).astype(np.float32), starts, color="ghost", hidden="show")
+        yield Lines(
+            sketch_camera.lifted(corners).astype(np.float32), starts, color="ghost", hidden="show"
+        )

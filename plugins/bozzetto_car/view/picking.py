@@ -12,7 +12,7 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
-from bozzetto_car.body.edge_fit import seen
+from bozzetto_car.body.edge_fit import project_points
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.network import Network
 
@@ -44,7 +44,7 @@ def touched(network: Network, place: ArrayLike, camera: Camera) -> str:
     template, at = network.template, np.asarray(place, float)
     toward = np.asarray(facing(template, network.positions, camera))
     faces = np.asarray(toward[template.edges].all(axis=1))
-    away = np.linalg.norm(seen(camera, network.positions) - at, axis=1)
+    away = np.linalg.norm(project_points(camera, network.positions) - at, axis=1)
     beside = np.array([_distances(path, at[None])[0] for path in _paths(network, camera)])
     for nodes, edges in ((toward, faces), (~toward, ~faces)):
         found = np.flatnonzero(nodes & (away <= NEAR_NODE))
@@ -70,7 +70,7 @@ def edges_under(network: Network, path: ArrayLike, camera: Camera) -> list[int]:
 def _paths(network: Network, camera: Camera) -> Array:
     """The pictures of all edges, (m, k, 2) px; infinite where they are behind the eye."""
     curves = bernstein(np.linspace(0.0, 1.0, LOOKS + 1)) @ network.control_points
-    pixels = seen(camera, curves.reshape(-1, 3))
+    pixels = project_points(camera, curves.reshape(-1, 3))
     return np.asarray(pixels.reshape(*curves.shape[:2], 2))
 
 

@@ -96,8 +96,8 @@ def hanging_on_view(state: CarState, body: Body, camera: Camera) -> Scene:
         if state.creases:
             layers.append(Layer("angles", tuple(crease_labels(body, camera))))
     sketch = state.sketch
-    stand = None if sketch is None else body.stands.get(sketch.id)
-    if stand is not None and not stand.is_seen_through(camera):
+    sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
+    if sketch_camera is not None and not sketch_camera.is_seen_through(camera):
         layers += [Layer(name) for name in SKETCH_LAYERS]
     return Scene(tuple(layers))
 
@@ -105,9 +105,9 @@ def hanging_on_view(state: CarState, body: Body, camera: Camera) -> Scene:
 def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
     if sketch is None or sketch.picture is None or not sketch.visible or not sketch.opacity:
         return
-    stand = body.stands.get(sketch.id)
-    if stand is not None:
-        yield stand.image(sketch.picture, sketch.opacity)
+    sketch_camera = body.sketch_cameras.get(sketch.id)
+    if sketch_camera is not None:
+        yield sketch_camera.image(sketch.picture, sketch.opacity)
 
 
 def _body_layer(state: CarState, body: Body) -> Layer:

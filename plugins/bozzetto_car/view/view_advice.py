@@ -16,8 +16,8 @@ from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
-from bozzetto_car.camera.sketch_camera import Stand
-from bozzetto_car.marking.next_mark import asked_of, in_work, titled
+from bozzetto_car.camera.sketch_camera import SketchCamera
+from bozzetto_car.marking.next_mark import asked_of, in_work, node_title
 from bozzetto_car.solver.initial_cameras import FEWEST, Placed
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.view.scene import body_layers, hanging_on_view, is_shown
@@ -33,9 +33,9 @@ DRAFTED: Final = ("body", "wheels", "network")
 """Layers that look otherwise over a drawing, so that it can be seen."""
 
 
-def stand_seen(
+def camera_looked_through(
     sketch: Sketch, body: Body, camera: Camera, seen: Iterable[CarState] = ()
-) -> Stand | None:
+) -> SketchCamera | None:
     """The stand through which a view looks at a sketch, as it is or was a moment ago.
 
     Parameters
@@ -47,11 +47,11 @@ def stand_seen(
     seen : iterable of CarState
         The car as it was a moment ago, newest first.
     """
-    now = body.stands.get(sketch.id)
+    now = body.sketch_cameras.get(sketch.id)
     if now is None or now.is_seen_through(camera):
         return now
     for state in seen:
-        before = _stand_before(sketch, state)
+        before = _camera_before(sketch, state)
         if before is not None and before.is_seen_through(camera):
             return before
     return None
@@ -63,18 +63,18 @@ def view_after(seen: CarState, state: CarState, camera: Camera) -> Camera | None
     placed = in_work(state, body.solved)
     if placed is None:
         return None
-    now, before = body.stands[placed.sketch.id], _stand_before(placed.sketch, seen)
+    now, before = body.sketch_cameras[placed.sketch.id], _camera_before(placed.sketch, seen)
     if before is None or now.is_seen_through(camera) or not before.is_seen_through(camera):
         return None
     return now.windowed(camera.viewport, before.window(camera))
 
 
-def _stand_before(sketch: Sketch, state: CarState) -> Stand | None:
+def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:
     """Where a sketch stood in an earlier state of its car; None where it was not there."""
     if not any(one.id == sketch.id and one.size == sketch.size for one in state.sketches):
         return None
     try:
-        return body_of(state).stands.get(sketch.id)
+        return body_of(state).sketch_cameras.get(sketch.id)
     except UserError:
         return None
 
@@ -85,11 +85,11 @@ def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
     if placed is None:
         return ViewAdvice("good", NO_SKETCH, scene=scene)
     sketch = placed.sketch
-    stand = body.stands[sketch.id]
-    if stand.is_seen_through(camera):
+    sketch_camera = body.sketch_cameras[sketch.id]
+    if sketch_camera.is_seen_through(camera):
         level, message = _said_of(state, body, placed)
         return ViewAdvice(level, message, None, scene + _draft(state, body, placed), pinned=True)
-    better = stand.view(camera.viewport)
+    better = sketch_camera.view(camera.viewport)
     if state.selected == sketch.id and _sees_another(state, body, camera):
         return ViewAdvice("good", f"“{sketch.name}” is chosen.", better, scene, follow=True)
     return ViewAdvice("good", f"Not seen through “{sketch.name}”.", better, scene)
@@ -113,7 +113,7 @@ def _draft(state: CarState, body: Body, placed: Placed) -> Scene:
 def _sees_another(state: CarState, body: Body, camera: Camera) -> bool:
     """Whether a view looks through a sketch of the car that is not the one in work."""
     others = (one for one in state.sketches if one is not state.sketch)
-    return any(stand_seen(other, body, camera) is not None for other in others)
+    return any(camera_looked_through(other, body, camera) is not None for other in others)
 
 
 def _said_of(state: CarState, body: Body, placed: Placed) -> tuple[Literal["good", "warn"], str]:
@@ -126,4 +126,4 @@ def _said_of(state: CarState, body: Body, placed: Placed) -> tuple[Literal["good
     asked = asked_of(state, body.solved)
     if asked is None:
         return "good", f"All of “{sketch.name}” is marked."
-    return "good", f"Next mark: {titled(asked.node, sketch, body.template)}"
+    return "good", f"Next mark: {node_title(asked.node, sketch, body.template)}"

@@ -42,13 +42,13 @@ def blank() -> CarState:
 
 def through(state: CarState) -> Camera:
     """The view with the whole sketch in work in it."""
-    return body_of(state).stands[state.sketch.id].view(CANVAS)
+    return body_of(state).sketch_cameras[state.sketch.id].view(CANVAS)
 
 
 def on_canvas(state: CarState, camera: Camera, pixel) -> tuple[float, float]:
     """Where a view shows a pixel of the sketch as it stands now."""
-    stand = body_of(state).stands[state.sketch.id]
-    ((x, y),) = camera.project(stand.lifted([pixel]))[0].tolist()
+    sketch_camera = body_of(state).sketch_cameras[state.sketch.id]
+    ((x, y),) = camera.project(sketch_camera.lifted([pixel]))[0].tolist()
     return x, y
 
 

@@ -12,9 +12,9 @@ from bozzetto.plugin import Ink
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import curve_paths, laid
+from bozzetto_car.styling.curve import curve_paths, project_stroke
 from bozzetto_car.styling.curve_fit import Course, courses_on
-from bozzetto_car.styling.surface_path import joined
+from bozzetto_car.styling.surface_path import join_paths
 from bozzetto_car.template.model import Template
 from tests.plugins.car.traced_car import view
 
@@ -29,7 +29,7 @@ ABOVE: Camera = view(10.0, 45.0)
 
 def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
     """The places of a styling curve on a body, (n, 3) mm, without those on patches it has not."""
-    path = joined(curve_paths(curve, nets, template))
+    path = join_paths(curve_paths(curve, nets, template))
     return points_at(nets, path) if len(path) else np.zeros((0, 3))
 
 
@@ -51,7 +51,7 @@ def styled(
 ) -> StylingCurve:
     """A curve along a stroke without tremor."""
     return StylingCurve(
-        number, f"Line {number}", True, "", *laid(body, through(camera, points), camera)
+        number, f"Line {number}", True, "", *project_stroke(body, through(camera, points), camera)
     )
 
 

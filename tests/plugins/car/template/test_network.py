@@ -14,7 +14,7 @@ from bozzetto_car.template.network import (
     as_bezier,
     as_hermite,
     edge_called,
-    joints,
+    junctions,
     node_called,
     with_positions,
     with_tangents,
@@ -79,7 +79,7 @@ def test_edges_of_the_middle_stay_and_cross_edges_leave_it_at_a_right_angle() ->
 
 def test_joints_are_where_two_edges_run_on(template: Template) -> None:
     network = Network.of(template)
-    found = list(joints(template))
+    found = list(junctions(template))
     assert len(found) == sum(len(chain.smooth) for chain in template.chains)
     for joint in found:
         (one, other), senses = (joint.before, joint.after), joint.senses
