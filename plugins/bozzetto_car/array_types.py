@@ -1,4 +1,4 @@
-"""Names for the kinds of arrays that the modules of this plugin hand to each other."""
+"""Names for the kinds of arrays that the modules of this plugin exchange."""
 
 from __future__ import annotations
 

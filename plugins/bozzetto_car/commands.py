@@ -1,4 +1,4 @@
-"""Commands: what can be done to a car at one word."""
+"""Commands for a car."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bozzetto_car.state import CarState, Treatment
 
 
 def all_commands() -> tuple[Command, ...]:
-    """All of them, in the order in which they are listed."""
+    """Return all commands but those for styling curves, in the order of the menu."""
     return (
         *marking_commands(),
         Command(

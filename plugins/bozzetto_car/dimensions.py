@@ -1,11 +1,10 @@
-"""The five dimensions of a car, as measured, and as known before a sketch is solved.
+"""The five dimensions of a car: as measured, and as locked while a sketch is solved.
 
-Length, width and height are those of the box about the body, the height from the ground; the
+Length, width and height are those of the box about the body, the height from the ground. The
 front overhang leads from the foremost point of the body to the centre of the front wheel, the
-wheelbase from there to that of the rear wheel. In a symmetric car all five are linear in the
-variables as soon as it is known which nodes are outermost, so a dimension can be locked while
-the shape is solved: as an equation, and one inequality for every node that must not pass the
-outermost one.
+wheelbase from there to the centre of the rear wheel. In a symmetric car all five are linear in the
+variables once the outermost nodes are known. So a dimension can be locked while the shape is
+solved: as an equation, and one inequality for every node that must not pass the outermost one.
 """
 
 from __future__ import annotations
@@ -26,16 +25,16 @@ WORDS: Final = {
     "front_overhang": "front overhang",
     "wheelbase": "wheelbase",
 }
-"""The dimensions in the words of a message."""
+"""The names of the dimensions in messages."""
 
 SHORTEST: Final = 100.0
-"""Least dimension, mm: below, a number was meant in other units."""
+"""Least dimension, mm: a smaller number was probably meant in other units."""
 
 LONGEST: Final = 50_000.0
 """Greatest dimension, mm."""
 
 TIED: Final = 1e-6
-"""Distance, mm, at which a node is as far out as the outermost one."""
+"""Distance, mm, at which a node counts as far out as the outermost one."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +48,12 @@ class Dimensions:
     wheelbase: float | None = None
 
     def given(self) -> dict[str, float]:
-        """Those that are given, by name."""
+        """Return the dimensions that are given, by name."""
         values = ((field.name, getattr(self, field.name)) for field in fields(self))
         return {name: float(value) for name, value in values if value is not None}
 
     def wanted(self) -> dict[str, float]:
-        """Those that are given, as wishes of a person.
+        """Return the dimensions that are given, checked.
 
         Raises
         ------
@@ -72,7 +71,7 @@ class Dimensions:
 
 
 def measure_dimensions(box: Array, front: float, rear: float) -> Dimensions:
-    """Dimensions of a body.
+    """Return the dimensions of a body.
 
     Parameters
     ----------
@@ -87,7 +86,7 @@ def measure_dimensions(box: Array, front: float, rear: float) -> Dimensions:
 
 @dataclass(frozen=True)
 class Overlap:
-    """How far the surface bulges out beyond the outermost nodes, mm."""
+    """Distances by which the surface bulges out beyond the outermost nodes, mm."""
 
     front: float = 0.0
     rear: float = 0.0
@@ -96,14 +95,14 @@ class Overlap:
 
     @classmethod
     def of(cls, template: Template, positions: Array, box: Array) -> Overlap:
-        """What the box (2, 3) of a surface has beyond the nodes (n, 3) that it spans, mm."""
+        """Return by how much the box (2, 3) of a surface exceeds its nodes (n, 3), mm."""
         body = positions[_body(template)]
         low, high = box - (body.min(axis=0), body.max(axis=0))
         return cls(-float(low[0]), float(high[0]), float(high[1]), float(high[2]))
 
 
 NONE_BEYOND: Final = Overlap()
-"""Dimensions are those of the nodes."""
+"""No bulge: the dimensions are those of the nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +117,7 @@ class Locks:
     bounds : (m, q) float
         ``bounds @ variables >= 0``: no node lies beyond the outermost ones.
     outermost : (4,) int
-        The nodes that are: foremost, rearmost, widest, highest.
+        The foremost, rearmost, widest and highest node.
     """
 
     rows: Array
@@ -140,7 +139,9 @@ class Locks:
         Parameters
         ----------
         template : Template
+            The template of the car.
         wanted : Dimensions
+            The dimensions to lock.
         variables : (q,) float
             A car of about that shape: it says which nodes are outermost.
         overlap : Overlap

@@ -1,7 +1,6 @@
 """Marks from a file: what `bozzetto build car` reads, plain JSON values (`docs/car.md`).
 
-Numbers and names come from anywhere, so nothing is taken over that was not looked at, and every
-refusal names the key.
+A file is not trusted: every number and name is checked, and every refusal names the key.
 """
 
 from __future__ import annotations
@@ -25,16 +24,16 @@ from bozzetto_car.styling.curve import project_stroke
 from bozzetto_car.template.loader import TEMPLATES
 
 MOST_SKETCHES: Final = 8
-"""Views of one file."""
+"""Most views of one file."""
 
 MOST_NAMES: Final = 400
-"""Marks or strokes of one view."""
+"""Most marks or strokes of one view."""
 
 MOST_PLACES: Final = 20_000
-"""Places of one stroke."""
+"""Most places of one stroke."""
 
 FARTHEST: Final = 1e8
-"""Farthest place, px."""
+"""Largest coordinate of a place, px."""
 
 KINDS: Final = ("auto", "perspective", "orthographic")
 
@@ -42,12 +41,12 @@ VIEW_KEYS: Final = {"kind", "marks", "strokes", "image", "name", "cropped"}
 
 
 def is_car_file(facts: Mapping[str, Any]) -> bool:
-    """Whether facts of a file are marks of a car."""
+    """Whether the facts of a file are marks of a car."""
     return "views" in facts
 
 
 def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) -> CarState:
-    """The car of a file.
+    """Return the car of a file.
 
     Parameters
     ----------
@@ -59,7 +58,7 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         ``"dimensions"``: ``{"LN", "WD", "HG", "FO", "WB"}``, mm; ``"styling"``: a list of
         ``{"view", "points", "name"}``.
     pictures : mapping of str to Picture
-        By the names of their files.
+        Pictures by the names of their files.
 
     Raises
     ------
@@ -142,7 +141,7 @@ def _marks(told: object, where: str) -> tuple[Mark, ...]:
 
 
 def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
-    """Strokes along edges, as if they had been drawn on the sketch."""
+    """Return strokes along edges, as if they had been drawn on the sketch."""
     strokes = _object(told, where)
     if len(strokes) > MOST_NAMES:
         raise UserError(f"{where} has more than {MOST_NAMES} strokes.")
@@ -180,7 +179,7 @@ def _dimensioned(state: CarState, told: object) -> CarState:
 
 
 def _styled(state: CarState, told: Mapping[str, Any], where: str) -> CarState:
-    """With a styling curve drawn on one of the sketches."""
+    """Return the state with a styling curve drawn on one of the sketches."""
     view = told.get("view", 0)
     sketches = state.sketches
     if isinstance(view, bool) or not isinstance(view, int) or not 0 <= view < len(sketches):

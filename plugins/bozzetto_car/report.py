@@ -1,4 +1,4 @@
-"""What is told about a car: plain values, mm and px."""
+"""The report of a car as plain values, mm and px, and cautions in sentences."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from bozzetto_car.solver.uncertainty import certainty, further_views
 
 
 def report_of(body: Body) -> dict[str, Any]:
-    """Nodes, cameras, what every mark is missed by, constraints, creases and dimensions.
+    """Report nodes, cameras, residuals, constraints, creases and dimensions.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def report_of(body: Body) -> dict[str, Any]:
 
 
 UNSOUND: Final = 1e-9
-"""Slack of a constraint, mm, below which it is not kept; what is nearer to none is rounding."""
+"""Negative slack of a constraint, mm, that counts as a violation and not as rounding."""
 
 NO_CAMERA: Final = "No sketch has a camera yet, so the car is the bare template."
 
@@ -68,7 +68,7 @@ SHORT = {
     "front_overhang": "FO",
     "wheelbase": "WB",
 }
-"""The names of dimensions in files."""
+"""The names of the dimensions in files."""
 
 
 def _dimensions(body: Body) -> dict[str, float]:
@@ -107,7 +107,7 @@ def _view(placed: Placed, sketch_camera: SketchCamera, body: Body) -> dict[str, 
 
 
 def _parts(parts: Parts) -> dict[str, Any]:
-    """What the slides make of the direct linear transform, to be compared with the camera."""
+    """Return the parts that the slides take from the direct linear transform, for comparison."""
     return {
         "focal_px": list(parts.focal),
         "skew_deg": float(np.degrees(parts.skew)),
@@ -119,7 +119,7 @@ def _parts(parts: Parts) -> dict[str, Any]:
 
 
 def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
-    """A camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
+    """Return a camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
     camera = sketch_camera.camera
     told: dict[str, Any] = {
         "kind": camera.kind,
@@ -136,7 +136,7 @@ def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
 
 
 def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
-    """M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
+    """Return M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
     matrix = camera_matrix(sketch_camera.camera)
     matrix[:2] += np.outer(sketch_camera.shift, matrix[2])
     rows: list[list[float]] = matrix.tolist()
@@ -144,7 +144,7 @@ def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
 
 
 def cautions_of(body: Body) -> tuple[Caution, ...]:
-    """What was set aside, left out or not kept to; and whether any sketch shapes the car."""
+    """Return what was set aside, left out or violated, and whether any sketch shapes the car."""
     told = list(_input_not_used(body))
     told += _edits_left_out(body)
     if body.dimensions_problem:
@@ -157,7 +157,7 @@ def cautions_of(body: Body) -> tuple[Caution, ...]:
 
 
 def _edits_left_out(body: Body) -> Iterator[Caution]:
-    """Edits that were left out for one reason are told in one sentence."""
+    """Yield one sentence for all edits that were left out for the same reason."""
     numbers: dict[str, list[str]] = {}
     for trouble in body.troubles:
         numbers.setdefault(trouble.message, []).append(str(trouble.number + 1))

@@ -78,7 +78,6 @@ OVER_EDGE: Final = 1e-3
 def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
     """Return the meshes of the right and the left wheels with the gaps below their arches.
 
-
     Parameters
     ----------
     network : Network

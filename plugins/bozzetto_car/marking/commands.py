@@ -1,4 +1,4 @@
-"""Commands for marking: pass a point over, say that it is not seen, take a mark away."""
+"""Commands for marking: skip a point, note that it is not visible, remove a mark."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NOTHING_HIDDEN: Final = "No point of this sketch is noted as not visible. There 
 
 
 def marking_commands() -> tuple[Command, ...]:
-    """All of them, in the order in which they are listed."""
+    """Return the commands, in the order of the menu."""
     return (
         Command(
             "skip", "Skip this point",
@@ -51,7 +51,7 @@ def marking_commands() -> tuple[Command, ...]:
 
 
 def asked_node(state: CarState) -> str:
-    """The node that is asked for.
+    """Return the node that is asked for.
 
     Raises
     ------
@@ -69,12 +69,12 @@ def asked_node(state: CarState) -> str:
 
 
 def passed_over(state: CarState, step: int) -> CarState:
-    """With the next node (step 1) or the one before (-1) asked for.
+    """Return the state that asks for the next node (step 1) or the one before (-1).
 
     Raises
     ------
     UserError
-        As of `asked_node`; with all marked, only forward.
+        As `asked_node` does; with all points marked, only forward.
     """
     sketch = sketch_in_work(state)
     solved_ = solve_car(state)

@@ -1,8 +1,8 @@
-"""Where a sketch will show a node that has no mark yet, and how sure that is.
+"""Predict where a sketch will show a node that has no mark yet, with a covariance.
 
-A place is unsure by what is not known of the camera and of the car. The two hang together: a car
-that is a little longer is seen by a camera a little farther off. So the covariance is carried
-through both, as the normal equations of the solve have them (Triggs et al. 2000, section 6).
+The place is uncertain because the camera and the car are. Both errors are correlated: a car that
+is a little longer is seen by a camera a little farther away. So the covariance is propagated
+through both, with the normal equations of the solve (Triggs et al. 2000, section 6).
 """
 
 from __future__ import annotations
@@ -21,27 +21,29 @@ from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.prior import robust_weights
 
 OPEN: Final = 1e-12
-"""Share of the largest part of a form below which it says nothing of a number of the camera."""
+"""Share of the largest eigenvalue of a form below which a direction counts as undetermined."""
 
 
 _known: Memory[Places | None] = Memory(64)
 
 
 def expected(solved: Solved, sketch: str, node: int) -> Places | None:
-    """Where a sketch is expected to show a node; remembered.
+    """Return where a sketch is expected to show a node; remembered.
 
     Parameters
     ----------
     solved : Solved
+        The solve.
     sketch : str
         Id of a sketch.
     node : int
+        Index of the node.
 
     Returns
     -------
     Places or None
-        One place, with its covariance; None while the sketch has no camera, or where the node is
-        not before it.
+        One place with its covariance; None while the sketch has no camera, or where the node is
+        not in front of it.
     """
     return _known.recall((solved, sketch, node), lambda: _expected(solved, sketch, node))
 
@@ -76,6 +78,6 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
 
 
 def _following(solved: Solved, joint: JointSolution) -> Array:
-    """How the nodes follow the free directions of the car, (n, 3, f)."""
+    """Return how the nodes follow the free directions of the car, (n, 3, f)."""
     span = joint.span
     return np.asarray((solved.template.basis @ span).reshape(-1, 3, span.shape[1]))

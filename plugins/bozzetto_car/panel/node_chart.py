@@ -1,4 +1,4 @@
-"""All points of a car on one drawing: which are marked, which disagree; a click asks for one."""
+"""A chart of all points of a car: which are marked, which disagree; a click asks for one."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ WORDS: Final = {
 Role = QPalette.ColorRole
 
 
-def told(row: NodeRow) -> str:
-    """A node and its status in words."""
+def row_text(row: NodeRow) -> str:
+    """Return a node and its status in words."""
     if row.status == "wrong":
         return f"{row.title}: disagrees by {row.off or 0.0:.0f} px"
     if row.off is not None:
@@ -58,7 +58,7 @@ class NodeChart(QWidget):
     Signals
     -------
     chosen : str
-        A node was clicked, or taken with the keys.
+        A node was clicked, or chosen with the keys.
     """
 
     chosen = Signal(str)
@@ -86,7 +86,7 @@ class NodeChart(QWidget):
         self.update()
 
     def place_of(self, node: str) -> QPointF:
-        """Where a node is drawn."""
+        """Return where a node is drawn."""
         if self._guide is None or self._chart is None:
             return QPointF()
         x, y = self._laid(self._chart.places[self._guide.template.node[node]])
@@ -174,7 +174,7 @@ class NodeChart(QWidget):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if watched is self and isinstance(event, QHelpEvent):
             row = self._row_at(QPointF(event.pos()))
-            QToolTip.showText(event.globalPos(), "" if row is None else told(row), self)
+            QToolTip.showText(event.globalPos(), "" if row is None else row_text(row), self)
             return True
         return False
 
@@ -190,7 +190,7 @@ class NodeChart(QWidget):
             self.chosen.emit(row.node)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrow keys go through the nodes in the order of asking, Enter takes one."""
+        """Go through the nodes with the arrow keys in the order of asking; Enter chooses one."""
         guide = self._guide
         if guide is None or not guide.rows:
             return
@@ -209,7 +209,7 @@ class NodeChart(QWidget):
         node = "" if row is None else row.node
         if node != self._pointed:
             self._pointed = node
-            self.setAccessibleDescription("" if row is None else told(row))
+            self.setAccessibleDescription("" if row is None else row_text(row))
             pointer = (
                 Qt.CursorShape.ArrowCursor if row is None else Qt.CursorShape.PointingHandCursor
             )

@@ -1,4 +1,4 @@
-"""What the guide panel says of a car, as plain values: nothing is computed where it is shown."""
+"""The content of the guide panel as plain values, so that widgets compute nothing."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from bozzetto_car.template.shape_constraints import soundness_names
 Status = Literal["asked", "set", "wrong", "skipped", "open", "hidden"]
 
 CHART_POSE: Final = ViewHint(69.0, 20.0)
-"""From where the chart of all nodes shows the car: no two nodes lie on each other, in none of the
-three templates."""
+"""Direction of the view in the chart of all nodes: no two nodes overlap in any of the three
+templates."""
 
 CHART_SIZE: Final = (1000.0, 1000.0)
 """Canvas of the chart's camera, px; only its shape counts."""
@@ -40,7 +40,7 @@ CHART_SIZE: Final = (1000.0, 1000.0)
 NOT_SEEN: Final = "Not seen from here, as it seems. Pass it over, unless the drawing shows it."
 
 PIECES: Final = 10
-"""Of an edge in the chart."""
+"""Pieces of an edge in the chart."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class NodeRow:
         ``wrong``: its mark was set aside; ``skipped``: noted as not visible; ``hidden``: still
         open, and on a side that the sketch does not show.
     off : float or None
-        Distance of its mark from where the car has it, or, of a wrong one, from where the
-        others have it, px.
+        Distance of its mark from its node on the car, or, of a wrong mark, from where the other
+        marks expect it, px.
     """
 
     node: str
@@ -66,7 +66,7 @@ class NodeRow:
 
 @dataclass(frozen=True)
 class SketchRow:
-    """A sketch, and in a few words its camera, marks and what they are missed by."""
+    """A sketch, with its camera, marks and residual in a few words."""
 
     id: str
     name: str
@@ -91,12 +91,12 @@ class Chart:
     Attributes
     ----------
     places : (n, 2) float
-        Of the nodes.
+        Places of the nodes.
     edges : (m, k, 2) float
     front : (m,) bool
         Edges on the side that is seen.
     height : float
-        Of the box, per width.
+        Height of the box, per width.
     """
 
     places: Array
@@ -107,7 +107,7 @@ class Chart:
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """All that the panel shows.
+    """The content of the panel.
 
     Attributes
     ----------
@@ -117,18 +117,18 @@ class Guide:
     asked, title, prompt : str
         The node that is asked for, its name, and how to ask for it; "" for none.
     before, after : str
-        The nodes to which one goes back or on; "" for none.
+        The nodes that *Back* and *Skip* lead to; "" for none.
     note : str
-        What to know beside: how many marks are missing, that the node is not seen from here.
+        A remark: how many marks are missing, or that the node seems not to be visible.
     count : int
-        How many nodes are marked.
+        Number of nodes that are marked.
     rows : tuple of NodeRow
         All nodes, in the order in which they are asked for.
     sketches : tuple of SketchRow
     advice : str
         Which further sketch would help most; "" while that is not known.
     dimensions : tuple of (str, float)
-        As measured on the body, mm.
+        Names, and values as measured on the body, mm.
     rules : tuple of Rule
     """
 
@@ -149,7 +149,7 @@ class Guide:
 
 
 def guide_of(state: CarState) -> Guide:
-    """What the panel shows of a car.
+    """Return the content of the panel for a car.
 
     Raises
     ------
@@ -278,7 +278,7 @@ def _rules(state: CarState, body: Body) -> Iterator[Rule]:
 
 
 def chart_of(template: Template, near: str) -> Chart:
-    """The template drawn from a little above the corner of its nose, on the side that is near."""
+    """Return the template drawn from above the corner of its nose, on the near side."""
     side = 1.0 if near == "R" else -1.0
     pose = ViewHint(side * CHART_POSE.azimuth, CHART_POSE.elevation)
     middle = template.positions.mean(axis=0)

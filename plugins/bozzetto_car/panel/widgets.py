@@ -1,4 +1,4 @@
-"""Small parts of the guide panel: a heading that folds, a bar of progress, rows to choose."""
+"""Widgets of the guide panel: a heading that folds, a progress bar, rows to choose."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from bozzetto_car.panel.view_model import SketchRow
 Role = QPalette.ColorRole
 
 CHEVRON: Final = [QPointF(-2.0, -4.0), QPointF(2.0, 0.0), QPointF(-2.0, 4.0)]
-"""Points to the right; turned down where what is under it shows."""
+"""Chevron that points to the right; it is turned down where the content shows."""
 
 
 def label(parent: QWidget, *, kind: str = "", tone: str = "") -> QLabel:
-    """A line of text in the program's own type: `kind` "heading" or "small", `tone` "quiet"."""
+    """Return a line of text in the program's type: `kind` "heading" or "small", `tone` "quiet"."""
     made = QLabel(parent)
     made.setWordWrap(True)
     made.setTextFormat(Qt.TextFormat.PlainText)
@@ -28,7 +28,7 @@ def label(parent: QWidget, *, kind: str = "", tone: str = "") -> QLabel:
 
 
 class Progress(QWidget):
-    """How many of all points are marked."""
+    """A bar that shows how many of all points are marked."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -54,7 +54,7 @@ class Progress(QWidget):
 
 
 class Fold(QWidget):
-    """A heading and what is under it."""
+    """A heading that shows or hides its content."""
 
     def __init__(self, title: str, content: QWidget, parent: QWidget, *, is_open: bool) -> None:
         super().__init__(parent)
@@ -101,7 +101,7 @@ class _Heading(QAbstractButton):
 
 
 class SketchButton(QAbstractButton):
-    """A sketch to choose: its name, its camera and how well it fits."""
+    """A sketch to choose: its name, its camera and its residual."""
 
     def __init__(self, row: SketchRow, parent: QWidget) -> None:
         super().__init__(parent)

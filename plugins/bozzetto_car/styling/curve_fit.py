@@ -1,8 +1,8 @@
 """The smooth course of a line on the body, and the spline that other programs get.
 
 Between two places the line is a cubic spline in u and v over its length, patch by patch: it is on
-the surface everywhere, and passes through its places. A spline in space is on the
-surface only at its knots; between them it is within a tolerance.
+the surface everywhere and passes through its places. A spline in space is on the surface only at
+its knots; between them it is within a tolerance.
 """
 
 from __future__ import annotations

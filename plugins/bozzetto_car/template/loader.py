@@ -1,9 +1,8 @@
-"""Templates from files, with both halves, and the three that come along.
+"""Read templates from files, complete both halves, and provide the three bundled ones.
 
-A file (``bozzetto-car-template/1``, see `docs/car.md`) tells the right half of a car and its
-middle. The left half is its mirror image, made here by changing the sign of y, so a template
-read from a file is symmetric to the last bit. Nothing is built on it before
-`validation.check` has found it sound.
+A file (``bozzetto-car-template/1``, see `docs/car.md`) holds the right half of a car and its
+middle. The left half is made here by changing the sign of y, so a template from a file is symmetric
+to the last bit. No template is used before `validation.check` has found it sound.
 """
 
 from __future__ import annotations
@@ -35,20 +34,20 @@ TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
 """The templates that come with the modeler."""
 
 FORMAT_WORD: Final = b'"bozzetto-car-template/'
-"""What stands in every template."""
+"""A text that stands in every template file."""
 
 MOST_FAULTS: Final = 3
-"""Faults of the network that a message tells; the rest follow from them as a rule."""
+"""Number of faults of the network that a message names; the others mostly follow from them."""
 
 
 @lru_cache
 def bundled(name: str) -> Template:
-    """One of the templates that come along: sedan, hatchback or minivan.
+    """Return one of the bundled templates: sedan, hatchback or minivan.
 
     Raises
     ------
     FormatError
-        If there is none of that name.
+        If there is no template of that name.
     """
     if name not in TEMPLATES:
         there = ", ".join(TEMPLATES)
@@ -67,7 +66,7 @@ def read_template(data: bytes) -> Template:
     Raises
     ------
     FormatError
-        Names the key that is wrong, or says what is wrong with the network.
+        If a key is wrong, or the network is not that of a car; the message says which or why.
     """
     template = _Whole(read_records(data)).template()
     faults = check(template)
@@ -82,12 +81,12 @@ def read_template(data: bytes) -> Template:
 
 
 def is_template(path: Path) -> bool:
-    """Whether a file says that it is a template, or a template of a later version."""
+    """Whether a file declares itself a template, of this version or a later one."""
     return FORMAT_WORD in _content(path)
 
 
 def faults_in(path: Path) -> list[str]:
-    """Everything that is wrong with a template's file, for its author.
+    """Return everything that is wrong with a template's file, for its author.
 
     Returns
     -------
@@ -102,7 +101,7 @@ def faults_in(path: Path) -> list[str]:
 
 
 def _content(path: Path) -> bytes:
-    """What is in a file, and no more of it than shows that it is too large."""
+    """Return the content of a file; of one that is too large only so much that this shows."""
     try:
         with path.open("rb") as file:
             return file.read(LARGEST_FILE + 1)
@@ -111,7 +110,7 @@ def _content(path: Path) -> bytes:
 
 
 class _Whole:
-    """Both halves of the car that a file tells one of."""
+    """Both halves of the car of which a file holds one."""
 
     def __init__(self, records: Records) -> None:
         self.records = records
@@ -131,12 +130,12 @@ class _Whole:
         self.between: dict[tuple[int, int], int] = {}
 
     def template(self) -> Template:
-        """Put everything together.
+        """Assemble the template.
 
         Raises
         ------
         FormatError
-            If something is named that there is none of.
+            If the file refers to something that it does not define.
         """
         given = self.records
         nodes = {**given.centre, **given.pairs, **given.wheels}
@@ -172,11 +171,11 @@ class _Whole:
             order=tuple(self._order()),
             titles={name: record.title for name, record in told.items()},
             prompts={name: record.prompt for name, record in told.items()},
-            pictures={name: _picture(told[name].picture, name) for name in self.names},
+            pictures={name: _view_hint(told[name].picture, name) for name in self.names},
         )
 
     def _number(self, name: str, place: str) -> int:
-        """Index of a node of the right half or the centre."""
+        """Return the index of a node of the right half or the centre."""
         if name not in self.halves:
             raise FormatError(f"{place}: there is no node {name}.")
         return self.node[self.halves[name]]
@@ -275,12 +274,12 @@ class _Whole:
 
 
 def _reflected(vector: Vector) -> Vector:
-    """The mirror image of a vector; -0.0 becomes 0.0, so that equal halves compare equal."""
+    """Return the mirror image of a vector; -0.0 becomes 0.0, so that equal halves compare equal."""
     return vector[0], 0.0 - vector[1], vector[2]
 
 
-def _picture(record: PictureRecord, name: str) -> ViewHint:
-    """The picture of a node: its own side of the car, or both halves of what is in the middle."""
+def _view_hint(record: PictureRecord, name: str) -> ViewHint:
+    """Return the view hint of a node: for its own side of the car, or for both halves."""
     sides = (name[-2:],) if name.endswith((".R", ".L")) else (".R", ".L")
     turn = -record.azimuth if sides == (".L",) else record.azimuth
     tinted = tuple(f"{patch}{side}" for patch in record.patches for side in sides)

@@ -1,4 +1,4 @@
-"""What the pen can do to a car."""
+"""The tools of the pen for a car."""
 
 from __future__ import annotations
 
@@ -13,5 +13,5 @@ from bozzetto_car.tools.trace_edges import TraceEdges
 
 
 def all_tools() -> Sequence[Tool[CarState]]:
-    """All tools, most used first."""
+    """Return all tools, most used first."""
     return (MarkPoints(), TraceEdges(), ShapeNodes(), Style())

@@ -21,13 +21,13 @@ from bozzetto_car.styling.scene import CHOSEN_WIDTH, shown_styling
 from bozzetto_car.styling.stroke_line import one_stroke
 
 NAME: Final = "Styling"
-"""What new curves are called, with a number."""
+"""Name of new curves; a number follows."""
 
 _growing: Memory[Growing] = Memory(limit=4)
 
 
 class Style:
-    """A stroke beside a styling curve bends it; any other stroke is a new one."""
+    """The tool for styling curves: a stroke along a curve bends it, any other is a new curve."""
 
     id = "style"
     title = "Style"
@@ -36,7 +36,7 @@ class Style:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The line on the body as it is drawn."""
+        """Show the line on the body as it is drawn."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]

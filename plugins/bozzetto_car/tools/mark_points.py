@@ -1,4 +1,4 @@
-"""Mark the points that are asked for on the sketch; drag marks that are not right."""
+"""Mark the points that are asked for on the sketch; drag marks to correct them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_ma
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
 from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarState, Mark
-from bozzetto_car.view.mark_items import MARK, MARK_TOOL, preview_of
+from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
 from bozzetto_car.view.view_advice import camera_looked_through
 
 Seen = tuple[CarState, ...]
@@ -26,10 +26,10 @@ FARTHEST: Final = 5.0
 """Farthest place beside the picture that can be marked, in its diagonals from its middle."""
 
 REACH: Final = 2.0
-"""Distance from a mark, in tolerances of the pen, at which an eraser meets it."""
+"""Distance from a mark, in tolerances of the pen, at which an eraser touches it."""
 
 TOUCH: Final = 2.0
-"""Farthest way of a pen that only touches a mark, px."""
+"""Farthest movement of a pen that only touches a mark, px."""
 
 NOT_THROUGH: Final = (
     "Marks are set where the sketch is seen as it was drawn. Go back to it with T, then touch "
@@ -38,7 +38,7 @@ NOT_THROUGH: Final = (
 
 
 class MarkPoints:
-    """A tap marks the node that is asked for; a drag moves a mark; the eraser takes marks away."""
+    """The tool for marks: a tap marks the node that is asked for, drags move, erasers remove."""
 
     id = MARK_TOOL
     title = "Mark points"
@@ -48,11 +48,11 @@ class MarkPoints:
     aims = True
 
     def next_hint(self, state: CarState) -> str:
-        """Which point to touch, in the template's words."""
+        """Return which point to touch, in the template's words."""
         return hint_of(state, solve_car(state))
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The car as the mark would have it, on the picture."""
+        """Show the car with the mark, on the picture."""
         if isinstance(gesture, Ink):
             return Scene()
         try:
@@ -62,10 +62,10 @@ class MarkPoints:
             after = body_of(moved, before=state)
         except UserError:
             return Scene()
-        return preview_of(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
+        return mark_preview(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
 
     def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
-        """Set, move or take away marks.
+        """Set, move or remove marks.
 
         Raises
         ------
@@ -84,7 +84,7 @@ class MarkPoints:
 
 
 def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
-    """The mark that a gesture sets."""
+    """Return the mark that a gesture sets."""
     sketch = sketch_in_work(state)
     if isinstance(gesture, Drag):
         node = gesture.handle.removeprefix(MARK)
@@ -101,7 +101,7 @@ def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
 
 
 def _seen(context: Context) -> Seen:
-    """The car as it was when the hand saw it."""
+    """Return the car as it was when the person saw it, newest first."""
     return tuple(state for state in context.seen if isinstance(state, CarState))
 
 
@@ -114,7 +114,7 @@ def _is_touch(gesture: Drag) -> bool:
 def _pixels(
     state: CarState, body: Body, camera: Camera, places: Sequence[Array], seen: Seen
 ) -> Array:
-    """Pixels of the picture at places of a view through it.
+    """Return pixels of the picture at places of a view through it.
 
     Raises
     ------
@@ -133,12 +133,12 @@ def _pixels(
 
 
 def _same_mark(mark: Mark, marks: tuple[Mark, ...]) -> Mark:
-    """A mark as it is called once it is set: sides may have been exchanged by it."""
+    """Return a mark with its node after it is set: that may have exchanged the sides."""
     return next(one for one in marks if (one.u, one.v) == (mark.u, mark.v))
 
 
 def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarState:
-    """Without the marks that an eraser ran over."""
+    """Return the state without the marks that an eraser ran over."""
     sketch = sketch_in_work(state)
     if any(stroke.tool != "eraser" for stroke in gesture.strokes):
         raise UserError("Touch the point that is asked for.")

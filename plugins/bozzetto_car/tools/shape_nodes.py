@@ -1,4 +1,4 @@
-"""Nodes and tangents by hand: nodes are dragged, and show their tangents where touched."""
+"""Shape nodes and tangents by hand: drag nodes, touch them to show their tangents."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from bozzetto_car.view.picking import touched
 from bozzetto_car.view.scene import body_in_work, body_layers
 
 STILL: Final = 3.0
-"""Way of the pen, px, below which a handle is touched and not dragged."""
+"""Movement of the pen, px, below which a handle is touched and not dragged."""
 
 
 class ShapeNodes:
-    """Nodes move parallel to the picture; handles bend edges, and smooth neighbours follow.
+    """The tool for nodes and tangents: nodes move parallel to the picture, handles bend edges.
 
-    Nodes and edges that are touched reveal the tangents that they have. Drags of one handle, one
-    after the other, are one edit.
+    Smooth neighbours follow. A touch on a node or an edge reveals its tangents. Successive drags
+    of one handle are one edit.
     """
 
     id = SHAPE_TOOL
@@ -38,13 +38,13 @@ class ShapeNodes:
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
     def next_hint(self, state: CarState) -> str:
-        """What the handles that are there do."""
+        """Return what the visible handles do."""
         if not state.revealed:
             return self.hint
         return f"Drag the tangents of {state.revealed}, or touch another node or edge."
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The body as it would be."""
+        """Show the body after the drag."""
         if not isinstance(gesture, Drag):
             return Scene()
         try:
@@ -59,7 +59,7 @@ class ShapeNodes:
         Raises
         ------
         UserError
-            If there is no body yet, or the handle is none of it or behind the eye.
+            If there is no body yet, or the handle does not belong to it or is behind the eye.
         """
         body = body_in_work(state)
         if isinstance(gesture, Tap):
@@ -74,12 +74,12 @@ class ShapeNodes:
 
 
 def _touched_handle(state: CarState, handle: str) -> str:
-    """What is revealed after a handle was touched: its node's tangents; those that are, stay."""
+    """Return what is revealed after a touch: the node's tangents; revealed tangents stay."""
     return handle.removeprefix(NODE) if handle.startswith(NODE) else state.revealed
 
 
 def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
-    """What a drag does. Of mirror images one is named, so that drags of both add up."""
+    """Return the edit of a drag; of mirror images it names one, so that drags of both add up."""
     template, network = body.template, body.network
     if drag.handle.startswith(NODE):
         node = node_called(template, drag.handle.removeprefix(NODE))
@@ -102,7 +102,7 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
 
 
 def _pen(drag: Drag, held: Array) -> Array:
-    """Where on the sheet the held place is taken to: the pen need not have met it exactly."""
+    """Return where on the sheet the held place goes: the pen may hold it a little beside."""
     seen, _ = drag.camera.project(held)
     points = drag.path.points
     return np.asarray(seen[0] + points[-1] - points[0])

@@ -24,11 +24,11 @@ NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
 
 
 class TraceEdges:
-    """The edges that a stroke runs along are seen where it is, and the other side follows.
+    """The tool that bends edges to strokes; the other side of the car follows.
 
     A stroke on the sketch is kept in the pixels of its picture: it stays on the line that it
-    traces, whatever becomes of the camera. The other end of the pen takes the last stroke or
-    drag back that bent the edge under it.
+    traces when the camera changes. The eraser takes back the last stroke or drag that bent the
+    edge under it.
     """
 
     id = "trace"
@@ -38,7 +38,7 @@ class TraceEdges:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The edges as they would run."""
+        """Show the edges after the stroke."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         try:
@@ -73,7 +73,7 @@ class TraceEdges:
 
 
 def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
-    """The car after a stroke, and the edit that it is, with the edges that were found."""
+    """Return the car after a stroke, and the edit with the edges that were found."""
     body = body_in_work(state)
     edit = _edit_of(state, body, stroke)
     unstretched = unstretched_body_of(state)
@@ -85,7 +85,7 @@ def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
 
 
 def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
-    """A stroke as it is kept: in pixels of the sketch if that is looked through."""
+    """Return a stroke as an edit: in pixels of the sketch if the view is through it."""
     sketch = state.sketch
     sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
     if sketch is None or sketch_camera is None or not sketch_camera.is_seen_through(stroke.camera):
@@ -97,7 +97,7 @@ def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
 
 
 def _on_picture(stroke: Stroke, sketch_camera: SketchCamera, size: tuple[float, float]) -> Stroke:
-    """A stroke in pixels of the picture that is seen behind it."""
+    """Return a stroke in pixels of the picture that is seen behind it."""
     u, v = sketch_camera.seen_at(stroke.camera, stroke.points).T
     return Stroke(
         u, v, upright_camera(size).camera,
@@ -108,7 +108,7 @@ def _on_picture(stroke: Stroke, sketch_camera: SketchCamera, size: tuple[float, 
 
 
 def _erased(state: CarState, eraser: Stroke) -> CarState:
-    """Without the last stroke or drag that bent an edge under the eraser."""
+    """Return the state without the last stroke or drag that bent an edge under the eraser."""
     body = body_in_work(state)
     template = body.template
     under = edges_under(body.network, eraser.points, eraser.camera)

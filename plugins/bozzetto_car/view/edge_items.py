@@ -1,4 +1,4 @@
-"""The edges and nodes of a body as they are shown: lines, creases, dots, and handles to drag."""
+"""Edges and nodes of a body as scene items: lines, creases, dots, and handles to drag."""
 
 from __future__ import annotations
 
@@ -26,42 +26,42 @@ from bozzetto_car.view.surface_colors import SOURCE_COLORS
 SHAPE_TOOL: Final = "shape"
 
 NODE: Final = "node "
-"""What the ids of nodes' handles begin with; the name of the node follows."""
+"""Prefix of the ids of nodes' handles; the name of the node follows."""
 
 TANGENT: Final = "tangent "
-"""The same of tangents; the name of the edge and the number of its end follow."""
+"""Prefix of the ids of tangents' handles; the name of the edge and the number of its end follow."""
 
 ALONG: Final = 24
-"""Pieces of an edge that is shown."""
+"""Pieces of the polyline that shows an edge."""
 
 EDGE_WIDTH: Final = 1.4
-"""Of the lines of a template, px."""
+"""Width of the lines of edges, px."""
 
 ON_PAPER: Final = (52, 49, 46)
-"""Of the same lines over a drawing: its paper is light in the dark theme, too."""
+"""Colour of edges over a drawing: its paper is light in the dark theme, too."""
 
 HELD_WIDTH: Final = 2.6
-"""Of an edge that is being drawn, px."""
+"""Width of an edge that is being drawn, px."""
 
 CREASE_COLORS: Final[dict[str, tuple[int, int, int]]] = {
     "smooth": (74, 148, 96),
     "creased": (214, 138, 30),
     "corner": (104, 118, 140),
 }
-"""Of edges over which the surface is smooth; those that smooth lines cross and that have a
-crease all the same; and those that are meant to be corners."""
+"""Colours of edges with a smooth surface across them; of those that smooth lines cross, but with a
+crease; and of those that are meant to be corners."""
 
 CREASE_WIDTHS: Final = {"smooth": 1.4, "creased": 3.0, "corner": 2.0}
-"""Of their lines, px."""
+"""Widths of these lines, px."""
 
 REMEMBERED: Final = 16
-"""Solved cars whose nodes' certainty is remembered."""
+"""Number of solved cars whose certainty is remembered."""
 
 LABEL_SIZE: Final = 11.0
-"""Of the letters of an angle, px."""
+"""Size of the letters of an angle, px."""
 
 LABEL_ROOM: Final = (46.0, 16.0)
-"""Width and height, px, that such a label has to itself."""
+"""Width and height, px, of the space that such a label keeps free."""
 
 
 _sources: Memory[tuple[Source, ...]] = Memory(REMEMBERED)
@@ -74,7 +74,7 @@ def network_lines(
     opacity: float = 1.0,
     hidden: Hidden = "faint",
 ) -> Lines:
-    """Cubic Bézier curves (m, 4, 3) as one item."""
+    """Return cubic Bézier curves (m, 4, 3) as one item."""
     points = bernstein(np.linspace(0.0, 1.0, ALONG + 1)) @ control_points
     starts = np.arange(0, points.shape[0] * points.shape[1], points.shape[1], dtype=np.int32)
     return Lines(
@@ -87,7 +87,7 @@ def network_lines(
 
 
 def edge_items(state: CarState, body: Body, held: Collection[int] = ()) -> Iterator[Item]:
-    """The edges as lines; those that are held, as by the pen that traces them, stand out."""
+    """Yield the edges as lines; edges that are held, as by the pen that traces them, stand out."""
     points = body.network.control_points
     if state.creases:
         for kind, edges in _creases(body).items():
@@ -101,7 +101,7 @@ def edge_items(state: CarState, body: Body, held: Collection[int] = ()) -> Itera
 
 
 def crease_labels(body: Body, camera: Camera) -> Iterator[Label]:
-    """The angles of creases that face a view, the sharpest first, none on top of another."""
+    """Yield the angles of creases that face a view, the sharpest first, without overlaps."""
     template, angles = body.template, np.nan_to_num(body.creases)
     shown = np.asarray(facing(template, body.network.positions, camera))
     toward = np.asarray(shown[template.edges].all(axis=1))
@@ -121,7 +121,7 @@ def crease_labels(body: Body, camera: Camera) -> Iterator[Label]:
 
 
 def _creases(body: Body) -> dict[str, list[int]]:
-    """Edges by how the surface goes over them; the rim, over which there is none, is a corner."""
+    """Return edges by how the surface crosses them; the rim counts as a corner."""
     angles = body.creases
     crossed = _crossed_smoothly(body)
     found: dict[str, list[int]] = {kind: [] for kind in CREASE_COLORS}
@@ -132,7 +132,7 @@ def _creases(body: Body) -> dict[str, list[int]]:
 
 
 def _crossed_smoothly(body: Body) -> set[int]:
-    """Edges that smooth lines cross at both ends: their patches should meet without a crease."""
+    """Return edges that smooth lines cross at both ends: they should have no crease."""
     template = body.template
     crossings: dict[int, set[int]] = {}
     for joint in junctions(template):
@@ -147,7 +147,7 @@ def _crossed_smoothly(body: Body) -> set[int]:
 
 
 def sources_of(body: Body) -> tuple[Source, ...]:
-    """Whether each node is seen in a sketch, mirrored, or guessed."""
+    """Return whether each node is seen in a sketch, mirrored, or guessed."""
     return _sources.recall(body.solved, partial(_found, body.solved))
 
 
@@ -159,7 +159,7 @@ def _found(solved: Solved) -> tuple[Source, ...]:
 
 
 def node_items(state: CarState, body: Body) -> Iterator[Points]:
-    """The nodes as dots in the colours of how well they are known."""
+    """Yield the nodes as dots in the colours of how well they are known."""
     if not state.network:
         return
     sources = sources_of(body)
@@ -174,14 +174,16 @@ def node_items(state: CarState, body: Body) -> Iterator[Points]:
 
 
 def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> Layer:
-    """Handles of nodes, in the colours of the nodes, and of the tangents that are revealed.
+    """Return the handles of nodes, in the nodes' colours, and of the revealed tangents.
 
     Parameters
     ----------
     state : CarState
+        The car.
     body : Body
+        Its body.
     camera : Camera, optional
-        Nodes on a side that this view does not see have no handle.
+        The view; nodes on a side that it does not see have no handle.
     """
     template, network = body.template, body.network
     shown = np.ones(len(template.names), bool)
@@ -205,7 +207,7 @@ def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> L
 
 
 def revealed_ends(state: CarState, body: Body) -> list[tuple[int, int]]:
-    """The ends of edges (edge, 0 or 1) whose tangents are revealed."""
+    """Return the ends of edges (edge, 0 or 1) whose tangents are revealed."""
     template = body.template
     if state.revealed in template.node:
         node = template.node[state.revealed]

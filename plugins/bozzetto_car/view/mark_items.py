@@ -1,8 +1,8 @@
-"""The marks on the sketch: handles to drag, what each is missed by, and what is asked for next.
+"""Marks on the sketch as scene items: handles, residuals, and what is asked for next.
 
-All of it lies on the plane of the picture. While a mark is dragged the camera changes with it,
-but the view on the sheet does not; so the car as it would be is shown where it would be seen in
-the picture, which is right from any camera that the picture is seen through.
+All items lie on the plane of the picture. While a mark is dragged, the camera changes with it, but
+the view on the sheet does not; so the new car is shown where the picture would show it, which is
+correct from any view through the picture.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from bozzetto_car.view.edge_items import ON_PAPER
 MARK_TOOL: Final = "mark"
 
 MARK: Final = "mark "
-"""What the ids of marks' handles begin with; the name of the node follows."""
+"""Prefix of the ids of marks' handles; the name of the node follows."""
 
 TOLD: Final = 1.0
 """Distance of a mark from its node, px, from which a line between them is drawn."""
@@ -37,10 +37,10 @@ ROUND: Final = 48
 """Corners of an ellipse."""
 
 LEAST_RING: Final = 6.0
-"""Least half axis of the ring round an expected place, px: a smaller one hides in the dot."""
+"""Least half axis of the ring around an expected place, px: a smaller one hides in the dot."""
 
 ALONG: Final = 16
-"""Pieces of an edge that is shown while a mark moves."""
+"""Pieces of the polyline that shows an edge while a mark moves."""
 
 CROSS: Final = 0.006
 """Half the width of a cross, in diagonals of the picture."""
@@ -50,7 +50,7 @@ HIDDEN_MEANWHILE: Final = ("body", "wheels", "nodes", "network", "handles", "ang
 
 
 def mark_layers(state: CarState, body: Body) -> tuple[Layer, ...]:
-    """The marks of the sketch in work, and where the next one is expected."""
+    """Return the layer with the marks of the sketch in work and the place of the next one."""
     placed = in_work(state, body.solved)
     if placed is None:
         return ()
@@ -64,8 +64,8 @@ def mark_layers(state: CarState, body: Body) -> tuple[Layer, ...]:
     return (Layer("marks", tuple(items), tool=MARK_TOOL),)
 
 
-def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene:
-    """The car as it would be, on the picture as it is seen now.
+def mark_preview(before: Body, after: Body, state: CarState, moved: Mark) -> Scene:
+    """Return the car with a moved mark, shown on the picture as it is seen now.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
     after : Body
         The car with the mark.
     state : CarState
-        What it comes from.
+        The state with the mark.
     moved : Mark
         The mark under the pen.
     """
@@ -91,7 +91,7 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
 
 
 def _network(body: Body, now: SketchCamera, on: SketchCamera) -> Iterator[Lines]:
-    """The edges where the picture would show them, faint on the side that is not seen."""
+    """Yield the edges where the picture would show them, faint on the side that is not seen."""
     curves = bernstein(np.linspace(0.0, 1.0, ALONG + 1)) @ body.network.control_points
     seen = now.pixels(curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
     there = np.isfinite(seen).all(axis=(1, 2))
@@ -108,7 +108,7 @@ def _network(body: Body, now: SketchCamera, on: SketchCamera) -> Iterator[Lines]
 def _marks(
     placed: Placed, body: Body, seen_from: SketchCamera, on: SketchCamera, moved: str = ""
 ) -> Iterator[Item]:
-    """Marks on one stand, with where another has their nodes."""
+    """Yield the marks on one sketch camera, with the places of their nodes through another."""
     template, sketch = body.template, placed.sketch
     marks = sketch.marks
     if not marks:
@@ -144,7 +144,7 @@ def _marks(
 def _missed(
     placed: Placed, body: Body, sketch_camera: SketchCamera
 ) -> dict[str, tuple[Array, float]]:
-    """By node that is marked: where it is seen, and how far from its mark, px."""
+    """Return, by marked node, where it is seen, and how far that is from its mark, px."""
     if not placed.is_known:
         return {}
     template = body.template
@@ -161,7 +161,7 @@ def _missed(
 def _expected(
     asked: Asked, placed: Placed, body: Body, sketch_camera: SketchCamera
 ) -> Iterator[Item]:
-    """A ring where the next mark is expected, and the region in which it lies."""
+    """Yield a ring where the next mark is expected, and the region in which it lies."""
     if asked.place is None or asked.ellipse is None:
         return
     color = "ghost" if asked.hidden else "second"
@@ -188,7 +188,7 @@ def _expected(
 
 
 def _direct(placed: Placed, body: Body, sketch_camera: SketchCamera) -> Iterator[Lines]:
-    """Crosses where the direct linear transform has the marked nodes of the template."""
+    """Yield crosses where the direct linear transform sees the marked nodes of the template."""
     nodes, marks = counted_marks(placed, body.template)
     points = body.template.positions[nodes]
     try:

@@ -1,8 +1,8 @@
-"""From where a car is looked at: through its sketch, or past it.
+"""Advice on the view of a car: through its sketch, or from elsewhere.
 
-With every mark the camera of a sketch becomes another, and what was a view through the sketch
-looks past it by a hair. Such views are known by the car as it was a moment ago, which the host
-knows, and they go along to the same window of the picture, so that nothing but the car moves.
+Every mark changes the camera of a sketch, and what was a view through the sketch then misses it
+by a little. The host knows the car as it was a moment ago, and with it such views are recognized.
+They follow to the same window of the picture, so that only the car moves.
 """
 
 from __future__ import annotations
@@ -20,30 +20,32 @@ from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.marking.next_mark import asked_of, in_work, node_title
 from bozzetto_car.solver.initial_cameras import FEWEST, Placed
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.view.scene import body_layers, hanging_on_view, is_shown
+from bozzetto_car.view.scene import body_layers, is_shown, view_dependent_scene
 
 NO_SKETCH: Final = "Drop a sketch on the sheet, or look at the template."
 
 EXCHANGED: Final = (
     "Left and right seem to be exchanged. The command “Exchange left and right” puts it right."
 )
-"""What is said of marks that fit a car as a mirror shows it."""
+"""Message for marks that fit a mirrored car."""
 
 DRAFTED: Final = ("body", "wheels", "network")
-"""Layers that look otherwise over a drawing, so that it can be seen."""
+"""Layers that look different over a drawing, so that the drawing is visible."""
 
 
 def camera_looked_through(
     sketch: Sketch, body: Body, camera: Camera, seen: Iterable[CarState] = ()
 ) -> SketchCamera | None:
-    """The stand through which a view looks at a sketch, as it is or was a moment ago.
+    """Return the camera through which a view looks at a sketch, now or a moment ago.
 
     Parameters
     ----------
     sketch : Sketch
+        The sketch.
     body : Body
-        As the car is now.
+        The body as it is now.
     camera : Camera
+        The view.
     seen : iterable of CarState
         The car as it was a moment ago, newest first.
     """
@@ -58,7 +60,7 @@ def camera_looked_through(
 
 
 def view_after(seen: CarState, state: CarState, camera: Camera) -> Camera | None:
-    """The view of the same window of the sketch in work, where the car had another shape before."""
+    """Return the view of the same window of the sketch after the car has changed; else None."""
     body = body_of(state)
     placed = in_work(state, body.solved)
     if placed is None:
@@ -70,7 +72,7 @@ def view_after(seen: CarState, state: CarState, camera: Camera) -> Camera | None
 
 
 def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:
-    """Where a sketch stood in an earlier state of its car; None where it was not there."""
+    """Return the camera of a sketch in an earlier state of its car; None if there was none."""
     if not any(one.id == sketch.id and one.size == sketch.size for one in state.sketches):
         return None
     try:
@@ -80,14 +82,14 @@ def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:
 
 
 def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
-    """What to say of a view: which mark is asked for, or that the sketch is seen from elsewhere."""
-    scene, placed = hanging_on_view(state, body, camera), in_work(state, body.solved)
+    """Return advice on a view: the mark that is asked for, or the way back to the sketch."""
+    scene, placed = view_dependent_scene(state, body, camera), in_work(state, body.solved)
     if placed is None:
         return ViewAdvice("good", NO_SKETCH, scene=scene)
     sketch = placed.sketch
     sketch_camera = body.sketch_cameras[sketch.id]
     if sketch_camera.is_seen_through(camera):
-        level, message = _said_of(state, body, placed)
+        level, message = _message_through_sketch(state, body, placed)
         return ViewAdvice(level, message, None, scene + _draft(state, body, placed), pinned=True)
     better = sketch_camera.view(camera.viewport)
     if state.selected == sketch.id and _sees_another(state, body, camera):
@@ -96,10 +98,10 @@ def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
 
 
 def _draft(state: CarState, body: Body, placed: Placed) -> Scene:
-    """The body so thin that the drawing shows through, unless its own look is wanted.
+    """Return the body so thin that the drawing shows through, unless its own look is wanted.
 
-    Over a sketch whose own camera is not known it does not fit and hides what is to be marked:
-    there it is thin in any case.
+    Over a sketch whose own camera is not known, the body does not fit and hides the points to
+    mark, so there it is always thin.
     """
     sketch = placed.sketch
     drawn = sketch.picture is not None and sketch.visible and sketch.opacity > 0.0
@@ -116,8 +118,10 @@ def _sees_another(state: CarState, body: Body, camera: Camera) -> bool:
     return any(camera_looked_through(other, body, camera) is not None for other in others)
 
 
-def _said_of(state: CarState, body: Body, placed: Placed) -> tuple[Literal["good", "warn"], str]:
-    """What to say where the sketch in work is seen through its own camera."""
+def _message_through_sketch(
+    state: CarState, body: Body, placed: Placed
+) -> tuple[Literal["good", "warn"], str]:
+    """Return the level and message for a view through the camera of the sketch in work."""
     sketch = placed.sketch
     if placed.problem and len(sketch.marks) >= FEWEST:
         return "warn", placed.problem

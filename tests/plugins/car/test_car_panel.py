@@ -24,7 +24,7 @@ from bozzetto_car.body.build import body_of
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.car_picture import Pose, between, pose_of, small_car
 from bozzetto_car.panel.guide_panel import GuidePanel
-from bozzetto_car.panel.node_chart import told
+from bozzetto_car.panel.node_chart import row_text
 from bozzetto_car.panel.turning_car import STILL
 from bozzetto_car.panel.view_model import chart_of, guide_of
 from bozzetto_car.state import CarState, Mark, Sketch
@@ -71,7 +71,7 @@ def test_every_node_has_its_status(astray):
     assert {node for node, status in found.items() if status == "set"} == marked
     row = next(row for row in guide.rows if row.node == "C3")
     assert row.off == pytest.approx(120.0, abs=3.0)
-    assert "disagrees by 1" in told(row)
+    assert "disagrees by 1" in row_text(row)
     assert guide.count == 20
 
 
