@@ -64,7 +64,7 @@ class Dimensions:
         for name, value in given.items():
             if not SHORTEST <= value <= LONGEST:
                 raise UserError(
-                    f"A {WORDS[name]} of {value:g} mm is none that a car can have. Give one from "
+                    f"A car cannot have a {WORDS[name]} of {value:g} mm. Give one from "
                     f"{SHORTEST:g} to {LONGEST:g} mm."
                 )
         return given

@@ -36,7 +36,7 @@ def report_of(body: Body) -> dict[str, Any]:
     positions = body.network.positions
     variables = template.reduced(positions)
     angles = zip(template.edge_names, body.creases, strict=True)
-    told: dict[str, Any] = {
+    report: dict[str, Any] = {
         "template": template.id,
         "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
         "views": [_view(p, body.sketch_cameras[key], body) for key, p in solved.placed.items()],
@@ -47,13 +47,13 @@ def report_of(body: Body) -> dict[str, Any]:
     }
     if solved.joint is not None:
         known = certainty(template, solved.cost, solved.joint)
-        told["known"] = dict(zip(template.names, known.sources, strict=True))
+        report["known"] = dict(zip(template.names, known.sources, strict=True))
         views = further_views(template, solved.cost, solved.joint)
         if views:
-            told["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
+            report["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
                                  "after_mm": views[0].after}  # fmt: skip
-    told["warnings"] = [caution.message for caution in cautions_of(body)]
-    return told
+    report["warnings"] = [caution.message for caution in cautions_of(body)]
+    return report
 
 
 UNSOUND: Final = 1e-9
@@ -77,20 +77,20 @@ def _dimensions(body: Body) -> dict[str, float]:
 
 def _view(placed: Placed, sketch_camera: SketchCamera, body: Body) -> dict[str, Any]:
     nodes, marks = counted_marks(placed, body.template)
-    told: dict[str, Any] = {
+    report: dict[str, Any] = {
         "name": placed.sketch.name,
         "solved": placed.is_known,
         "marks": len(placed.sketch.marks),
     }
     if not placed.is_known:
-        return told | {"camera": None, "residual_px": {}, "leave_one_out_px": {},
+        return report | {"camera": None, "residual_px": {}, "leave_one_out_px": {},
                        "problem": placed.problem}  # fmt: skip
     every = [(m.node, (m.u, m.v)) for m in placed.sketch.marks if m.node in body.template.node]
     at = sketch_camera.pixels(
         body.network.positions[[body.template.node[name] for name, _ in every]]
     )
     off = np.linalg.norm(at - [place for _, place in every], axis=1)
-    told |= {
+    report |= {
         "camera": _camera(sketch_camera),
         "residual_px": {name: float(px) for (name, _), px in zip(every, off, strict=True)},
         "leave_one_out_px": dict(placed.left_out or {}),
@@ -99,8 +99,8 @@ def _view(placed: Placed, sketch_camera: SketchCamera, body: Body) -> dict[str, 
     try:
         direct = direct_linear_transform(body.template.positions[nodes], marks)
     except UserError:
-        return told
-    return told | {
+        return report
+    return report | {
         "direct_linear_transform": direct.matrix.tolist(),
         "direct_linear_transform_parts": _parts(direct.parts),
     }
@@ -121,7 +121,7 @@ def _parts(parts: Parts) -> dict[str, Any]:
 def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
     """Return a camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
     camera = sketch_camera.camera
-    told: dict[str, Any] = {
+    report: dict[str, Any] = {
         "kind": camera.kind,
         "eye": list(camera.eye),
         "target": list(camera.target),
@@ -131,8 +131,8 @@ def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
         "matrix": _matrix(sketch_camera),
     }
     if camera.kind == "perspective":
-        return told | {"fov_y": camera.fov_y}
-    return told | {"height": camera.height}
+        return report | {"fov_y": camera.fov_y}
+    return report | {"height": camera.height}
 
 
 def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
@@ -145,15 +145,16 @@ def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
 
 def cautions_of(body: Body) -> tuple[Caution, ...]:
     """Return what was set aside, left out or violated, and whether any sketch shapes the car."""
-    told = list(_input_not_used(body))
-    told += _edits_left_out(body)
+    cautions = [*_input_not_used(body), *_edits_left_out(body)]
     if body.dimensions_problem:
-        told.append(Caution(f"The dimensions were not set: {body.dimensions_problem}"))
+        cautions.append(Caution(f"The dimensions were not set: {body.dimensions_problem}"))
     variables = body.template.reduced(body.network.positions)
     for name, slack in body.solved.soundness.least(variables).items():
         if slack < -UNSOUND:
-            told.append(Caution(f"Not sound any more: {name} ({slack:.1f} mm)."))
-    return tuple(told)
+            cautions.append(
+                Caution(f"The car violates “{name}” by {-slack:.1f} mm.")
+            )
+    return tuple(cautions)
 
 
 def _edits_left_out(body: Body) -> Iterator[Caution]:

@@ -210,8 +210,7 @@ def fit_reshaping(
             return made
         asked = {name: asked[name] + goal[name] - found[name] for name in goal}
     raise UserError(
-        "The body cannot be brought to these dimensions. Choose some that are nearer to those "
-        "that it has."
+        "The body cannot take these dimensions. Choose values nearer to those that it has."
     )
 
 
@@ -229,7 +228,7 @@ def _mapping(
     share = at / now["length"]
     if not (0.0 < share[0] < share[1] < 1.0):
         raise UserError(
-            "The wheels of this car do not stand within its body one behind the other. Move "
+            "The wheels of this car do not stand within its body, one behind the other. Move "
             "them there first."
         )
     weights = 3.0 * np.stack((share * (1.0 - share) ** 2, share**2 * (1.0 - share)), axis=1)
@@ -245,7 +244,7 @@ def _mapping(
 def _folding(goal: dict[str, float], share: Array, solving: Array) -> str:
     """Return the message that refuses an overhang and a wheelbase, with ranges to choose from."""
     length = goal["length"]
-    told = []
+    ranges = []
     for name, direction in (("wheelbase", np.array([0.0, 1.0])), ("front_overhang", np.ones(2))):
         # The three slope coefficients are linear in the dimension; each gives one bound.
         rest = (
@@ -260,11 +259,11 @@ def _folding(goal: dict[str, float], share: Array, solving: Array) -> str:
         least = float(np.max(-lows[rises > 0.0] / rises[rises > 0.0], initial=0.0))
         most = float(np.min(-lows[rises < 0.0] / rises[rises < 0.0], initial=np.inf))
         if least < most:
-            told.append(f"a {WORDS[name]} from {np.ceil(least):g} to {np.floor(most):g} mm")
+            ranges.append(f"a {WORDS[name]} from {np.ceil(least):g} to {np.floor(most):g} mm")
     asked = (
         f"A front overhang of {goal['front_overhang']:g} mm with a wheelbase of "
         f"{goal['wheelbase']:g} mm would fold a body of {length:g} mm."
     )
-    if not told:
+    if not ranges:
         return f"{asked} Choose both nearer to those that it has."
-    return f"{asked} Choose {', or '.join(told)}."
+    return f"{asked} Choose {', or '.join(ranges)}."

@@ -97,6 +97,12 @@ def project_points(camera: Camera, points: Array) -> Array:
     return np.where(np.isfinite(pixels), pixels, np.inf)
 
 
+def edge_pictures(camera: Camera, control_points: Array, pieces: int) -> Array:
+    """Return the pictures of edges (m, 4, 3) as polylines, (m, pieces + 1, 2) px."""
+    curves = bernstein(np.linspace(0.0, 1.0, pieces + 1)) @ control_points
+    return project_points(camera, curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
+
+
 def projection_slopes(camera: Camera, points: Array) -> Array:
     """Return the derivatives of places on the sheet by places in space, (n, 2, 3) px/mm.
 

@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
+from bozzetto.ink.checked_points import FARTHEST, places_on_sheet
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array, Flags, Index
-from bozzetto_car.body.edge_fit import project_points
+from bozzetto_car.body.edge_fit import edge_pictures
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
@@ -101,9 +100,8 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
     points = points[distinct(points)]
     if arc_length(points)[-1] < SHORTEST:
         raise UserError("The stroke is a dot. Draw along an edge of the car.")
-    curves = bernstein(np.linspace(0.0, 1.0, EDGE_PLACES + 1)) @ network.control_points
-    paths = project_points(camera, curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
-    visible = [is_on_sheet(path) for path in paths]
+    paths = edge_pictures(camera, network.control_points, EDGE_PLACES)
+    visible = (np.abs(paths) <= FARTHEST).all(axis=(1, 2))
     known = [_in_row(network.template, edges)] if edges else _rows(network.template)
     rows = [row for row in known if all(visible[max(e, ~e)] for e in row)]
     if not rows:
@@ -115,8 +113,7 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
     else:
         row = _nearest_row(network, camera, paths, rows, places)
     distance = float(distances_to_polyline(places, _laid_out(paths, row)).mean())
-    shown = np.concatenate([path for path, good in zip(paths, visible, strict=True) if good])
-    if distance > REACH * float(np.linalg.norm(np.ptp(shown, axis=0))):
+    if distance > REACH * float(np.linalg.norm(np.ptp(paths[visible], axis=(0, 1)))):
         raise UserError("The stroke is far from every edge of the car. Draw along one of them.")
     ends = [network.template.edges[max(e, ~e)][:: 1 if e >= 0 else -1].tolist() for e in row]
     nodes = (ends[0][0], *(end for _, end in ends))

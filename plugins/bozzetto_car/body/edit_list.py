@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto.view.rotations import triple
 from bozzetto_car.state import BentEdge, MovedNode, TracedEdges, Treatment
 
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
@@ -29,8 +30,7 @@ def add_drag(edits: Edits, drag: MovedNode | BentEdge) -> Edits:
     kept, row = edits[:first], list(edits[first:])
     for number, edit in enumerate(row):
         if isinstance(edit, MovedNode) and isinstance(drag, MovedNode) and edit.node == drag.node:
-            x, y, z = np.add(edit.by, drag.by).tolist()
-            row[number] = replace(edit, by=(x, y, z))
+            row[number] = replace(edit, by=triple(np.add(edit.by, drag.by)))
             return (*kept, *row)
         if isinstance(edit, BentEdge) and isinstance(drag, BentEdge):
             if (edit.edge, edit.end) == (drag.edge, drag.end):

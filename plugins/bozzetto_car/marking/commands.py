@@ -30,7 +30,7 @@ def marking_commands() -> tuple[Command, ...]:
         ),
         Command(
             "ask-before", "Go back to the point before",
-            "Ask once more for the point that comes before this one, to set its mark anew.",
+            "Ask again for the point before this one, to set its mark again.",
             lambda state, context: passed_over(state, -1), "Shift+S", _has_sketch,
         ),
         Command(

@@ -16,6 +16,7 @@ from bozzetto.scene import Layer, Palette, Scene, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 from bozzetto.view.navigation import fit_points
+from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.wheels import wheel_meshes
 from bozzetto_car.template.model import Template, ViewHint
@@ -125,10 +126,7 @@ def small_car(
 def _camera(template: Template, pose: Pose, size: tuple[int, int]) -> Camera:
     middle = 0.5 * (template.positions.min(axis=0) + template.positions.max(axis=0))
     eye = middle + AWAY * ViewHint(pose.azimuth, pose.elevation).toward_eye
-    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
-    camera = Camera(
-        "perspective", (x, y, z), (tx, ty, tz), fov_y=OPENING, viewport=(size[0], size[1])
-    )
+    camera = Camera("perspective", triple(eye), triple(middle), fov_y=OPENING, viewport=size)
     return fit_points(camera, _outline(template), MARGIN)
 
 

@@ -196,7 +196,7 @@ class GuidePanel(QScrollArea):
         for number, rule in enumerate(guide.rules):
             item = self.rules.item(number)
             item.setCheckState(CHECKED if rule.is_on else UNCHECKED)
-            item.setToolTip("The car does not keep to it." if rule.is_broken else "")
+            item.setToolTip("The car violates this constraint." if rule.is_broken else "")
         self.rules.blockSignals(False)
 
     # -- what can be done --------------------------------------------------------------------------

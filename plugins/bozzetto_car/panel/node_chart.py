@@ -36,7 +36,7 @@ WORDS: Final = {
     "asked": "asked for",
     "set": "marked",
     "open": "not marked yet",
-    "hidden": "not seen from here, as it seems",
+    "hidden": "probably not visible here",
     "skipped": "noted as not visible",
 }
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing
@@ -37,7 +38,7 @@ templates."""
 CHART_SIZE: Final = (1000.0, 1000.0)
 """Canvas of the chart's camera, px; only its shape counts."""
 
-NOT_SEEN: Final = "Not seen from here, as it seems. Pass it over, unless the drawing shows it."
+NOT_SEEN: Final = "Probably not visible here. Skip it, unless the drawing shows it."
 
 PIECES: Final = 10
 """Pieces of an edge in the chart."""
@@ -70,7 +71,7 @@ class SketchRow:
 
     id: str
     name: str
-    told: str
+    summary: str
     in_work: bool
     wrong: bool = False
 
@@ -233,12 +234,12 @@ def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:
 def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
     for sketch in state.sketches:
         placed = solved.placed.get(sketch.id)
-        told = "hidden" if placed is None else _told(sketch, placed)
+        summary = "hidden" if placed is None else _summary(sketch, placed)
         wrong = placed is not None and bool(placed.disagreeing or placed.exchanged)
-        yield SketchRow(sketch.id, sketch.name, told, sketch is state.sketch, wrong)
+        yield SketchRow(sketch.id, sketch.name, summary, sketch is state.sketch, wrong)
 
 
-def _told(sketch: Sketch, placed: Placed) -> str:
+def _summary(sketch: Sketch, placed: Placed) -> str:
     count, wrong = len(sketch.marks), len(placed.disagreeing)
     words = [f"{count} mark" if count == 1 else f"{count} marks"]
     if wrong:
@@ -283,8 +284,7 @@ def chart_of(template: Template, near: str) -> Chart:
     pose = ViewHint(side * CHART_POSE.azimuth, CHART_POSE.elevation)
     middle = template.positions.mean(axis=0)
     eye = middle + 20_000.0 * pose.toward_eye
-    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
-    camera = Camera("orthographic", (x, y, z), (tx, ty, tz), height=6000.0, viewport=CHART_SIZE)
+    camera = Camera("orthographic", triple(eye), triple(middle), height=6000.0, viewport=CHART_SIZE)
     curves = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ template.control_points
     drawn = camera.project(curves.reshape(-1, 3))[0]
     places = camera.project(template.positions)[0]

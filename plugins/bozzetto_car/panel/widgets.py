@@ -106,7 +106,7 @@ class SketchButton(QAbstractButton):
     def __init__(self, row: SketchRow, parent: QWidget) -> None:
         super().__init__(parent)
         self.row = row
-        self.setAccessibleName(f"{row.name}: {row.told}")
+        self.setAccessibleName(f"{row.name}: {row.summary}")
         self.setCheckable(True)
         self.setChecked(row.in_work)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -140,7 +140,7 @@ class SketchButton(QAbstractButton):
         painter.drawText(
             below,
             Qt.AlignmentFlag.AlignVCenter,
-            painter.fontMetrics().elidedText(self.row.told, cut, below.width()),
+            painter.fontMetrics().elidedText(self.row.summary, cut, below.width()),
         )
 
 

@@ -163,10 +163,10 @@ def _with_locks(locks: Locks, near: Array, form: Array) -> tuple[Array, Array]:
 
 def _contradiction(soundness: Soundness, rows: list[int]) -> str:
     names = [soundness.names[row] for row in rows if row < len(soundness.names)]
-    told = ", ".join(f"“{name}”" for name in list(dict.fromkeys(names))[:MOST_NAMED])
-    if not told:
+    kept_names = ", ".join(f"“{name}”" for name in list(dict.fromkeys(names))[:MOST_NAMED])
+    if not kept_names:
         return "No car has these dimensions. Change one of them."
     return (
-        f"No car has these dimensions and keeps {told}. Change a dimension, or switch one of "
+        f"No car has these dimensions and keeps {kept_names}. Change a dimension, or switch one of "
         "these off."
     )

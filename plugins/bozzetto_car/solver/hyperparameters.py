@@ -38,15 +38,15 @@ exact: nobody wants to hear that a mark disagrees by 5 px."""
 STEADY: Final = 1.6
 """Factor by which hands differ (one standard deviation of the logarithm)."""
 
-ASTRAY: Final = 16.0
+MISTAKE: Final = 16.0
 """Price of setting a mark aside, as a natural logarithm: a mark at a random place in the picture
 costs 12, and one mark in fifty is such a mistake."""
 
-SINGLE: Final = 0.2
+MISTAKE_PER_MARK: Final = 0.2
 """Addition to this price for every mark of the sketch. Cars differ in single places more than the
 cost expects, such as a pillar 15 cm farther back, and many marks show many places."""
 
-RETURNING: Final = 6.0
+RETURN_DISCOUNT: Final = 6.0
 """Discount for a mark that was aside already while marks are dragged, so that no mark comes and
 goes with the noise of the hand."""
 
@@ -58,7 +58,7 @@ MOST_ASIDE: Final = 0.25
 are right."""
 
 
-TOLD: Final = 1e-12
+DETERMINED: Final = 1e-12
 """Least determinant of a mark's block, of 1: below, the mark alone determines the camera."""
 
 
@@ -105,7 +105,10 @@ def judge_marks(
     sketches = _linear(template, views)
     before = [np.zeros(len(view.nodes), bool) for view in views] if aside is None else aside
     counted = [~flags for flags in before]
-    prices = [np.where(flags, -RETURNING, 0.0) + ASTRAY + SINGLE * len(flags) for flags in before]
+    prices = [
+        np.where(flags, -RETURN_DISCOUNT, 0.0) + MISTAKE + MISTAKE_PER_MARK * len(flags)
+        for flags in before
+    ]
     while True:
         now = Evidence(sketches, counted)
         best = max(_losses(now, counted, prices), default=NO_CHANGE)
@@ -225,7 +228,7 @@ class Evidence:
         xy = blocks[:, 0, 1:] - (across * down) @ damped
         left = missed[:, None] - by_car @ (damped * pulled[:, None])
         x, y = left[::2], left[1::2]
-        size = np.maximum(xx * yy - xy**2, TOLD)
+        size = np.maximum(xx * yy - xy**2, DETERMINED)
         squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / size / hands**2
         alone = 0.5 * np.log(size) - 2.0 * np.log(hands) - np.log(2.0 * np.pi) - 0.5 * squared
         ends = np.cumsum([flags.sum() for flags in counted])[:-1]

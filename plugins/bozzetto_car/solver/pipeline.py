@@ -158,22 +158,22 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
         _among(view, template, last[key].disagreeing if key in last else ())
         for key, view in zip(solid, views, strict=True)
     ]
-    told = judge_marks(template, views, were_aside)
-    views = [view.only(flags) for view, flags in zip(views, told.counted, strict=True)]
+    judged = judge_marks(template, views, were_aside)
+    views = [view.only(flags) for view, flags in zip(views, judged.counted, strict=True)]
     if state.cost != "paper":
         pairs = zip(solid, views, strict=True)
         views = [_resumed(placed[key], view, before) for key, view in pairs]
-        cost = cost.within(_spread(told.spread, state.trace))
+        cost = cost.within(_spread(judged.spread, state.trace))
     joint = solve(
         template, views, cost, soundness, start=start, locked=locked,
         overlap=_overlap(template) if locked else Overlap(),
         hold_cameras=state.cost == "paper",
     )  # fmt: skip
     positions = template.whole(joint.variables)
-    for number, (key, flags) in enumerate(zip(solid, told.counted, strict=True)):
+    for number, (key, flags) in enumerate(zip(solid, judged.counted, strict=True)):
         nodes = counted_marks(placed[key], template)[0][~flags].tolist()
         aside = (*placed[key].disagreeing, *(template.names[node] for node in nodes))
-        placed[key] = _told(placed[key], joint, number, template, positions, aside)
+        placed[key] = _with_residuals(placed[key], joint, number, template, positions, aside)
     return Solved(template, cost, soundness, positions, joint, placed, solid)
 
 
@@ -198,7 +198,7 @@ def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> Flag
     return np.array([template.names[node] in names for node in view.nodes.tolist()], bool)
 
 
-def _told(
+def _with_residuals(
     placed: Placed,
     joint: JointSolution,
     number: int,
@@ -212,8 +212,8 @@ def _told(
     nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
     off = np.linalg.norm(sketch_camera.pixels(positions[nodes]) - marks, axis=1)
     # A node behind the eye is seen nowhere, so that nobody can tell how far off its mark is.
-    told = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
-    missed = {name: px for name, px in told if np.isfinite(px)}
+    named = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
+    missed = {name: px for name, px in named if np.isfinite(px)}
     alone = zip(view.nodes, joint.left_out[number].missed, strict=True)
     others = {template.names[n]: float(px) for n, px in alone}
     # A mark that was set aside has no say: what it is missed by is what the others miss it by.

@@ -92,7 +92,7 @@ class Cost:
             If it is not from 0 to 1.
         """
         if not 0.0 <= trace <= 1.0:
-            raise UserError("The balance goes from 0, stay plausible, to 1, trace exactly.")
+            raise UserError("The balance is a number from 0 (stay plausible) to 1 (trace exactly).")
         loose, tight = HAND
         hand = loose * (tight / loose) ** trace
         stray = max(STRAY[0], STRAY[1] / hand)

@@ -20,7 +20,7 @@ CONTRADICTORY: Final = 1e-9
 """Length of the dual residual, of 1, below which no vector keeps all inequalities: it is the
 share of the farthest-off inequality that is left when the others are combined against it."""
 
-NOUGHT: Final = 1e-9
+NEGLIGIBLE: Final = 1e-9
 """Length of a row, relative to the longest, that counts as zero. Such rows appear where locked
 dimensions leave no freedom to change what the row measures."""
 
@@ -94,11 +94,11 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
     factor = np.linalg.cholesky(form)
     free = -cho_solve((factor, True), slope)
     sizes = np.linalg.norm(rows, axis=1)
-    silent = sizes <= NOUGHT * sizes.max(initial=0.0)
+    silent = sizes <= NEGLIGIBLE * sizes.max(initial=0.0)
     impossible = silent & (least > KEPT * np.abs(least).max(initial=1.0))
     if impossible.any():
         raise Contradiction(np.flatnonzero(impossible))
-    rows, least, told = rows[~silent], least[~silent], np.flatnonzero(~silent)
+    rows, least, numbers = rows[~silent], least[~silent], np.flatnonzero(~silent)
     lacking = least - rows @ free
     if not len(lacking) or lacking.max() <= 0.0:
         return Constrained(free, np.empty(0, np.intp))
@@ -119,10 +119,12 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
         ) from problem
     active = np.flatnonzero(weights)
     if residual < CONTRADICTORY:
-        raise Contradiction(told[active])
+        raise Contradiction(numbers[active])
     step = np.linalg.lstsq(turned[:, active].T, lacking[active], rcond=None)[0]
     if (turned.T @ step - lacking).min() < -KEPT * worst:
         # Active inequalities that depend on each other: the residual itself is the answer.
         gap = dual @ weights - goal
         step = -gap[:-1] / gap[-1] * worst
-    return Constrained(free + solve_triangular(factor, step, lower=True, trans="T"), told[active])
+    return Constrained(
+        free + solve_triangular(factor, step, lower=True, trans="T"), numbers[active]
+    )

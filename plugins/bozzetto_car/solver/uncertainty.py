@@ -11,12 +11,13 @@ from those that were guessed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
 
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.camera.visibility import facing
@@ -134,8 +135,8 @@ def further_views(template: Template, cost: Cost, joint: JointSolution) -> tuple
         if seen is None:
             continue
         rows = sight.rows(seen, follow) / cost.hand
-        told = without_cameras(rows.T @ rows, follow.shape[2])
-        after = np.sqrt(_variances(template, joint, joint.information + told).mean())
+        information = without_cameras(rows.T @ rows, follow.shape[2])
+        after = np.sqrt(_variances(template, joint, joint.information + information).mean())
         found.append(FurtherView(name, now, float(after)))
     return tuple(sorted(found, key=lambda view: view.after))
 
@@ -165,10 +166,8 @@ def _camera(
     """Return a camera of a sketch that shows the whole car from a side."""
     middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     eye = middle + AWAY * extent(template) * ViewHint(azimuth, elevation).toward_eye
-    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
-    wide = Camera("perspective", (x, y, z), (tx, ty, tz), fov_y=60.0, viewport=viewport)
+    wide = Camera("perspective", triple(eye), triple(middle), fov_y=60.0, viewport=viewport)
     places = wide.project(positions)[0]
     size = np.abs(places - 0.5 * np.array(viewport)).max(axis=0) / (0.5 * np.array(viewport))
     half = np.tan(np.radians(30.0)) * size.max() / FILLED
-    opening = float(np.degrees(2.0 * np.arctan(half)))
-    return Camera("perspective", (x, y, z), (tx, ty, tz), fov_y=opening, viewport=viewport)
+    return replace(wide, fov_y=float(np.degrees(2.0 * np.arctan(half))))

@@ -121,7 +121,7 @@ def erase(state: CarState, body: Body, eraser: Stroke) -> CarState:
             name = unused_name(nodes, stem_of(curve.name))
             nodes.insert(k, replace(part, id=unused_id(nodes), name=name))
     if len(nodes) == len(state.nodes) and all(map(is_, nodes, state.nodes)):
-        raise UserError("There is no styling curve under the eraser. Rub along what is to go.")
+        raise UserError("There is no styling curve under the eraser. Rub along the curve to erase.")
     kept = state.selected if any(node.id == state.selected for node in nodes) else ""
     return replace(state, nodes=tuple(nodes), selected=kept)
 

@@ -28,7 +28,7 @@ up to `SAME` may be twice as far apart on a larger body."""
 CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 """u and v of the nodes of a patch, in their order; side k leads from the k-th to the next."""
 
-ASTRAY: Final = 1.0
+LARGEST_DETOUR: Final = 1.0
 """Largest distance of a crossing from the straight line between two places, per length of that
 line."""
 
@@ -134,7 +134,7 @@ def _crossing(
     length = float(np.linalg.norm(ends[1] - ends[0]))
     if length <= SAME:
         return pair[:0]
-    limit = ASTRAY * length + SAME
+    limit = LARGEST_DETOUR * length + SAME
     across = np.cross(ends[1] - ends[0], sight)
     found: list[tuple[float, Array, Array]] = []
     for side, edge in enumerate(one.edges):
@@ -145,13 +145,13 @@ def _crossing(
         beyond = other.edges.index(~edge)
         points = bernstein(tried) @ curve
         found += [
-            (_astray(point, ends), _on_side(side, at), _on_side(beyond, 1.0 - at))
+            (_detour(point, ends), _on_side(side, at), _on_side(beyond, 1.0 - at))
             for at, point in zip(tried, points, strict=True)
         ]
     for node in {*one.nodes} & {*other.nodes} if not found else ():
         here, there = one.nodes.index(node), other.nodes.index(node)
         point = nets[pair.patches[0], -int(CORNERS[here, 0]), -int(CORNERS[here, 1])]
-        found.append((_astray(point, ends), CORNERS[here], CORNERS[there]))
+        found.append((_detour(point, ends), CORNERS[here], CORNERS[there]))
     best = min(found, key=lambda crossing: crossing[0], default=None)
     if best is None or best[0] > limit:
         return None
@@ -173,7 +173,7 @@ def _on_side(side: int, at: float) -> Array:
     return np.asarray((1.0 - at) * begin + at * end)
 
 
-def _astray(point: Array, ends: Array) -> float:
+def _detour(point: Array, ends: Array) -> float:
     """Return the distance of a point from a straight line, mm."""
     way = ends[1] - ends[0]
     square = float(way @ way)

@@ -71,10 +71,10 @@ def read_template(data: bytes) -> Template:
     template = _Whole(read_records(data)).template()
     faults = check(template)
     if faults:
-        told = " ".join(faults[:MOST_FAULTS])
+        first = " ".join(faults[:MOST_FAULTS])
         more = len(faults) - MOST_FAULTS
         raise FormatError(
-            f"The template “{template.title}” cannot be used. {told}"
+            f"The template “{template.title}” cannot be used. {first}"
             + (f" There are {more} more faults." if more > 0 else "")
         )
     return template
@@ -149,7 +149,7 @@ class _Whole:
             ]
         )
         self._read_edges()
-        told = {name: records.get(name) or records[twin(name)] for name in self.names}
+        records_by_name = {name: records.get(name) or records[twin(name)] for name in self.names}
         right = [self.node[name] for name in self.names if name.endswith(".R")]
         left = [self.node[twin(self.names[number])] for number in right]
         return Template(
@@ -169,9 +169,9 @@ class _Whole:
             chains=self._chains(),
             rules=self._rules(),
             order=tuple(self._order()),
-            titles={name: record.title for name, record in told.items()},
-            prompts={name: record.prompt for name, record in told.items()},
-            pictures={name: _view_hint(told[name].picture, name) for name in self.names},
+            titles={name: record.title for name, record in records_by_name.items()},
+            prompts={name: record.prompt for name, record in records_by_name.items()},
+            pictures={name: _view_hint(records_by_name[name].picture, name) for name in self.names},
         )
 
     def _number(self, name: str, place: str) -> int:
@@ -256,8 +256,8 @@ class _Whole:
 
     def _rules(self) -> tuple[Rule, ...]:
         nodes = {half: self.node[name] for half, name in self.halves.items()}
-        told = self.records.soundness.items()
-        return tuple(parse_rule(name, text, nodes) for name, text in told)
+        texts = self.records.soundness.items()
+        return tuple(parse_rule(name, text, nodes) for name, text in texts)
 
     def _order(self) -> list[str]:
         for word in self.records.order:

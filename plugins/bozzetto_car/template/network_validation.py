@@ -201,7 +201,7 @@ def _kinks(template: Template, chain: Chain, node: int) -> Iterator[str]:
     out = _tangents(template, node, chain.nodes[at + 1])[0]
     name = template.names[node]
     if not (into.any() and out.any()):
-        yield f"The chain {chain.name} has no direction at {name}: a tangent is nought."
+        yield f"The chain {chain.name} has no direction at {name}: a tangent is zero."
         return
     angle = _angle(into, out)
     if angle > SMOOTH_ANGLE:

@@ -150,7 +150,7 @@ def _unique(members: Sequence[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _no_number(word: str) -> float:
-    raise FormatError(f"{word} is no number in JSON. Write a finite one.")
+    raise FormatError(f"{word} is not a number in JSON. Write a finite number.")
 
 
 def _check_section(value: Any, key: str, names: Any, values: Any) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Scene
+from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.body.drag import drag_handle, drag_node
@@ -86,19 +87,19 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
         goal = _pen(drag, network.positions[node])
         own = min(node, int(template.mirrored[node]))
         moved = drag_node(network, node, goal, drag.camera).positions[own]
-        x, y, z = (moved - network.positions[own]).tolist()
-        return MovedNode(state.dimensions, template.names[own], (x, y, z))
+        way = triple(moved - network.positions[own])
+        return MovedNode(state.dimensions, template.names[own], way)
     name, _, last = drag.handle.removeprefix(TANGENT).rpartition(" ")
     if not drag.handle.startswith(TANGENT) or last not in ("0", "1"):
-        raise UserError("This handle is none of the body. Drag a node or the end of a tangent.")
+        raise UserError("This handle is not of this body. Drag a node or the end of a tangent.")
     edge, end = edge_called(template, name), int(last)
     goal = _pen(drag, network.control_points[edge, 1 + end])
     bent = drag_handle(network, edge, end, goal, drag.camera)
     image = int(template.mirrored_edges[edge])
     if max(image, ~image) < edge:
         edge, end = (image, end) if image >= 0 else (~image, 1 - end)
-    x, y, z = bent.tangents[edge, end].tolist()
-    return BentEdge(state.dimensions, template.edge_names[edge], end, (x, y, z))
+    tangent = triple(bent.tangents[edge, end])
+    return BentEdge(state.dimensions, template.edge_names[edge], end, tangent)
 
 
 def _pen(drag: Drag, held: Array) -> Array:

@@ -14,6 +14,7 @@ from bozzetto.plugin import Memory
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.scene.display_list import Hidden
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.visibility import facing
@@ -116,8 +117,7 @@ def crease_labels(body: Body, camera: Camera) -> Iterator[Label]:
         if any((np.abs(pixels[edge] - other) < LABEL_ROOM).all() for other in taken):
             continue
         taken.append(pixels[edge])
-        x, y, z = middles[edge].tolist()
-        yield Label((x, y, z), f"{angles[edge]:.1f}°", size=LABEL_SIZE)
+        yield Label(triple(middles[edge]), f"{angles[edge]:.1f}°", size=LABEL_SIZE)
 
 
 def _creases(body: Body) -> dict[str, list[int]]:
@@ -193,16 +193,14 @@ def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> L
     items: list[Item] = []
     for edge, end in revealed_ends(state, body):
         pair = network.control_points[edge, [3 * end, 1 + end]]
-        x, y, z = pair[1].tolist()
         items.append(Lines(pair.astype(np.float32), color="second", width=1.4, hidden="show"))
         name = template.edge_names[edge]
-        items.append(Handle(f"{TANGENT}{name} {end}", (x, y, z), color="second", tip=name))
+        items.append(Handle(f"{TANGENT}{name} {end}", triple(pair[1]), color="second", tip=name))
     for node in np.flatnonzero(shown).tolist():
         name = template.names[node]
-        x, y, z = network.positions[node].tolist()
         color: Paint = "accent" if name == state.revealed else SOURCE_COLORS[sources[node]]
         tip = template.titles.get(name, name)
-        items.append(Handle(f"{NODE}{name}", (x, y, z), color=color, tip=tip))
+        items.append(Handle(f"{NODE}{name}", triple(network.positions[node]), color=color, tip=tip))
     return Layer("handles", tuple(items), tool=SHAPE_TOOL)
 
 

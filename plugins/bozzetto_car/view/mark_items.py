@@ -16,6 +16,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view.calibration import direct_linear_transform
+from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.sketch_camera import SketchCamera
@@ -30,7 +31,7 @@ MARK_TOOL: Final = "mark"
 MARK: Final = "mark "
 """Prefix of the ids of marks' handles; the name of the node follows."""
 
-TOLD: Final = 1.0
+SHOWN_FROM: Final = 1.0
 """Distance of a mark from its node, px, from which a line between them is drawn."""
 
 ROUND: Final = 48
@@ -118,22 +119,20 @@ def _marks(
     others = placed.left_out or {}
     pairs = []
     for mark, place in zip(marks, places, strict=True):
-        x, y, z = place.tolist()
+        at = triple(place)
         wrong = mark.node in placed.disagreeing
         unknown = mark.node not in template.node
         title = node_title(mark.node, sketch, template)
         node, missed = off.get(mark.node, (None, 0.0))
         tip = title if node is None else f"{title}: {missed:.1f} px off"
         color = "ghost" if unknown else "warning" if wrong else "accent"
-        yield Handle(f"{MARK}{mark.node}", (x, y, z), color=color, tip=tip)
+        yield Handle(f"{MARK}{mark.node}", at, color=color, tip=tip)
         if wrong:
-            told = others.get(mark.node, missed)
-            yield Label(
-                (x, y, z), f"{title}: this mark disagrees by {told:.0f} px", color="warning"
-            )
+            expected = others.get(mark.node, missed)
+            yield Label(at, f"{title}: this mark disagrees by {expected:.0f} px", color="warning")
         elif mark.node == moved:
-            yield Label((x, y, z), tip)
-        if node is not None and missed > TOLD:
+            yield Label(at, tip)
+        if node is not None and missed > SHOWN_FROM:
             pairs.append(np.vstack((place, on.lifted(node[None]))))
     if pairs:
         points = np.concatenate(pairs).astype(np.float32)
@@ -151,11 +150,11 @@ def _missed(
     marks = [mark for mark in placed.sketch.marks if mark.node in template.node]
     nodes = [template.node[mark.node] for mark in marks]
     seen = sketch_camera.pixels(body.network.positions[nodes])
-    told = {}
+    offsets = {}
     for mark, place in zip(marks, seen, strict=True):
         if np.isfinite(place).all():
-            told[mark.node] = place, float(np.hypot(*(place - (mark.u, mark.v))))
-    return told
+            offsets[mark.node] = place, float(np.hypot(*(place - (mark.u, mark.v))))
+    return offsets
 
 
 def _expected(
@@ -167,9 +166,9 @@ def _expected(
     color = "ghost" if asked.hidden else "second"
     at = sketch_camera.lifted(asked.place[None])
     yield Points(at.astype(np.float32), color=color, size=7.0, hidden="show")
-    x, y, z = at[0].tolist()
     title = node_title(asked.node, placed.sketch, body.template)
-    yield Label((x, y, z), f"{title}: not seen from here" if asked.hidden else title, color=color)
+    text = f"{title}: not seen from here" if asked.hidden else title
+    yield Label(triple(at), text, color=color)
     axes = asked.ellipse
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
     if lengths.min() < LEAST_RING:

@@ -7,12 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
-from bozzetto_car.body.edge_fit import project_points
+from bozzetto_car.body.edge_fit import edge_pictures, project_points
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.network import Network
 
@@ -47,7 +46,8 @@ def touched(network: Network, place: ArrayLike, camera: Camera) -> str:
     toward = np.asarray(facing(template, network.positions, camera))
     faces = np.asarray(toward[template.edges].all(axis=1))
     away = np.linalg.norm(project_points(camera, network.positions) - at, axis=1)
-    beside = np.array([_distances(path, at[None])[0] for path in _paths(network, camera)])
+    paths = edge_pictures(camera, network.control_points, LOOKS)
+    beside = np.array([_distances(path, at[None])[0] for path in paths])
     for nodes, edges in ((toward, faces), (~toward, ~faces)):
         found = np.flatnonzero(nodes & (away <= NEAR_NODE))
         if len(found):
@@ -61,19 +61,11 @@ def touched(network: Network, place: ArrayLike, camera: Camera) -> str:
 def edges_under(network: Network, path: ArrayLike, camera: Camera) -> list[int]:
     """Return the edges that an eraser's path (k, 2), px, runs along, and not only crosses."""
     places = resample(np.asarray(path, float), count=LOOKS)
-    near = np.array(
-        [(_distances(own, places) <= NEAR_EDGE).sum() for own in _paths(network, camera)]
-    )
+    paths = edge_pictures(camera, network.control_points, LOOKS)
+    near = np.array([(_distances(own, places) <= NEAR_EDGE).sum() for own in paths])
     most = int(near.max(initial=0))
     found: list[int] = np.flatnonzero((near > 0) & (near >= ALONG * most)).tolist()
     return found
-
-
-def _paths(network: Network, camera: Camera) -> Array:
-    """Return the pictures of all edges, (m, k, 2) px; infinite behind the eye."""
-    curves = bernstein(np.linspace(0.0, 1.0, LOOKS + 1)) @ network.control_points
-    pixels = project_points(camera, curves.reshape(-1, 3))
-    return np.asarray(pixels.reshape(*curves.shape[:2], 2))
 
 
 def _distances(path: Array, places: Array) -> Array:

@@ -78,11 +78,11 @@ def test_every_node_has_its_status(astray):
 def test_a_sketch_in_a_few_words(astray, twelve):
     (row,) = guide_of(astray).sketches
     assert row.wrong
-    assert row.told.startswith("1 mark disagrees · 20 marks · ")
+    assert row.summary.startswith("1 mark disagrees · 20 marks · ")
     (row,) = guide_of(twelve).sketches
     assert not row.wrong
-    assert row.told.startswith("perspective · 12 marks · 0.0 px")
-    assert guide_of(blank()).sketches[0].told == "0 marks"
+    assert row.summary.startswith("perspective · 12 marks · 0.0 px")
+    assert guide_of(blank()).sketches[0].summary == "0 marks"
 
 
 def test_what_is_missing_is_said():

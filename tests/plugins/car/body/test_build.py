@@ -288,9 +288,8 @@ def test_a_look_computes_nothing_again(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("computed again")
 
-    for name in ("solved", "traced", "reshaping_of", "ratio_locked"):
-        if name != "solved":
-            monkeypatch.setattr(body_module, name, never)
+    for name in ("trace", "reshaping_of", "lock_ratios"):
+        monkeypatch.setattr(body_module, name, never)
     for look in (
         {"shading": "zebra"}, {"creases": True}, {"network": False}, {"revealed": "C3"},
         {"asked": "C4"}, {"wheels": False}, {"body": False},
