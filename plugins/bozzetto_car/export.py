@@ -7,7 +7,7 @@ import numpy as np
 from bozzetto.geometry import Curve, Shapes
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState
-from bozzetto_car.styling.export import as_curves
+from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.scene import shown_styling
 
 ONE_SPAN = np.repeat((0.0, 1.0), 4)

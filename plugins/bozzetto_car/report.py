@@ -151,9 +151,7 @@ def cautions_of(body: Body) -> tuple[Caution, ...]:
     variables = body.template.reduced(body.network.positions)
     for name, slack in body.solved.soundness.least(variables).items():
         if slack < -UNSOUND:
-            cautions.append(
-                Caution(f"The car violates “{name}” by {-slack:.1f} mm.")
-            )
+            cautions.append(Caution(f"The car violates “{name}” by {-slack:.1f} mm."))
     return tuple(cautions)
 
 

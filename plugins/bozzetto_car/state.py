@@ -170,7 +170,7 @@ class Sketch(Node):
         Side,
         Parameter(
             "Shows",
-            help="Which side of the car the sketch shows; found by itself from two wheels.",
+            help="The side of the car that the sketch shows; two marked wheels tell it.",
             choices=(("L", "Left side: nose to the left"), ("R", "Right side: nose to the right")),
         ),
     ] = "L"
@@ -178,7 +178,7 @@ class Sketch(Node):
         Literal["auto", "perspective", "orthographic"],
         Parameter(
             "Camera",
-            help="How the sketch was drawn.",
+            help="The projection in which the sketch was drawn.",
             choices=(
                 ("auto", "Find out"),
                 ("perspective", "Perspective"),
@@ -187,13 +187,11 @@ class Sketch(Node):
         ),
     ] = "auto"
     cropped: Annotated[
-        bool,
-        Parameter(
-            "Cropped", help="The picture is a part of a larger one: its middle means nothing."
-        ),
+        bool, Parameter("Cropped", help="The picture is cut out of a larger one.")
     ] = False
     opacity: Annotated[
-        float, Parameter("Strength", 0.0, 1.0, step=0.05, help="Of the picture on the sheet.")
+        float,
+        Parameter("Strength", 0.0, 1.0, step=0.05, help="Opacity of the picture on the sheet."),
     ] = 0.8
 
     @property
@@ -226,7 +224,7 @@ class StylingCurve(Node):
     both: Annotated[
         bool, Parameter("On both sides", help="Show the mirror image on the other side, too.")
     ] = True
-    color: Annotated[Color | None, Parameter("Colour", help="Of this curve.")] = None
+    color: Annotated[Color | None, Parameter("Colour", help="Colour of this curve.")] = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "on", frozen(self.on, np.int32))
@@ -244,6 +242,10 @@ class StylingCurve(Node):
 
 def _dimension(label: str, help_: str) -> Parameter:
     return Parameter(label, 0.0, LONGEST, step=10.0, unit="mm", help=help_, zero=FOUND)
+
+
+def _advanced(label: str, help_: str) -> Parameter:
+    return Parameter(label, advanced=True, help=help_)
 
 
 @dataclass(frozen=True)
@@ -292,7 +294,7 @@ class CarState:
         Literal["shaded", "zebra", "curvature", "certainty", "draft"],
         Parameter(
             "Shading",
-            help="What the colour of the body tells.",
+            help="What the colour of the body shows.",
             choices=(
                 ("shaded", "Clay"),
                 ("zebra", "Zebra: reflection lines"),
@@ -308,7 +310,7 @@ class CarState:
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
     ] = False
-    length: Annotated[float, _dimension("Length", "Over all.")] = 0.0
+    length: Annotated[float, _dimension("Length", "From nose to tail.")] = 0.0
     width: Annotated[float, _dimension("Width", "Without mirrors.")] = 0.0
     height: Annotated[float, _dimension("Height", "From the ground.")] = 0.0
     front_overhang: Annotated[
@@ -318,42 +320,33 @@ class CarState:
     lock: Annotated[
         bool,
         Parameter("Keep while solving",
-                  help="Solve for a car of these dimensions, instead of stretching it after."),
+                  help="Solve for a car of these dimensions, instead of stretching it afterwards."),
     ] = False  # fmt: skip
     default_shape: Annotated[
-        bool,
-        Parameter("Pull panels out", advanced=True,
-                  help="Side panels and corners of nose and tail bulge after deformation."),
-    ] = True  # fmt: skip
+        bool, _advanced("Pull panels out", "Make panels and corners bulge after deformation.")
+    ] = True
     annealed: Annotated[
-        bool,
-        Parameter("Smooth lines", advanced=True,
-                  help="Lines with the least bending through their nodes after deformation."),
-    ] = False  # fmt: skip
+        bool, _advanced("Smooth lines", "Bend lines as little as possible through their nodes.")
+    ] = False
     smooth: Annotated[
-        bool,
-        Parameter("Smooth surfaces", advanced=True,
-                  help="Where smooth lines cross an edge, the surfaces meet smoothly, too."),
-    ] = True  # fmt: skip
+        bool, _advanced("Smooth surfaces", "Make surfaces meet smoothly where smooth lines cross.")
+    ] = True
     nodes_follow: Annotated[
-        bool,
-        Parameter("Nodes follow strokes", advanced=True,
-                  help="An edge that is traced takes its nodes to the stroke, too."),
-    ] = False  # fmt: skip
+        bool, _advanced("Nodes follow strokes", "Move the nodes of a traced edge to the stroke.")
+    ] = False
     cost: Annotated[
         Literal["balanced", "paper"],
         Parameter(
             "Cost",
             advanced=True,
-            help="How marks are weighed against the template.",
+            help="The balance between the marks and the template.",
             choices=(("balanced", "Balanced"), ("paper", "As in the paper, α = β = 0.5")),
         ),
     ] = "balanced"
     direct: Annotated[
         bool,
-        Parameter("Direct transform", advanced=True,
-                  help="Show where the direct linear transform sees the marks, for teaching."),
-    ] = False  # fmt: skip
+        _advanced("Direct transform", "Show the marks as the direct linear transform sees them."),
+    ] = False
 
     # -- parts --
 

@@ -101,7 +101,7 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
     if arc_length(points)[-1] < SHORTEST:
         raise UserError("The stroke is a dot. Draw along an edge of the car.")
     paths = edge_pictures(camera, network.control_points, EDGE_PLACES)
-    visible = (np.abs(paths) <= FARTHEST).all(axis=(1, 2))
+    visible: Flags = np.all(np.abs(paths) <= FARTHEST, axis=(1, 2))
     known = [_in_row(network.template, edges)] if edges else _rows(network.template)
     rows = [row for row in known if all(visible[max(e, ~e)] for e in row)]
     if not rows:

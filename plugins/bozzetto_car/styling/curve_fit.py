@@ -9,19 +9,20 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from bozzetto.geometry import Curve
 from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto_car.array_types import Array
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths
-from bozzetto_car.styling.surface_path import SAME, join_paths
-from bozzetto_car.template.model import Template
+from bozzetto_car.styling.surface_path import SAME, is_closed, join_paths
+from bozzetto_car.template.model import MIRROR, Template
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -126,6 +127,40 @@ def spline_of(nets: Array, course: Course) -> Spline:
         knots += [piece.t[DEGREE + 1 : -DEGREE - 1], np.repeat(end, DEGREE)]
         points.append(piece.c[:-1] if end < corners[-1] else piece.c)
     return Spline(np.append(np.concatenate(knots), corners[-1]), np.vstack(points))
+
+
+def as_curves(curve: StylingCurve, nets: Array, template: Template) -> tuple[Curve, ...]:
+    """Return a styling curve on a body, with its mirror image where it is on both sides.
+
+    Parameters
+    ----------
+    curve : StylingCurve
+        The styling curve.
+    nets : (k, 4, 4, 3) float
+        Control nets of the body, mm.
+    template : Template
+        The template of the body.
+
+    Returns
+    -------
+    tuple of Curve
+        Cubic splines; one for each part, if the body lacks some of the curve's patches. Mirror
+        images have the same numbers but for the sign of y.
+    """
+    made = [
+        replace(
+            spline_of(nets, course).to_curve(curve.name, curve.color),
+            closed=is_closed(nets, course.path),
+        )
+        for course in courses_on(curve, nets, template)
+    ]
+    if not curve.both:
+        return tuple(made)
+    images = (
+        replace(one, name=f"{one.name} mirrored", control_points=one.control_points * MIRROR)
+        for one in made
+    )
+    return (*made, *images)
 
 
 def _interpolated(nets: Array, course: Course, begin: float, end: float) -> BSpline:

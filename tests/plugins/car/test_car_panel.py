@@ -233,7 +233,7 @@ def test_the_asked_point_is_told(shown, twelve, qtbot):
     host.put(with_asked(twelve, "C8"))
     calm(qtbot, panel)
     assert panel.title.text() == "Rear bumper, lower edge"
-    assert "Not seen from here" in panel.note.text()
+    assert "Probably not visible here" in panel.note.text()
 
 
 def test_buttons_pass_points_over(shown, qtbot):

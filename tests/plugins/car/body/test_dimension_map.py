@@ -204,7 +204,7 @@ def test_wheels_outside_the_body_are_told() -> None:
 
 def test_a_surface_that_cannot_be_measured_up_is_told() -> None:
     body = Body(bundled("sedan"))
-    with pytest.raises(UserError, match="cannot be brought"):
+    with pytest.raises(UserError, match="cannot take"):
         fit_reshaping(Dimensions(width=1850.0), body.box(), body.wheels[:, 0], lambda _: body.box())
 
 

@@ -11,8 +11,8 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import project_stroke
+from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.erase import without_stretch
-from bozzetto_car.styling.export import as_curves
 from bozzetto_car.styling.oversketch import oversketch, smooth_curve
 from tests.plugins.car.styled_body import (
     QUARTER,
