@@ -191,7 +191,7 @@ class Locks:
                 others = [number for number in body.tolist() if number != node]
                 bounds += [sign * (coordinate(i, axis) - coordinate(node, axis)) for i in others]
         count = len(template.variables)
-        # A node and its image, and nodes at y = 0, give rows that say nothing or the same twice.
+        # A node and its image, and nodes at y = 0, give zero rows or equal rows.
         told = np.unique(np.reshape(bounds, (-1, count)), axis=0)
         return cls(
             np.reshape(rows, (-1, count)),

@@ -150,7 +150,7 @@ def _strokes(value: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     for edge, places in strokes.items():
         points = _places(places, f"{where}.{edge}")
         stroke = Stroke(points[:, 0], points[:, 1], camera, tool="imported")
-        # The drawn line knows better than a mark beside it where the edge ends.
+        # The drawn line tells the end of the edge better than a mark beside it.
         made.append(
             TracedEdges(
                 strokes=Strokes((stroke,)), sketch=sketch.id, edges=(str(edge),), nodes_follow=True
@@ -166,7 +166,7 @@ def _dimensioned(state: CarState, given: object) -> CarState:
         if key not in long:
             raise UserError(f"There is no dimension “{str(key)[:40]}”. Give {_row(long)}.")
         values[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
-    # A car that is solved with its dimensions fits its sketches better than one stretched after.
+    # A car solved with its dimensions fits its sketches better than one stretched afterwards.
     return replace(
         state,
         lock=bool(values),

@@ -66,7 +66,7 @@ class Reshaping:
     Attributes
     ----------
     front, length : float
-        Of the body before, mm.
+        Foremost x and length of the body before the map, mm.
     scale : (float, float, float)
         Factors of length, width and height.
     inner : (float, float)

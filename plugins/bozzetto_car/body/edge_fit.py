@@ -111,7 +111,7 @@ def projection_slopes(camera: Camera, points: Array) -> Array:
     camera : Camera
         The view.
     points : (n, 3) float
-        In front of the eye, mm.
+        Points in front of the eye, mm.
     """
     right, up, forward = camera.axes
     if camera.kind == "orthographic":
@@ -154,7 +154,7 @@ def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) ->
     control_points : (4, 3) array_like
         Bézier points of the old edge, mm, in front of the eye.
     stroke : (k, 2) array_like
-        From near the start of the edge to near its end, px.
+        The stroke from near the start of the edge to near its end, px.
     camera : Camera
         The view that the stroke was drawn in.
 
@@ -260,7 +260,7 @@ class _Samples:
         squares = np.maximum((piece**2).sum(axis=1), np.finfo(float).tiny)
         along = self.points @ piece.T - (begin * piece).sum(axis=1)
         share = np.clip(along / squares, 0.0, 1.0)
-        # Squares of the distances, less what is the same for all pieces.
+        # Squared distances, without the term that is equal for all pieces.
         away = (begin**2).sum(axis=1) - 2.0 * self.points @ begin.T
         away += share * (share * squares - 2.0 * along)
         which = np.argmin(away, axis=1)

@@ -83,7 +83,7 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
     network : Network
         The car.
     stroke : (k, 2) array_like
-        px; in either direction.
+        Samples of the stroke, px, in either direction.
     camera : Camera
         The view that the stroke was drawn in.
     edges : sequence of int, optional
@@ -127,7 +127,7 @@ def _in_row(template: Template, edges: Sequence[int]) -> tuple[int, ...]:
     ends = template.edges[list(edges)].tolist()
     row: list[int] = []
     for number, (edge, (start, end)) in enumerate(zip(edges, ends, strict=True)):
-        # Towards the next edge, or, of the last one, away from the one before.
+        # Towards the next edge; the last edge leads away from the one before.
         forward = end in ends[number + 1] if number + 1 < len(edges) else start in ends[number - 1]
         row.append(edge if forward else ~edge)
     heads = [end if own >= 0 else start for own, (start, end) in zip(row, ends, strict=True)]
@@ -254,7 +254,7 @@ def _parts(points: Array, paths: Array, row: tuple[int, ...]) -> tuple[Array, ..
     cuts = [0]
     for number in range(1, len(row)):
         node = path[number * EDGE_PLACES]
-        # Between the middles of both edges: a stroke may come near to the node again elsewhere.
+        # Only between the middles of both edges: the stroke may pass the node again elsewhere.
         low = kept[np.searchsorted(feet, (number - 0.5) * EDGE_PLACES).clip(0, count - 1)]
         high = kept[np.searchsorted(feet, (number + 0.5) * EDGE_PLACES).clip(0, count - 1)]
         low, high = max(low, cuts[-1]), max(high, cuts[-1])

@@ -66,7 +66,7 @@ def undo_stretch(network: Network, there: Network, changed: Network, map_: Resha
     positions = np.where(moved[:, None], map_.points_before(changed.positions), network.positions)
     wheels = template.wheels.ravel()
     positions[wheels, 2] = changed.positions[wheels, 2]
-    # Where a node has moved the map has another slope, and other tangents look the same there.
+    # The map has another slope where a node has moved to, so its tangents change as well.
     bent = (changed.tangents != there.tangents).any(axis=2) | moved[template.edges]
     ends = positions[template.edges]
     tangents = np.where(

@@ -95,7 +95,7 @@ def trace(
     network : Network
         The network to change.
     stroke : (k, 2) array_like
-        px; in either direction.
+        Samples of the stroke, px, in either direction.
     camera : Camera
         The view that the stroke was drawn in.
     edges : sequence of int, optional
@@ -123,8 +123,8 @@ def trace(
     own = {_own(network, edge) for edge in shown}
     free = {edge: _free_directions(network, edge) for edge in own}
     bent = smooth_chains(_bent(network, run, camera, free), leading=own, nodes=run.nodes)
-    # Where two traced edges meet smoothly both have given way. Their common direction is kept
-    # from now on, and all the rest is fitted once more.
+    # Where two traced edges meet smoothly, both have changed their direction. The common one is
+    # kept now, and everything else is fitted again.
     held = _held_directions(bent, own)
     if held:
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})

@@ -64,7 +64,7 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     rows = sight.rows(known, follow) / hand
     weights, _ = robust_weights(((known.missed / hand) ** 2).sum(axis=1), solved.cost.stray)
     told = (rows * np.repeat(weights, 2)[:, None]).T @ rows
-    # Given the car, the camera is what the marks say; it goes along with the car by `led`.
+    # Given the car, the marks determine the camera; `led` is how it follows the car.
     spread = np.linalg.pinv(told[free:, free:] + sight.middle(pose)[0], OPEN, True)
     led = spread @ told[free:, :free]
     by_all = one.rows(asked, follow)

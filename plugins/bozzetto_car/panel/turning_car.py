@@ -99,7 +99,7 @@ class TurningCar(QWidget):
         end = pose_of(template, node)
         share = min(self._clock.elapsed() / TURN, 1.0) if self._start != end else 1.0
         pose = between(self._start, end, share)
-        # On the way a coarser picture does: the eye follows the car, not its edges.
+        # While it turns a coarser picture is enough: the eye follows the car, not its edges.
         scale = self.devicePixelRatioF() if share == 1.0 else 1.0
         palette, size = palette_of(self), (self.width(), self.height())
         key = (template, node, pose, palette, size, scale)

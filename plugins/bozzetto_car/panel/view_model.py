@@ -155,7 +155,7 @@ def guide_of(state: CarState) -> Guide:
     Raises
     ------
     UserError
-        As of `solved`.
+        As `solve_car` does.
     """
     body = body_of(state)
     solved, template = body.solved, body.template

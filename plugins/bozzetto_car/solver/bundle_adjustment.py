@@ -152,7 +152,7 @@ def solve(
         other = locks.tied(template, best.variables)
         if other is None:
             break
-        # A node has come level with the outermost one: perhaps it wants to go beyond.
+        # A node is level with the outermost one: the cost may be lower with it beyond.
         locks = Locks.of(template, locked, best.variables, overlap, other)
         feasible = Feasible.of(soundness, locks, best.variables, prior.form(best.variables))
         tried = _Problem(template, best.views, cost, prior, feasible, hold_cameras).solved()
@@ -336,5 +336,5 @@ def without_cameras(form: Array, free: int) -> Array:
     cross, cameras = form[:free, free:], form[free:, free:]
     if not cameras.size:
         return form
-    # The pseudo-inverse, for too few marks leave some numbers of a camera open.
+    # The pseudo-inverse, because few marks leave some numbers of a camera undetermined.
     return np.asarray(form[:free, :free] - cross @ np.linalg.pinv(cameras, 1e-12, True) @ cross.T)

@@ -81,7 +81,7 @@ class Feasible:
         made = cls(soundness, bounds, span, first)
         inner = span.T @ form @ span
         straight = made._straight()
-        # What the linear inequalities cannot do together is certain, so they come first.
+        # Contradictions of the linear inequalities are certain, so these come first.
         for which in (straight, np.ones(len(straight), bool)):
             for _ in range(MOST_RETURNS):
                 slacks = made._slacks(first)[which]

@@ -220,8 +220,8 @@ class Evidence:
         self.total = float(_sum_of_logs(logs))
         logs -= self.total
         self.spread = float(np.exp(np.exp(logs) @ np.log(spreads)))
-        # The inverse of C, times s²: its blocks of two by two for each mark, and what it makes
-        # of what is missed.
+        # The inverse of C, times s²: its 2 × 2 blocks for each mark, and its product with the
+        # residuals.
         across, down = by_car[::2], by_car[1::2]
         xx = blocks[:, 0, :1] - across**2 @ damped
         yy = blocks[:, 1, 1:] - down**2 @ damped
@@ -245,7 +245,7 @@ def _without_cameras(
     missed : (m,) float
     by_car : (m, q) float
     blocks : (m / 2, 2, 2) float
-        Of the projection, for each mark.
+        Diagonal blocks of the projection, for each mark.
     rank : int
         Dimensions that are left.
     """

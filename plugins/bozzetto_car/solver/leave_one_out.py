@@ -42,9 +42,9 @@ def leave_one_out(rows: Array, missed: Array, weights: Array, covariance: Array)
     missed : (k, 2) float
         What each mark is missed by, in standard deviations of the hand.
     weights : (k,) float
-        Of the marks in the solve.
+        Weights of the marks in the solve.
     covariance : (p, p) float
-        Of the unknowns, with all marks.
+        Covariance of the unknowns, with all marks.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def leave_one_out(rows: Array, missed: Array, weights: Array, covariance: Array)
     spread = pairs @ covariance @ np.swapaxes(pairs, 1, 2)
     left = np.eye(2) - weights[:, None, None] * spread
     expected = np.linalg.solve(left, missed[:, :, None])[:, :, 0]
-    # The covariance of what is missed: the hand's own, and that of the place without the mark.
+    # Covariance of the residual: that of the hand, and that of the place without the mark.
     doubt = np.eye(2) + np.linalg.solve(left, spread)
     scaled = np.linalg.solve(doubt, expected[:, :, None])[:, :, 0]
     squares = np.maximum((expected * scaled).sum(axis=1), 0.0)

@@ -211,12 +211,12 @@ def _with_residuals(
     sketch_camera = SketchCamera.behind(view.camera, view.shift, positions)
     nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
     off = np.linalg.norm(sketch_camera.pixels(positions[nodes]) - marks, axis=1)
-    # A node behind the eye is seen nowhere, so that nobody can tell how far off its mark is.
+    # A node behind the eye is seen nowhere, so its mark has no distance.
     named = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
     missed = {name: px for name, px in named if np.isfinite(px)}
     alone = zip(view.nodes, joint.left_out[number].missed, strict=True)
     others = {template.names[n]: float(px) for n, px in alone}
-    # A mark that was set aside has no say: what it is missed by is what the others miss it by.
+    # A mark that was set aside does not count, so its residual is that of the others' place.
     others |= {name: missed[name] for name in aside if name in missed}
     aside = tuple(sorted(aside, key=lambda name: -missed.get(name, np.inf)))
     return replace(

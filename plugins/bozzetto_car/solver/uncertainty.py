@@ -88,7 +88,7 @@ def certainty(template: Template, cost: Cost, joint: JointSolution) -> Certainty
     template : Template
         The template of the car.
     cost : Cost
-        That of the solve.
+        The cost that the solve used.
     joint : JointSolution
         The result of the solve.
     """
@@ -118,7 +118,7 @@ def further_views(template: Template, cost: Cost, joint: JointSolution) -> tuple
     template : Template
         The template of the car.
     cost : Cost
-        That of the solve.
+        The cost that the solve used.
     joint : JointSolution
         The result of the solve.
     """

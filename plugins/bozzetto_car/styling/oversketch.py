@@ -126,7 +126,7 @@ def oversketch(curve: StylingCurve, body: Body, stroke: ArrayLike, camera: Camer
     body : Body
         The body that it is on.
     stroke : (n, 2) array_like
-        px; along the curve or against it.
+        Samples of the stroke, px, along the curve or against it.
     camera : Camera
         The view that the stroke was drawn in.
 
@@ -156,7 +156,7 @@ def oversketch(curve: StylingCurve, body: Body, stroke: ArrayLike, camera: Camer
     ends = max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, len(nodes) - 1)
     stretch = resample(bent.points[ends[0] : ends[1] + 1], spacing=STEP)
     way = np.interp(along[-1] * np.array(ends) / (len(nodes) - 1), along, picture.along)
-    # An end of the curve that moves has nothing beyond it to be joined to.
+    # Beyond an end of the curve that moves there is nothing to join.
     unseen = picture.along[0], picture.course.length - picture.along[-1]
     free = bent.moved[[0, -1]] & (np.array(unseen) < TURNED_AWAY)
     laid = project_line(body.template, body.nets, stretch, camera)

@@ -100,7 +100,7 @@ def target_of(
     body : Body
         The body that the curves are on.
     stroke : (n, 2) float
-        px.
+        Samples of the stroke, px.
     camera : Camera
         The view that the stroke was drawn in.
     chosen : str

@@ -87,7 +87,7 @@ def smooth_line(points: ArrayLike) -> Array:
     Parameters
     ----------
     points : (n, 2) array_like
-        px.
+        Samples of the stroke, px.
 
     Returns
     -------

@@ -221,7 +221,7 @@ class _Whole:
             place = f"patches, {key}"
             loop = [self._number(name, place) for name in corners]
             made.append(self._patch(f"{key}.R", loop, place))
-            # Turned round, so that the image, too, runs anticlockwise seen from outside.
+            # Reversed, so that the image, too, runs anticlockwise seen from outside.
             image = [self._image(number) for number in (loop[0], *loop[:0:-1])]
             mirrored.append(self._patch(f"{key}.L", image, place))
         return (*made, *mirrored)
@@ -240,7 +240,7 @@ class _Whole:
             smooth = [self._number(name, place) for name in record.smooth]
             image = [self._image(number) for number in nodes]
             if nodes[0] in smooth and nodes[0] == image[0]:
-                # Smooth in the middle of the car: the line goes over to the other side.
+                # Smooth in the middle of the car: the line crosses to the other side.
                 made.append(self._chain(key, [*image[:0:-1], *nodes], smooth, place))
             elif image == nodes:
                 made.append(self._chain(key, nodes, smooth, place))

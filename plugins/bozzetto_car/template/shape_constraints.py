@@ -87,7 +87,7 @@ class Soundness:
                 row[node, axis] += factor
         names = [rule.name for rule in rules]
         corners, normals = [], []
-        # The left half is the mirror image: its rows would say the same again.
+        # The left half is the mirror image: its rows would be the same.
         right = [patch for patch in template.patches if not patch.name.endswith(".L")]
         for patch in right:
             name = fold_name(patch.name)
