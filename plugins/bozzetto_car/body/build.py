@@ -155,6 +155,19 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     return _bodies.recall((body, wanted), partial(_finished, body, wanted))
 
 
+def sketch_cameras_of(state: CarState) -> Mapping[str, SketchCamera]:
+    """Return the camera of each sketch of a car by its id, without edits if they do not matter.
+
+    Raises
+    ------
+    UserError
+        As `body_of` does.
+    """
+    if state.dimensions.given():
+        return body_of(state).sketch_cameras
+    return {key: placed.sketch_camera for key, placed in solve_car(state).placed.items()}
+
+
 def preview_of(state: CarState) -> Body:
     """Return the body of a car quickly: stretched to its dimensions, not solved for them.
 

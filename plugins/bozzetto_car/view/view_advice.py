@@ -15,7 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.build import Body, sketch_cameras_of
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.marking.next_mark import asked_of, in_work, node_title
 from bozzetto_car.solver.initial_cameras import FEWEST, Placed
@@ -61,12 +61,12 @@ def camera_looked_through(
 
 def view_after(seen: CarState, state: CarState, camera: Camera) -> Camera | None:
     """Return the view of the same window of the sketch after the car has changed; else None."""
-    body = body_of(state)
-    placed = in_work(state, body.solved)
-    if placed is None:
+    sketch = state.sketch
+    before = None if sketch is None else _camera_before(sketch, seen)
+    if sketch is None or before is None or not before.is_seen_through(camera):
         return None
-    now, before = body.sketch_cameras[placed.sketch.id], _camera_before(placed.sketch, seen)
-    if before is None or now.is_seen_through(camera) or not before.is_seen_through(camera):
+    now = sketch_cameras_of(state).get(sketch.id)
+    if now is None or now.is_seen_through(camera):
         return None
     return now.windowed(camera.viewport, before.window(camera))
 
@@ -76,7 +76,7 @@ def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:
     if not any(one.id == sketch.id and one.size == sketch.size for one in state.sketches):
         return None
     try:
-        return body_of(state).sketch_cameras.get(sketch.id)
+        return sketch_cameras_of(state).get(sketch.id)
     except UserError:
         return None
 
