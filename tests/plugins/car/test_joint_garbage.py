@@ -53,6 +53,8 @@ def garbage(template: Template, rng: np.random.Generator) -> Sequence[MarkedView
     return views
 
 
+LONG = bool(os.environ.get("BOZZETTO_LONG"))
+
 RANGES = {
     "length": (3500.0, 6000.0),
     "width": (1500.0, 2200.0),
@@ -97,6 +99,8 @@ def test_garbage_gives_a_sound_car_or_a_sentence(template: Template) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1, 14 if os.environ.get("BOZZETTO_LONG") else 2))
+@pytest.mark.parametrize("seed", range(1, 14 if LONG else 2))
 def test_ten_thousand_sets_of_garbage(template: Template, seed: int) -> None:
-    assert survive_garbage(template, seed, 257) >= 200
+    """Ten thousand in the long run, a share of them otherwise."""
+    count = 257 if LONG else 90
+    assert survive_garbage(template, seed, count) >= 0.75 * count
