@@ -137,7 +137,7 @@ def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
 
 def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
     """Return M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
-    matrix = camera_matrix(sketch_camera.camera)
+    matrix = camera_matrix(sketch_camera.camera).copy()
     matrix[:2] += np.outer(sketch_camera.shift, matrix[2])
     rows: list[list[float]] = matrix.tolist()
     return rows

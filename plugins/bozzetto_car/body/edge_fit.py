@@ -246,8 +246,7 @@ class _Samples:
         share = np.diff(along, append=along[-1]) + np.diff(along, prepend=0.0)
         whole = share.sum()
         weights = share / whole if whole > 0.0 else np.full(len(points), 1.0 / len(points))
-        matrix = camera_matrix(sighting.camera)
-        matrix[:, :3] *= sighting.flip
+        matrix = camera_matrix(sighting.camera) * np.append(sighting.flip, 1.0)
         return cls(sighting, points, WORTH * weights, matrix)
 
     def feet(self, curve: Array) -> tuple[Array, Array]:

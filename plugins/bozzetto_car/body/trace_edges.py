@@ -152,11 +152,11 @@ def _with_nodes_on_stroke(network: Network, run: Run, camera: Camera) -> Network
     pixels = [run.parts[0][0], *(part[-1] for part in run.parts)]
     old = project_points(camera, network.positions[list(run.nodes)])
     image = network.template.mirrored
+    lengths = [float(arc_length(_path(network, edge, camera))[-1]) for edge in run.edges]
     goals: dict[int, list[Array]] = {}
     for number, (node, pixel) in enumerate(zip(run.nodes, pixels, strict=True)):
-        beside = [at for at in (number - 1, number) if 0 <= at < len(run.edges)]
-        length = min(float(arc_length(_path(network, run.edges[at], camera))[-1]) for at in beside)
-        if np.linalg.norm(pixel - old[number]) > NEAR_END * length:
+        beside = lengths[max(number - 1, 0) : number + 1]
+        if np.linalg.norm(pixel - old[number]) > NEAR_END * min(beside):
             continue
         free = np.array([True, bool(image[node] != node), True])
         place = drag_place(network.positions[node], pixel, camera, free)

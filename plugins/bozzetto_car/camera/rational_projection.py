@@ -7,6 +7,7 @@ places and derivatives there cost a few products, however often a search asks fo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -17,10 +18,14 @@ from bozzetto_car.array_types import Array
 POWERS: Final = np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], float)
 """Coefficients of 1, t, t², t³ from Bézier points."""
 
+REMEMBERED: Final = 64
+"""Number of cameras whose matrices are remembered: a body has many edits through few cameras."""
+
 AT_EYE: Final = 1e-6
 """Depth, mm, at which a place counts as in the eye."""
 
 
+@lru_cache(REMEMBERED)
 def camera_matrix(camera: Camera) -> Array:
     """Return M (3, 4) with (u w, v w, w) = M (x, y, z, 1): px from mm, w > 0 before the eye."""
     right, up, forward = camera.axes
@@ -33,7 +38,9 @@ def camera_matrix(camera: Camera) -> Array:
         scale = 0.5 * height / np.tan(np.radians(0.5 * camera.fov_y))
     across = scale * np.append(right, -right @ eye) + 0.5 * width * last
     down = 0.5 * height * last - scale * np.append(up, -up @ eye)
-    return np.stack((across, down, last))
+    matrix = np.stack((across, down, last))
+    matrix.flags.writeable = False
+    return matrix
 
 
 @dataclass(frozen=True, eq=False)
