@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-from bozzetto_car.body.default_shape import pulled_out
+from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.template.model import Template
-from bozzetto_car.template.network import Network, joints, with_tangents
+from bozzetto_car.template.network import Network, junctions, with_tangents
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -107,7 +107,7 @@ quite smoothly: with both ways in one direction a patch would have no corner."""
 def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
     """The car that was drawn on a template's topology, and the cameras it was drawn through."""
     network = turned(Network.of(template, placed(template)))
-    network = pulled_out(cornered(streamlined(network)))
+    network = pull_out_panels(cornered(streamlined(network)))
     return network, tuple(camera(network.positions, *view) for view in VIEWS[template.id])
 
 
@@ -151,7 +151,7 @@ def streamlined(network: Network) -> Network:
     """
     template = network.template
     tangents = {}
-    for joint in joints(template):
+    for joint in junctions(template):
         half, _, side = template.names[joint.node].partition(".")
         if joint.crosses or side == "L":
             continue

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bozzetto.scene import Palette, Scene
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.main_window import Window
-    from bozzetto_car.camera.sketch_camera import Stand
+    from bozzetto_car.camera.sketch_camera import SketchCamera
     from bozzetto_car.state import CarState, Sketch
 
 CARS = GALLERY / "car"
@@ -107,8 +107,8 @@ def strip(name: str) -> np.ndarray:
     size = (3 * width + 2 * GAP, 2 * (height + CAPTION) + GAP)
     sheet = Image.new("RGB", size, LIGHT.paper)
     pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(18)
-    for number, (scene, stand) in enumerate(steps(bench, model, DRAWN_FROM[name])):
-        pixels = picture(scene, camera=stand.view(PANEL), size=PANEL)[above:-below]
+    for number, (scene, sketch_camera) in enumerate(steps(bench, model, DRAWN_FROM[name])):
+        pixels = picture(scene, camera=sketch_camera.view(PANEL), size=PANEL)[above:-below]
         row, column = divmod(number, 3)
         x, y = column * (width + GAP), row * (height + CAPTION + GAP)
         sheet.paste(Image.fromarray(pixels).convert("RGB"), (x, y))
@@ -116,10 +116,10 @@ def strip(name: str) -> np.ndarray:
     return np.asarray(sheet)
 
 
-def steps(bench: Workbench, model: Model, number: int) -> list[tuple[Scene, Stand]]:
+def steps(bench: Workbench, model: Model, number: int) -> list[tuple[Scene, SketchCamera]]:
     """The scenes of six steps, each with the stand of the sketch through which it is seen."""
     from bozzetto_car.body.build import body_of
-    from bozzetto_car.camera.sketch_camera import Stand
+    from bozzetto_car.camera.sketch_camera import SketchCamera
     from bozzetto_car.template.network import Network
 
     whole: CarState = model.state
@@ -127,8 +127,8 @@ def steps(bench: Workbench, model: Model, number: int) -> list[tuple[Scene, Stan
     marked = replace(whole, nodes=whole.sketches, edits=())
     deformed, traced = body_of(marked), body_of(whole)
     template, found = deformed.template, deformed.solved.placed[drawn.id].resection
-    at_first = Stand.behind(found.camera, found.shift, template.positions)
-    then, now = deformed.stands[drawn.id], traced.stands[drawn.id]
+    at_first = SketchCamera.behind(found.camera, found.shift, template.positions)
+    then, now = deformed.sketch_cameras[drawn.id], traced.sketch_cameras[drawn.id]
     return [
         (hung(drawn, then, 1.0) + dots(drawn, then), then),
         (hung(drawn, at_first) + lines(Network.of(template)) + dots(drawn, at_first), at_first),
@@ -139,18 +139,18 @@ def steps(bench: Workbench, model: Model, number: int) -> list[tuple[Scene, Stan
     ]
 
 
-def hung(drawn: Sketch, stand: Stand, strength: float = FAINT) -> Scene:
+def hung(drawn: Sketch, sketch_camera: SketchCamera, strength: float = FAINT) -> Scene:
     """A sketch where it hangs."""
     from bozzetto.scene import Layer, Scene
 
-    return Scene((Layer("sketch", (stand.image(drawn.picture, strength),)),))
+    return Scene((Layer("sketch", (sketch_camera.image(drawn.picture, strength),)),))
 
 
-def dots(drawn: Sketch, stand: Stand) -> Scene:
+def dots(drawn: Sketch, sketch_camera: SketchCamera) -> Scene:
     """The marks of a sketch."""
     from bozzetto.scene import Layer, Points, Scene
 
-    places = stand.lifted([(mark.u, mark.v) for mark in drawn.marks])
+    places = sketch_camera.lifted([(mark.u, mark.v) for mark in drawn.marks])
     rim = Points(places, color="paper", size=11.0, hidden="show")
     return Scene((Layer("marks", (rim, Points(places, color="accent", size=7.5, hidden="show"))),))
 
@@ -257,9 +257,11 @@ def mark(window: Window, told: dict[str, list[float]], picture: str) -> None:
     if name is None:
         session.commanding.run("not-visible")
     else:
-        stand = body.stands[state.sketch.id]
-        until(lambda: stand.is_seen_through(session.camera))  # the view goes along with marks
-        places = stand.lifted([told[name]])
+        sketch_camera = body.sketch_cameras[state.sketch.id]
+        until(
+            lambda: sketch_camera.is_seen_through(session.camera)
+        )  # the view goes along with marks
+        places = sketch_camera.lifted([told[name]])
         (at,), _ = session.camera.project(places)
         path = at + np.linspace(1.0, 0.0, 6)[:, None]
         pen_stroke(window.canvas, path, np.full(6, 0.5), lambda: picture and grab(window, picture))

@@ -11,7 +11,7 @@ from bozzetto.plugin import Modeler, PanelHost, hookimpl
 
 @hookimpl
 def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
-    """The one modeler of this plugin."""
+    """Return the one modeler of this plugin."""
     from bozzetto_car.modeler import Car
 
     return [Car()]
@@ -19,7 +19,7 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
 
 @hookimpl
 def bozzetto_faults(file: Path) -> Sequence[str] | None:
-    """What is wrong with a car's template."""
+    """Return what is wrong with a car's template."""
     from bozzetto_car.template.loader import faults_in, is_template
 
     return faults_in(file) if is_template(file) else None
@@ -27,7 +27,7 @@ def bozzetto_faults(file: Path) -> Sequence[str] | None:
 
 @hookimpl
 def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
-    """The guide: what to mark next, what is marked, and what is known of the car."""
+    """Return the guide panel: the next mark, all marks, and what is known of the car."""
     from PySide6.QtWidgets import QWidget
 
     from bozzetto_car.panel.guide_panel import GuidePanel

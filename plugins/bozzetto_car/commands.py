@@ -1,4 +1,4 @@
-"""Commands: what can be done to a car at one word."""
+"""Commands for a car."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ from bozzetto_car.marking.commands import marking_commands
 from bozzetto_car.marking.edit_marks import with_sides_exchanged
 from bozzetto_car.state import CarState, Treatment
 
-__all__ = ["all_commands"]
-
 
 def all_commands() -> tuple[Command, ...]:
-    """All of them, in the order in which they are listed."""
+    """Return all commands but those for styling curves, in the order of the menu."""
     return (
         *marking_commands(),
         Command(
@@ -24,20 +22,20 @@ def all_commands() -> tuple[Command, ...]:
         ),
         Command(
             "anneal", "Smooth lines",
-            "Lines take the least bending through their nodes.", _anneal,
+            "Bend lines as little as possible through their nodes.", _anneal,
         ),
         Command(
             "reduce", "Reduce tangents",
-            "Tangents become no longer than the chord allows, so that no edge runs back.", _reduce,
+            "Shorten long tangents, so that no edge runs back on itself.", _reduce,
         ),
         Command(
             "pull-out", "Pull panels out",
-            "Side panels and the corners of nose and tail bulge by their default measure.",
+            "Make side panels and the corners of nose and tail bulge by a default amount.",
             _pull_out,
         ),
         Command(
             "undo-edits", "Take back all edits",
-            "The body becomes again what the marks make of the template.", _no_edits,
+            "Remove all edits by hand; the shape that the marks give stays.", _no_edits,
             enabled=lambda state: bool(state.edits),
         ),
     )  # fmt: skip

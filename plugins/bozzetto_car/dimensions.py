@@ -1,11 +1,10 @@
-"""The five dimensions of a car, as measured, and as known before a sketch is solved.
+"""The five dimensions of a car: as measured, and as locked while a sketch is solved.
 
-Length, width and height are those of the box about the body, the height from the ground; the
+Length, width and height are those of the box about the body, the height from the ground. The
 front overhang leads from the foremost point of the body to the centre of the front wheel, the
-wheelbase from there to that of the rear wheel. In a symmetric car all five are linear in the
-variables as soon as it is known which nodes are outermost, so a dimension can be locked while
-the shape is solved: as an equation, and one inequality for every node that must not pass the
-outermost one.
+wheelbase from there to the centre of the rear wheel. In a symmetric car all five are linear in the
+variables once the outermost nodes are known. So a dimension can be locked while the shape is
+solved: as an equation, and one inequality for every node that must not pass the outermost one.
 """
 
 from __future__ import annotations
@@ -14,15 +13,10 @@ from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.template.model import Template
-
-__all__ = ["NONE_BEYOND", "WORDS", "Dimensions", "Locks", "Overlap", "measured"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 WORDS: Final = {
     "length": "length",
@@ -31,16 +25,16 @@ WORDS: Final = {
     "front_overhang": "front overhang",
     "wheelbase": "wheelbase",
 }
-"""The dimensions in the words of a message."""
+"""The names of the dimensions in messages."""
 
 SHORTEST: Final = 100.0
-"""Least dimension, mm: below, a number was meant in other units."""
+"""Least dimension, mm: a smaller number was probably meant in other units."""
 
 LONGEST: Final = 50_000.0
 """Greatest dimension, mm."""
 
 TIED: Final = 1e-6
-"""Distance, mm, at which a node is as far out as the outermost one."""
+"""Distance, mm, at which a node counts as far out as the outermost one."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +48,12 @@ class Dimensions:
     wheelbase: float | None = None
 
     def given(self) -> dict[str, float]:
-        """Those that are given, by name."""
+        """Return the dimensions that are given, by name."""
         values = ((field.name, getattr(self, field.name)) for field in fields(self))
         return {name: float(value) for name, value in values if value is not None}
 
     def wanted(self) -> dict[str, float]:
-        """Those that are given, as wishes of a person.
+        """Return the dimensions that are given, checked.
 
         Raises
         ------
@@ -70,14 +64,14 @@ class Dimensions:
         for name, value in given.items():
             if not SHORTEST <= value <= LONGEST:
                 raise UserError(
-                    f"A {WORDS[name]} of {value:g} mm is none that a car can have. Give one from "
+                    f"A car cannot have a {WORDS[name]} of {value:g} mm. Give one from "
                     f"{SHORTEST:g} to {LONGEST:g} mm."
                 )
         return given
 
 
-def measured(box: Array, front: float, rear: float) -> Dimensions:
-    """Dimensions of a body.
+def measure_dimensions(box: Array, front: float, rear: float) -> Dimensions:
+    """Return the dimensions of a body.
 
     Parameters
     ----------
@@ -92,7 +86,7 @@ def measured(box: Array, front: float, rear: float) -> Dimensions:
 
 @dataclass(frozen=True)
 class Overlap:
-    """How far the surface bulges out beyond the outermost nodes, mm."""
+    """Distances by which the surface bulges out beyond the outermost nodes, mm."""
 
     front: float = 0.0
     rear: float = 0.0
@@ -101,14 +95,14 @@ class Overlap:
 
     @classmethod
     def of(cls, template: Template, positions: Array, box: Array) -> Overlap:
-        """What the box (2, 3) of a surface has beyond the nodes (n, 3) that it spans, mm."""
+        """Return by how much the box (2, 3) of a surface exceeds its nodes (n, 3), mm."""
         body = positions[_body(template)]
         low, high = box - (body.min(axis=0), body.max(axis=0))
         return cls(-float(low[0]), float(high[0]), float(high[1]), float(high[2]))
 
 
 NONE_BEYOND: Final = Overlap()
-"""Dimensions are those of the nodes."""
+"""No bulge: the dimensions are those of the nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +117,7 @@ class Locks:
     bounds : (m, q) float
         ``bounds @ variables >= 0``: no node lies beyond the outermost ones.
     outermost : (4,) int
-        The nodes that are: foremost, rearmost, widest, highest.
+        The foremost, rearmost, widest and highest node.
     """
 
     rows: Array
@@ -145,7 +139,9 @@ class Locks:
         Parameters
         ----------
         template : Template
+            The template of the car.
         wanted : Dimensions
+            The dimensions to lock.
         variables : (q,) float
             A car of about that shape: it says which nodes are outermost.
         overlap : Overlap
@@ -195,7 +191,7 @@ class Locks:
                 others = [number for number in body.tolist() if number != node]
                 bounds += [sign * (coordinate(i, axis) - coordinate(node, axis)) for i in others]
         count = len(template.variables)
-        # A node and its image, and nodes at y = 0, give rows that say nothing or the same twice.
+        # A node and its image, and nodes at y = 0, give zero rows or equal rows.
         told = np.unique(np.reshape(bounds, (-1, count)), axis=0)
         return cls(
             np.reshape(rows, (-1, count)),

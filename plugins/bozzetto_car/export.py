@@ -1,4 +1,4 @@
-"""What a car hands over: the skin, its edges, and the styling curves."""
+"""What a car exports: its surfaces, its edges, and the styling curves."""
 
 from __future__ import annotations
 
@@ -7,26 +7,24 @@ import numpy as np
 from bozzetto.geometry import Curve, Shapes
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState
-from bozzetto_car.styling.export import as_curves
+from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.scene import shown_styling
-
-__all__ = ["curves_of", "shapes_of"]
 
 ONE_SPAN = np.repeat((0.0, 1.0), 4)
 """Knots of a cubic of one span."""
 
 
 def shapes_of(state: CarState, body: Body) -> Shapes:
-    """The skin as one shell, unless it is switched off, and the visible styling curves.
+    """Return the surfaces as one shell, unless they are hidden, and the visible styling curves.
 
-    A car that nobody has begun hands over nothing: the template is nobody's design.
+    A car that nobody has begun exports nothing: the template is nobody's design.
     """
     skin = (body.patchwork,) if state.body and state.is_begun else ()
     return Shapes(curves=styling_curves(state, body), patchworks=skin)
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:
-    """The edges of the body and the visible styling curves."""
+    """Return the edges of the body and the visible styling curves."""
     if not state.is_begun:
         return ()
     edges = tuple(
@@ -37,6 +35,6 @@ def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:
 
 
 def styling_curves(state: CarState, body: Body) -> tuple[Curve, ...]:
-    """The styling curves that are shown, and their mirror images where they have some."""
+    """Return the visible styling curves, and their mirror images where they have some."""
     shown = shown_styling(state)
     return tuple(line for c in shown for line in as_curves(c, body.nets, body.template))

@@ -1,7 +1,6 @@
 """Marks from a file: what `bozzetto build car` reads, plain JSON values (`docs/car.md`).
 
-Numbers and names come from anywhere, so nothing is taken over that was not looked at, and every
-refusal names the key.
+A file is not trusted: every number and name is checked, and every refusal names the key.
 """
 
 from __future__ import annotations
@@ -12,33 +11,29 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.scene import Picture
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import body_of
-from bozzetto_car.camera.sketch_camera import flat_stand
+from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.report import SHORT
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
-from bozzetto_car.styling.curve import laid
+from bozzetto_car.styling.curve import project_stroke
 from bozzetto_car.template.loader import TEMPLATES
 
-__all__ = ["car_from_facts", "is_car_file"]
-
-Array = NDArray[np.float64]
-
 MOST_SKETCHES: Final = 8
-"""Views of one file."""
+"""Most views of one file."""
 
 MOST_NAMES: Final = 400
-"""Marks or strokes of one view."""
+"""Most marks or strokes of one view."""
 
 MOST_PLACES: Final = 20_000
-"""Places of one stroke."""
+"""Most places of one stroke."""
 
 FARTHEST: Final = 1e8
-"""Farthest place, px."""
+"""Largest coordinate of a place, px."""
 
 KINDS: Final = ("auto", "perspective", "orthographic")
 
@@ -46,12 +41,12 @@ VIEW_KEYS: Final = {"kind", "marks", "strokes", "image", "name", "cropped"}
 
 
 def is_car_file(facts: Mapping[str, Any]) -> bool:
-    """Whether facts of a file are marks of a car."""
+    """Whether the facts of a file are marks of a car."""
     return "views" in facts
 
 
 def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) -> CarState:
-    """The car of a file.
+    """Return the car of a file.
 
     Parameters
     ----------
@@ -63,7 +58,7 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         ``"dimensions"``: ``{"LN", "WD", "HG", "FO", "WB"}``, mm; ``"styling"``: a list of
         ``{"view", "points", "name"}``.
     pictures : mapping of str to Picture
-        By the names of their files.
+        Pictures by the names of their files.
 
     Raises
     ------
@@ -75,9 +70,9 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         raise UserError("“views” is empty. Give at least one view with its marks.")
     state = _of_template(facts.get("template", "sedan"))
     edits: list[TracedEdges] = []
-    for number, told in enumerate(views):
+    for number, value in enumerate(views):
         where = f"views[{number}]"
-        view = _object(told, where)
+        view = _object(value, where)
         unknown = sorted(set(view) - VIEW_KEYS)
         if unknown:
             raise UserError(f"{where} has a key “{unknown[0]}”. Known are {_row(VIEW_KEYS)}.")
@@ -86,15 +81,15 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         edits += _strokes(view.get("strokes", {}), state.sketches[-1], f"{where}.strokes")
     state = replace(state, edits=tuple(edits), selected=state.sketches[0].id)
     state = _dimensioned(state, facts.get("dimensions", {}))
-    for number, told in enumerate(_list(facts.get("styling", []), "styling", MOST_NAMES)):
-        state = _styled(state, _object(told, f"styling[{number}]"), f"styling[{number}]")
+    for number, value in enumerate(_list(facts.get("styling", []), "styling", MOST_NAMES)):
+        state = _styled(state, _object(value, f"styling[{number}]"), f"styling[{number}]")
     return state
 
 
-def _of_template(told: object) -> CarState:
-    if isinstance(told, Mapping):
-        return CarState(own=json.dumps(told))
-    known = next((name for name in TEMPLATES if name == told), None)
+def _of_template(value: object) -> CarState:
+    if isinstance(value, Mapping):
+        return CarState(own=json.dumps(value))
+    known = next((name for name in TEMPLATES if name == value), None)
     if known is None:
         raise UserError(f"“template” is one of {', '.join(TEMPLATES)}, or a template itself.")
     return CarState(template=known)
@@ -132,8 +127,8 @@ def _sketch(
     return replace(sketch, shows="R" if rights > lefts else "L")
 
 
-def _marks(told: object, where: str) -> tuple[Mark, ...]:
-    marks = _object(told, where)
+def _marks(value: object, where: str) -> tuple[Mark, ...]:
+    marks = _object(value, where)
     if len(marks) > MOST_NAMES:
         raise UserError(f"{where} has more than {MOST_NAMES} marks.")
     made = []
@@ -145,17 +140,17 @@ def _marks(told: object, where: str) -> tuple[Mark, ...]:
     return tuple(made)
 
 
-def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
-    """Strokes along edges, as if they had been drawn on the sketch."""
-    strokes = _object(told, where)
+def _strokes(value: object, sketch: Sketch, where: str) -> list[TracedEdges]:
+    """Return strokes along edges, as if they had been drawn on the sketch."""
+    strokes = _object(value, where)
     if len(strokes) > MOST_NAMES:
         raise UserError(f"{where} has more than {MOST_NAMES} strokes.")
-    camera = flat_stand(sketch.size).camera
+    camera = upright_camera(sketch.size).camera
     made = []
     for edge, places in strokes.items():
         points = _places(places, f"{where}.{edge}")
         stroke = Stroke(points[:, 0], points[:, 1], camera, tool="imported")
-        # The drawn line knows better than a mark beside it where the edge ends.
+        # The drawn line tells the end of the edge better than a mark beside it.
         made.append(
             TracedEdges(
                 strokes=Strokes((stroke,)), sketch=sketch.id, edges=(str(edge),), nodes_follow=True
@@ -164,14 +159,14 @@ def _strokes(told: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     return made
 
 
-def _dimensioned(state: CarState, told: object) -> CarState:
+def _dimensioned(state: CarState, given: object) -> CarState:
     long = {short: name for name, short in SHORT.items()}
     values: dict[str, float] = {}
-    for key, value in _object(told, "dimensions").items():
+    for key, value in _object(given, "dimensions").items():
         if key not in long:
             raise UserError(f"There is no dimension “{str(key)[:40]}”. Give {_row(long)}.")
         values[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
-    # A car that is solved with its dimensions fits its sketches better than one stretched after.
+    # A car solved with its dimensions fits its sketches better than one stretched afterwards.
     return replace(
         state,
         lock=bool(values),
@@ -183,19 +178,19 @@ def _dimensioned(state: CarState, told: object) -> CarState:
     )
 
 
-def _styled(state: CarState, told: Mapping[str, Any], where: str) -> CarState:
-    """With a styling curve drawn on one of the sketches."""
-    view = told.get("view", 0)
+def _styled(state: CarState, value: Mapping[str, Any], where: str) -> CarState:
+    """Return the state with a styling curve drawn on one of the sketches."""
+    view = value.get("view", 0)
     sketches = state.sketches
     if isinstance(view, bool) or not isinstance(view, int) or not 0 <= view < len(sketches):
         raise UserError(f"{where}.view is the number of a view, from 0 to {len(sketches) - 1}.")
-    name = told.get("name", state.unused_name("Styling curve"))
+    name = value.get("name", state.unused_name("Styling curve"))
     if not isinstance(name, str) or not 1 <= len(name) <= 200:
         raise UserError(f"{where}.name is a text of 1 to 200 characters.")
-    points = _places(told.get("points"), f"{where}.points")
+    points = _places(value.get("points"), f"{where}.points")
     body = body_of(state)
-    stand = body.stands[sketches[view].id]
-    patches, on, places = laid(body, points - stand.shift, stand.camera)
+    sketch_camera = body.sketch_cameras[sketches[view].id]
+    patches, on, places = project_stroke(body, points - sketch_camera.shift, sketch_camera.camera)
     curve = StylingCurve(id=state.unused_id(), name=name, patches=patches, on=on, places=places)
     return replace(state, nodes=(*state.nodes, curve))
 
@@ -207,36 +202,36 @@ def _row(words: Iterable[str]) -> str:
     return ", ".join(sorted(words))
 
 
-def _object(told: object, where: str) -> Mapping[str, Any]:
-    if not isinstance(told, Mapping):
+def _object(value: object, where: str) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
         raise UserError(f"“{where}” is missing, or no object {{…}}.")
-    return told
+    return value
 
 
-def _list(told: object, where: str, most: int) -> Sequence[Any]:
-    if not isinstance(told, list | tuple):
+def _list(value: object, where: str, most: int) -> Sequence[Any]:
+    if not isinstance(value, list | tuple):
         raise UserError(f"“{where}” is missing, or no list […].")
-    if len(told) > most:
+    if len(value) > most:
         raise UserError(f"“{where}” has more than {most} entries.")
-    return told
+    return value
 
 
-def _number(told: object, where: str, least: float, most: float) -> float:
-    if isinstance(told, int | float) and not isinstance(told, bool) and least <= told <= most:
-        return float(told)  # a NaN is in no range
+def _number(value: object, where: str, least: float, most: float) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and least <= value <= most:
+        return float(value)  # a NaN is in no range
     raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
 
 
-def _place(told: object, where: str) -> tuple[float, float]:
-    pair = _list(told, where, 2)
+def _place(value: object, where: str) -> tuple[float, float]:
+    pair = _list(value, where, 2)
     if len(pair) != 2:
         raise UserError(f"“{where}” is a place [u, v] in pixels.")
     u, v = (_number(part, where, -FARTHEST, FARTHEST) for part in pair)
     return u, v
 
 
-def _places(told: object, where: str) -> Array:
-    row = _list(told, where, MOST_PLACES)
+def _places(value: object, where: str) -> Array:
+    row = _list(value, where, MOST_PLACES)
     if len(row) < 2:
         raise UserError(f"“{where}” needs two places at least.")
     return np.array([_place(place, where) for place in row], float)

@@ -1,4 +1,4 @@
-"""The car modeler's place in the program: marks on sketches in; a body of exact surfaces out."""
+"""The car modeler: marks on sketches in, a body of exact surfaces out."""
 
 from __future__ import annotations
 
@@ -23,15 +23,13 @@ from bozzetto_car.tools import all_tools
 from bozzetto_car.view.scene import scene_of
 from bozzetto_car.view.view_advice import advice_on, view_after
 
-__all__ = ["Car"]
-
 NO_MARKS: Final = (
     "This file holds no marks of a car. Give a file with “views”, or drop a picture and mark it."
 )
 
 
 class Car:
-    """A template takes the shape of a marked sketch (Kara & Shimada 2008)."""
+    """The modeler in which a template takes the shape of a marked sketch (Kara & Shimada 2008)."""
 
     id = "bozzetto.car"
     title = "Car"
@@ -40,33 +38,33 @@ class Car:
     part_types = (Sketch, StylingCurve, Group)
 
     def create(self, context: Context) -> CarState:
-        """The template as it stands, or the car of a file's marks."""
+        """Return the template as it stands, or the car of a file's marks."""
         if is_car_file(context.facts):
             return car_from_facts(context.facts, context.pictures)
         return CarState()
 
     def tools(self) -> Sequence[Tool[CarState]]:
-        """What the pen can do, most used first."""
+        """Return the tools of the pen, most used first."""
         return all_tools()
 
     def commands(self) -> Sequence[Command]:
-        """What can be done at one word."""
+        """Return the commands for a car and its styling curves."""
         return (*all_commands(), *styling_commands())
 
     def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
-        """The car of a file's marks.
+        """Return the car of a file's marks.
 
         Raises
         ------
         UserError
-            If there are none, or they make no sense; the message names the key.
+            If there are no marks, or they make no sense; the message names the key.
         """
         if not is_car_file(context.facts):
             raise UserError(NO_MARKS)
         return self.create(context)
 
     def with_picture(self, state: CarState, picture: Picture, context: Context) -> CarState:
-        """With one more sketch, chosen; or with the picture of the chosen one that had none."""
+        """Add a sketch, which is chosen; or give the chosen sketch its missing picture."""
         chosen = next((s for s in state.sketches if s.id == state.selected), None)
         if chosen is not None and chosen.picture is None:
             return state.with_node(replace(chosen, picture=picture))
@@ -80,65 +78,65 @@ class Car:
         return replace(state.with_node(sketch), asked="")
 
     def solve(self, state: CarState, job: Job) -> Body:
-        """Cameras, shape and surfaces: see `solver` and `body`."""
+        """Solve cameras, shape and surfaces; see `solver` and `body`."""
         job.checkpoint(0.0, "Cameras and shape")
         return preview_of(state) if job.quality == "preview" else body_of(state)
 
     def scene(self, state: CarState, result: Body | None) -> Scene:
-        """The sketch, the body over it, and what can be taken hold of."""
+        """Return the sketch, the body over it, and the handles."""
         return scene_of(state, result)
 
     def shapes(self, state: CarState, result: Body) -> Shapes:
-        """The skin of bicubic patches, exact, and the styling curves."""
+        """Return the surfaces, exact bicubic patches, and the styling curves."""
         return shapes_of(state, result)
 
     def curves(self, state: CarState, result: Body) -> tuple[Curve, ...]:
-        """Edges and styling curves, for other models to hold on to."""
+        """Return edges and styling curves for other models to snap to."""
         return curves_of(state, result)
 
     def report(self, state: CarState, result: Body) -> Mapping[str, Any]:
-        """Nodes, cameras, residuals, constraints, creases, dimensions."""
+        """Return nodes, cameras, residuals, constraints, creases and dimensions."""
         return report_of(result)
 
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
-        """Marks and edits that were left out, and whether any sketch shapes the car."""
+        """Return what was left out, and whether any sketch shapes the car."""
         return cautions_of(result)
 
     def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:
-        """Whether one looks through the sketch, and the way back to it."""
+        """Return whether the view is through the sketch, and the way back to it."""
         return advice_on(state, body_of(state), camera)
 
     def view_after(self, seen: CarState, state: CarState, camera: Camera) -> Camera | None:
-        """The view through the sketch's new camera, where one looked through an earlier one."""
+        """Return the view through the sketch's new camera, for a view through an earlier one."""
         return view_after(seen, state, camera)
 
     # -- parts --
 
     def parts(self, state: CarState) -> tuple[Sketch | StylingCurve | Group, ...]:
-        """The sketches and styling curves."""
+        """Return the sketches, styling curves and groups."""
         return state.nodes
 
     def selected_part(self, state: CarState) -> str:
-        """The one that is chosen."""
+        """Return the id of the chosen part."""
         return state.selected
 
     def is_group(self, part: Sketch | StylingCurve | Group) -> bool:
-        """Whether it holds others."""
+        """Whether a part holds others."""
         return isinstance(part, Group)
 
     def with_parts(
         self, state: CarState, parts: tuple[Sketch | StylingCurve | Group, ...], selected: str
     ) -> CarState:
-        """The same state with other nodes; where none is chosen nothing of the body is, either."""
+        """Return the state with other parts; where none is chosen, no tangents are revealed."""
         revealed = state.revealed if selected else ""
         return replace(state, nodes=parts, selected=selected, revealed=revealed)
 
     def new_group(self, state: CarState) -> Group:
-        """An empty group."""
+        """Return an empty group."""
         return Group(id=state.unused_id(), name=state.unused_name("Group"))
 
     # -- documents --
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Nothing to do: this is the first version."""
+        """Return the stored state unchanged: this is the first version."""
         return state

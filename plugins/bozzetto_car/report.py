@@ -1,4 +1,4 @@
-"""What is told about a car: plain values, mm and px."""
+"""The report of a car as plain values, mm and px, and cautions in sentences."""
 
 from __future__ import annotations
 
@@ -13,15 +13,13 @@ from bozzetto.plugin import Caution
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.rational_projection import camera_matrix
-from bozzetto_car.camera.sketch_camera import Stand
-from bozzetto_car.solver.pipeline import Placed, counted_marks
+from bozzetto_car.camera.sketch_camera import SketchCamera
+from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.uncertainty import certainty, further_views
-
-__all__ = ["cautions_of", "report_of"]
 
 
 def report_of(body: Body) -> dict[str, Any]:
-    """Nodes, cameras, what every mark is missed by, constraints, creases and dimensions.
+    """Report nodes, cameras, residuals, constraints, creases and dimensions.
 
     Returns
     -------
@@ -38,10 +36,10 @@ def report_of(body: Body) -> dict[str, Any]:
     positions = body.network.positions
     variables = template.reduced(positions)
     angles = zip(template.edge_names, body.creases, strict=True)
-    told: dict[str, Any] = {
+    report: dict[str, Any] = {
         "template": template.id,
         "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
-        "views": [_view(p, body.stands[key], body) for key, p in solved.placed.items()],
+        "views": [_view(p, body.sketch_cameras[key], body) for key, p in solved.placed.items()],
         "constraints": solved.soundness.least(variables),
         "crease_deg": {name: float(angle) for name, angle in angles if np.isfinite(angle)},
         "dimensions": _dimensions(body),
@@ -49,17 +47,17 @@ def report_of(body: Body) -> dict[str, Any]:
     }
     if solved.joint is not None:
         known = certainty(template, solved.cost, solved.joint)
-        told["known"] = dict(zip(template.names, known.sources, strict=True))
+        report["known"] = dict(zip(template.names, known.sources, strict=True))
         views = further_views(template, solved.cost, solved.joint)
         if views:
-            told["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
+            report["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
                                  "after_mm": views[0].after}  # fmt: skip
-    told["warnings"] = [caution.message for caution in cautions_of(body)]
-    return told
+    report["warnings"] = [caution.message for caution in cautions_of(body)]
+    return report
 
 
 UNSOUND: Final = 1e-9
-"""Slack of a constraint, mm, below which it is not kept; what is nearer to none is rounding."""
+"""Negative slack of a constraint, mm, that counts as a violation and not as rounding."""
 
 NO_CAMERA: Final = "No sketch has a camera yet, so the car is the bare template."
 
@@ -70,28 +68,30 @@ SHORT = {
     "front_overhang": "FO",
     "wheelbase": "WB",
 }
-"""The names of dimensions in files."""
+"""The names of the dimensions in files."""
 
 
 def _dimensions(body: Body) -> dict[str, float]:
     return {SHORT[name]: value for name, value in asdict(body.dimensions).items()}
 
 
-def _view(placed: Placed, stand: Stand, body: Body) -> dict[str, Any]:
+def _view(placed: Placed, sketch_camera: SketchCamera, body: Body) -> dict[str, Any]:
     nodes, marks = counted_marks(placed, body.template)
-    told: dict[str, Any] = {
+    report: dict[str, Any] = {
         "name": placed.sketch.name,
         "solved": placed.is_known,
         "marks": len(placed.sketch.marks),
     }
     if not placed.is_known:
-        return told | {"camera": None, "residual_px": {}, "leave_one_out_px": {},
+        return report | {"camera": None, "residual_px": {}, "leave_one_out_px": {},
                        "problem": placed.problem}  # fmt: skip
     every = [(m.node, (m.u, m.v)) for m in placed.sketch.marks if m.node in body.template.node]
-    at = stand.pixels(body.network.positions[[body.template.node[name] for name, _ in every]])
+    at = sketch_camera.pixels(
+        body.network.positions[[body.template.node[name] for name, _ in every]]
+    )
     off = np.linalg.norm(at - [place for _, place in every], axis=1)
-    told |= {
-        "camera": _camera(stand),
+    report |= {
+        "camera": _camera(sketch_camera),
         "residual_px": {name: float(px) for (name, _), px in zip(every, off, strict=True)},
         "leave_one_out_px": dict(placed.left_out or {}),
         "disagreeing": list(placed.disagreeing),
@@ -99,15 +99,15 @@ def _view(placed: Placed, stand: Stand, body: Body) -> dict[str, Any]:
     try:
         direct = direct_linear_transform(body.template.positions[nodes], marks)
     except UserError:
-        return told
-    return told | {
+        return report
+    return report | {
         "direct_linear_transform": direct.matrix.tolist(),
         "direct_linear_transform_parts": _parts(direct.parts),
     }
 
 
 def _parts(parts: Parts) -> dict[str, Any]:
-    """What the slides make of the direct linear transform, to be compared with the camera."""
+    """Return the parts that the slides take from the direct linear transform, for comparison."""
     return {
         "focal_px": list(parts.focal),
         "skew_deg": float(np.degrees(parts.skew)),
@@ -118,46 +118,45 @@ def _parts(parts: Parts) -> dict[str, Any]:
     }
 
 
-def _camera(stand: Stand) -> dict[str, Any]:
-    """A camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
-    camera = stand.camera
-    told: dict[str, Any] = {
+def _camera(sketch_camera: SketchCamera) -> dict[str, Any]:
+    """Return a camera as in ink files, and the 3 × 4 matrix from mm to pixels of the picture."""
+    camera = sketch_camera.camera
+    report: dict[str, Any] = {
         "kind": camera.kind,
         "eye": list(camera.eye),
         "target": list(camera.target),
         "up": list(camera.up),
         "canvas": list(camera.viewport),
-        "shift": list(stand.shift),
-        "matrix": _matrix(stand),
+        "shift": list(sketch_camera.shift),
+        "matrix": _matrix(sketch_camera),
     }
     if camera.kind == "perspective":
-        return told | {"fov_y": camera.fov_y}
-    return told | {"height": camera.height}
+        return report | {"fov_y": camera.fov_y}
+    return report | {"height": camera.height}
 
 
-def _matrix(stand: Stand) -> list[list[float]]:
-    """M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
-    matrix = camera_matrix(stand.camera)
-    matrix[:2] += np.outer(stand.shift, matrix[2])
+def _matrix(sketch_camera: SketchCamera) -> list[list[float]]:
+    """Return M (3, 4) with (u w, v w, w) = M (x, y, z, 1) in pixels of the picture."""
+    matrix = camera_matrix(sketch_camera.camera).copy()
+    matrix[:2] += np.outer(sketch_camera.shift, matrix[2])
     rows: list[list[float]] = matrix.tolist()
     return rows
 
 
 def cautions_of(body: Body) -> tuple[Caution, ...]:
-    """What was set aside, left out or not kept to; and whether any sketch shapes the car."""
-    told = list(_input_not_used(body))
-    told += _edits_left_out(body)
+    """Return what was set aside, left out or violated, and whether any sketch shapes the car."""
+    cautions = [*_input_not_used(body), *_edits_left_out(body)]
     if body.dimensions_problem:
-        told.append(Caution(f"The dimensions were not set: {body.dimensions_problem}"))
+        cautions.append(Caution(f"The dimensions were not set: {body.dimensions_problem}"))
     variables = body.template.reduced(body.network.positions)
     for name, slack in body.solved.soundness.least(variables).items():
         if slack < -UNSOUND:
-            told.append(Caution(f"Not sound any more: {name} ({slack:.1f} mm)."))
-    return tuple(told)
+            cautions.append(Caution(f"The car violates “{name}” by {-slack:.1f} mm."))
+    return tuple(cautions)
 
 
 def _edits_left_out(body: Body) -> Iterator[Caution]:
-    """Edits that were left out for one reason are told in one sentence."""
+    """Yield one sentence for all edits that were left out for the same reason."""
     numbers: dict[str, list[str]] = {}
     for trouble in body.troubles:
         numbers.setdefault(trouble.message, []).append(str(trouble.number + 1))

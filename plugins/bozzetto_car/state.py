@@ -1,8 +1,8 @@
-"""The recipe of a car: sketches with their marks, what was done to the body by hand, styling.
+"""The state of a car: sketches with marks, edits by hand, and styling curves.
 
-Nothing that can be computed is in it. Marks are in pixels of their picture and stay readable
-whatever becomes of cameras and templates; edits stand in the order in which they were made and
-are made again, each on what the ones before it left, whenever a mark changes.
+It holds nothing that can be computed. Marks are in pixels of their picture and stay valid when
+cameras and templates change. Edits are listed in the order in which they were made; whenever a
+mark changes, they are applied again, each to the result of those before it.
 """
 
 from __future__ import annotations
@@ -17,24 +17,9 @@ from bozzetto.geometry import frozen
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto.scene import Picture
+from bozzetto_car.array_types import Array
 from bozzetto_car.dimensions import LONGEST, Dimensions
 from bozzetto_car.template.loader import Bundled
-
-__all__ = [
-    "TRACE",
-    "BentEdge",
-    "BodyEdit",
-    "CarState",
-    "Group",
-    "Mark",
-    "MovedNode",
-    "Node",
-    "Side",
-    "Sketch",
-    "StylingCurve",
-    "TracedEdges",
-    "Treatment",
-]
 
 Point = tuple[float, float, float]
 Color = tuple[int, int, int]
@@ -44,13 +29,13 @@ BLANK: Final = (1600.0, 1000.0)
 """Size of a sketch without a picture, px."""
 
 TRACE: Final = 0.6
-"""Balance of marks and template by default: a hand of 0.2 per cent, 2 px for a car of 1000."""
+"""Default balance of marks and template: a hand of 0.2 per cent, 2 px for a car of 1000 px."""
 
 BESIDE: Final = 1e-6
-"""How far beside its patch rounding may put a place of a styling curve, in u and v."""
+"""How far rounding may put a place of a styling curve outside its patch, in u and v."""
 
 FOUND: Final = "as drawn"
-"""What is said of a dimension that is not given."""
+"""The text that a panel shows for a dimension that is not given."""
 
 
 # -- what was done to the body ---------------------------------------------------------------------
@@ -58,12 +43,12 @@ FOUND: Final = "as drawn"
 
 @dataclass(frozen=True)
 class BodyEdit:
-    """Something done to nodes or edges by hand.
+    """An edit of nodes or edges by hand.
 
     Parameters
     ----------
     dimensions : Dimensions
-        Those that were set while it was done: the world in which it is done again.
+        The dimensions at the time of the edit; it is applied to the body with these.
     """
 
     dimensions: Dimensions = Dimensions()
@@ -71,20 +56,20 @@ class BodyEdit:
 
 @dataclass(frozen=True)
 class TracedEdges(BodyEdit):
-    """A stroke along the picture of the body bends the edges it runs along.
+    """A stroke along the picture of the body, which bends the edges that it runs along.
 
     Parameters
     ----------
     strokes : Strokes
-        One stroke; with the camera of the view it was drawn in.
+        One stroke, with the camera of the view that it was drawn in.
     sketch : str
-        Id of the sketch that it was drawn on: its places are pixels of the picture then, and the
-        camera is that of the sketch, as it comes to be known. "" for any other view.
+        Id of the sketch that it was drawn on; "" for any other view. On a sketch, its places are
+        pixels of the picture, and its camera is the solved camera of the sketch.
     edges : tuple of str
-        The edges that are meant, by their names, in the order of the row that they make; none
-        for the nearest ones.
+        Names of the edges that are meant, in the order of the row that they make; none for the
+        nearest edges.
     nodes_follow : bool
-        Nodes go to the stroke, too.
+        Whether nodes move to the stroke, too.
     """
 
     strokes: Strokes = Strokes()
@@ -95,7 +80,7 @@ class TracedEdges(BodyEdit):
 
 @dataclass(frozen=True)
 class MovedNode(BodyEdit):
-    """A node, and its mirror image, moved by so much, mm; tangents stay as they are."""
+    """A move of a node and its mirror image, mm; tangents stay as they are."""
 
     node: str = ""
     by: Point = (0.0, 0.0, 0.0)
@@ -103,7 +88,7 @@ class MovedNode(BodyEdit):
 
 @dataclass(frozen=True)
 class BentEdge(BodyEdit):
-    """An edge with another tangent, mm, at its start (0) or its end (1)."""
+    """Another tangent, mm, of an edge at its start (0) or its end (1)."""
 
     edge: str = ""
     end: int = 0
@@ -112,7 +97,7 @@ class BentEdge(BodyEdit):
 
 @dataclass(frozen=True)
 class Treatment(BodyEdit):
-    """All edges at once.
+    """An edit of all edges at once.
 
     Parameters
     ----------
@@ -129,7 +114,7 @@ class Treatment(BodyEdit):
 
 @dataclass(frozen=True)
 class Node:
-    """What everything in the list has in common.
+    """The fields of everything in the list of parts.
 
     Parameters
     ----------
@@ -154,7 +139,7 @@ class Group(Node):
 
 @dataclass(frozen=True)
 class Mark:
-    """Where a sketch shows a node, in pixels of its picture from the top left corner, y down."""
+    """The place of a node in a sketch, in px from the top left corner of the picture, y down."""
 
     node: str
     u: float
@@ -169,11 +154,11 @@ class Sketch(Node):
     ----------
     picture : Picture, optional
     width, height : float
-        Of the picture in which the marks are told, px.
+        Size of the picture that marks refer to, px.
     marks : tuple of Mark
-        In the order in which they were set; a node is marked once at most.
+        Marks in the order in which they were set; a node is marked once at most.
     skipped : tuple of str
-        Nodes that this sketch does not show, as the person said.
+        Nodes that the person has noted as not visible in this sketch.
     """
 
     picture: Picture | None = None
@@ -185,7 +170,7 @@ class Sketch(Node):
         Side,
         Parameter(
             "Shows",
-            help="Which side of the car the sketch shows; found by itself from two wheels.",
+            help="The side of the car that the sketch shows; two marked wheels tell it.",
             choices=(("L", "Left side: nose to the left"), ("R", "Right side: nose to the right")),
         ),
     ] = "L"
@@ -193,7 +178,7 @@ class Sketch(Node):
         Literal["auto", "perspective", "orthographic"],
         Parameter(
             "Camera",
-            help="How the sketch was drawn.",
+            help="The projection in which the sketch was drawn.",
             choices=(
                 ("auto", "Find out"),
                 ("perspective", "Perspective"),
@@ -202,46 +187,44 @@ class Sketch(Node):
         ),
     ] = "auto"
     cropped: Annotated[
-        bool,
-        Parameter(
-            "Cropped", help="The picture is a part of a larger one: its middle means nothing."
-        ),
+        bool, Parameter("Cropped", help="The picture is cut out of a larger one.")
     ] = False
     opacity: Annotated[
-        float, Parameter("Strength", 0.0, 1.0, step=0.05, help="Of the picture on the sheet.")
+        float,
+        Parameter("Strength", 0.0, 1.0, step=0.05, help="Opacity of the picture on the sheet."),
     ] = 0.8
 
     @property
     def size(self) -> tuple[float, float]:
-        """Of the picture, px."""
+        """Width and height of the picture, px."""
         return self.width, self.height
 
     def mark_of(self, node: str) -> Mark | None:
-        """The mark of a node, if it is set."""
+        """Return the mark of a node; None if it is not set."""
         return next((mark for mark in self.marks if mark.node == node), None)
 
 
 @dataclass(frozen=True, eq=False)
 class StylingCurve(Node):
-    """A line on the body, kept by the patches it runs over, so that it follows all later change.
+    """A line on the body, stored by patch, u and v, so that it follows all later changes.
 
     Parameters
     ----------
     patches : tuple of str
         Names of patches.
     on : (n,) int
-        For each place of the curve, in order, the patch it lies on, as a number in `patches`.
+        For each place of the curve, in order, the index of its patch in `patches`.
     places : (n, 2) float
         u and v on that patch.
     """
 
     patches: tuple[str, ...] = ()
     on: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    places: Array = field(default_factory=lambda: np.zeros((0, 2)))
     both: Annotated[
         bool, Parameter("On both sides", help="Show the mirror image on the other side, too.")
     ] = True
-    color: Annotated[Color | None, Parameter("Colour", help="Of this curve.")] = None
+    color: Annotated[Color | None, Parameter("Colour", help="Colour of this curve.")] = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "on", frozen(self.on, np.int32))
@@ -261,9 +244,13 @@ def _dimension(label: str, help_: str) -> Parameter:
     return Parameter(label, 0.0, LONGEST, step=10.0, unit="mm", help=help_, zero=FOUND)
 
 
+def _advanced(label: str, help_: str) -> Parameter:
+    return Parameter(label, advanced=True, help=help_)
+
+
 @dataclass(frozen=True)
 class CarState:
-    """Sketches, styling curves, what was done to the body, and how it is solved and shown.
+    """Sketches, styling curves, edits by hand, and how the car is solved and shown.
 
     Parameters
     ----------
@@ -275,12 +262,12 @@ class CarState:
     revealed : str
         Name of the node or the edge whose tangents are shown to be dragged; "" for none.
     edits : tuple of BodyEdit
-        In the order in which they were made.
+        Edits by hand in the order in which they were made.
     without : tuple of str
         Names of the soundness constraints that are switched off.
     own : str
-        A template of one's own (``bozzetto-car-template/1``, JSON); it takes the place of
-        `template` if there is any.
+        A template of the person's own (``bozzetto-car-template/1``, JSON), which replaces
+        `template`; "" for none.
     """
 
     nodes: tuple[Sketch | StylingCurve | Group, ...] = ()
@@ -307,7 +294,7 @@ class CarState:
         Literal["shaded", "zebra", "curvature", "certainty", "draft"],
         Parameter(
             "Shading",
-            help="What the colour of the body tells.",
+            help="What the colour of the body shows.",
             choices=(
                 ("shaded", "Clay"),
                 ("zebra", "Zebra: reflection lines"),
@@ -323,7 +310,7 @@ class CarState:
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
     ] = False
-    length: Annotated[float, _dimension("Length", "Over all.")] = 0.0
+    length: Annotated[float, _dimension("Length", "From nose to tail.")] = 0.0
     width: Annotated[float, _dimension("Width", "Without mirrors.")] = 0.0
     height: Annotated[float, _dimension("Height", "From the ground.")] = 0.0
     front_overhang: Annotated[
@@ -333,53 +320,44 @@ class CarState:
     lock: Annotated[
         bool,
         Parameter("Keep while solving",
-                  help="Solve for a car of these dimensions, instead of stretching it after."),
+                  help="Solve for a car of these dimensions, instead of stretching it afterwards."),
     ] = False  # fmt: skip
     default_shape: Annotated[
-        bool,
-        Parameter("Pull panels out", advanced=True,
-                  help="Side panels and corners of nose and tail bulge after deformation."),
-    ] = True  # fmt: skip
+        bool, _advanced("Pull panels out", "Make panels and corners bulge after deformation.")
+    ] = True
     annealed: Annotated[
-        bool,
-        Parameter("Smooth lines", advanced=True,
-                  help="Lines with the least bending through their nodes after deformation."),
-    ] = False  # fmt: skip
+        bool, _advanced("Smooth lines", "Bend lines as little as possible through their nodes.")
+    ] = False
     smooth: Annotated[
-        bool,
-        Parameter("Smooth surfaces", advanced=True,
-                  help="Where smooth lines cross an edge, the surfaces meet smoothly, too."),
-    ] = True  # fmt: skip
+        bool, _advanced("Smooth surfaces", "Make surfaces meet smoothly where smooth lines cross.")
+    ] = True
     nodes_follow: Annotated[
-        bool,
-        Parameter("Nodes follow strokes", advanced=True,
-                  help="An edge that is traced takes its nodes to the stroke, too."),
-    ] = False  # fmt: skip
+        bool, _advanced("Nodes follow strokes", "Move the nodes of a traced edge to the stroke.")
+    ] = False
     cost: Annotated[
         Literal["balanced", "paper"],
         Parameter(
             "Cost",
             advanced=True,
-            help="How marks are weighed against the template.",
+            help="The balance between the marks and the template.",
             choices=(("balanced", "Balanced"), ("paper", "As in the paper, α = β = 0.5")),
         ),
     ] = "balanced"
     direct: Annotated[
         bool,
-        Parameter("Direct transform", advanced=True,
-                  help="Show where the direct linear transform sees the marks, for teaching."),
-    ] = False  # fmt: skip
+        _advanced("Direct transform", "Show the marks as the direct linear transform sees them."),
+    ] = False
 
     # -- parts --
 
     @property
     def is_begun(self) -> bool:
-        """Whether there is anything that the template has not of itself."""
+        """Whether the car has any sketch, curve or edit beyond the template."""
         return bool(self.nodes or self.edits)
 
     @property
     def sketches(self) -> tuple[Sketch, ...]:
-        """In their order."""
+        """The sketches, in their order."""
         return tuple(node for node in self.nodes if isinstance(node, Sketch))
 
     @property
@@ -395,19 +373,19 @@ class CarState:
         return next(chosen, sketches[0] if sketches else None)
 
     def with_node(self, node: Sketch | StylingCurve | Group) -> CarState:
-        """With a node in the place of the one of its id, or at the end; it is chosen."""
+        """Return the state with a part added, or replaced by its id; the part is chosen."""
         return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def unused_id(self) -> str:
-        """An id that no node has."""
+        """Return an id that no part has."""
         return unused_id(self.nodes)
 
     def unused_name(self, stem: str) -> str:
-        """A name that no node has."""
+        """Return a name that no part has."""
         return unused_name(self.nodes, stem)
 
     @property
     def dimensions(self) -> Dimensions:
-        """Those that are given, mm."""
+        """The dimensions that are given, mm."""
         words = ("length", "width", "height", "front_overhang", "wheelbase")
         return Dimensions(**{word: getattr(self, word) or None for word in words})

@@ -15,18 +15,17 @@ from bozzetto.geometry.wrap.shrink_wrap import shrink_wrap
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag
 from bozzetto_car.body.build import body_of
-from bozzetto_car.body.dimension_map import Reshaping, reshaped
-from bozzetto_car.body.trace_edges import traced
+from bozzetto_car.body.dimension_map import Reshaping, fit_reshaping
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.export import shapes_of
-from bozzetto_car.solver.bundle_adjustment import Joint, solve
-from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
+from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.solver.quadratic_program import constrained_minimum
 from bozzetto_car.solver.uncertainty import certainty, further_views
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.styling.curve import laid
+from bozzetto_car.styling.curve import project_stroke
 from bozzetto_car.styling.live_preview import Growing
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
@@ -54,7 +53,9 @@ VIEWS = (FRONT_QUARTER, REAR_QUARTER, SIDE, FRONT)
 class Dragging:
     """One mark goes to and fro by some pixels; each frame starts from the one before."""
 
-    def __init__(self, template: Template, joint: Joint, cost: Cost, soundness: Soundness) -> None:
+    def __init__(
+        self, template: Template, joint: JointSolution, cost: Cost, soundness: Soundness
+    ) -> None:
         self.template, self.joint, self.cost, self.soundness = template, joint, cost, soundness
         self.frames = 0
 
@@ -97,7 +98,7 @@ def slsqp(form: np.ndarray, slope: np.ndarray, rows: np.ndarray, least: np.ndarr
 
 
 def joint_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
-    """Joint solves of one to four sketches, then what is asked about a solved car."""
+    """JointSolution solves of one to four sketches, then what is asked about a solved car."""
     sound, cost = Soundness.of(template), Cost.balanced()
     for number in (1, 2, 4):
         given = sketch.views[:number]
@@ -153,14 +154,14 @@ def dragging(state: CarState) -> Callable[[], object]:
     """A mark under the pen: all that the Mark tool does for one frame."""
     body = body_of(state)
     sketch = state.sketches[0]
-    stand, mark = body.stands[sketch.id], sketch.marks[5]
-    camera = stand.view(PICTURE)
+    sketch_camera, mark = body.sketch_cameras[sketch.id], sketch.marks[5]
+    camera = sketch_camera.view(PICTURE)
     tool, numbers = MarkPoints(), count()
 
     def frame() -> object:
         turn = 0.1 * next(numbers)
         there = mark.u + 6.0 * np.sin(turn), mark.v + 4.0 * np.cos(turn)
-        way = stand.lifted([(mark.u, mark.v), there])
+        way = sketch_camera.lifted([(mark.u, mark.v), there])
         x, y = camera.project(way)[0].T
         return tool.preview(state, Drag(MARK + mark.node, Stroke(x, y, camera)), Context())
 
@@ -172,7 +173,7 @@ def working_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
     for number in (1, 2, 4):
         state = marked(template, sketch, number)
         car = never_seen(state)
-        cold = processor_ms(lambda car=car: solved(car()), repeats=15)
+        cold = processor_ms(lambda car=car: solve_car(car()), repeats=15)
         yield Row("car", f"marks to solved car, cold, sketches: {number}", cold, "ms", "≤ 100 ms")
         frame = processor_ms(dragging(state), repeats=30)
         yield Row("car", f"a mark dragged, frame, sketches: {number}", frame, "ms", "≤ 30 ms")
@@ -181,17 +182,17 @@ def working_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
     skin = replace(state, shading="zebra")
     whole = processor_ms(lambda: scene_of(skin, body_of(car())), repeats=15)
     yield Row("car", "marks to body and scene, cold", whole)
-    camera = base.stands[state.sketches[0].id].camera
+    camera = base.sketch_cameras[state.sketches[0].id].camera
     edge = base.network.control_points[edge_called(template, "C1-C2")]
     places = camera.project(bernstein(np.linspace(0.02, 0.98, 60)) @ edge)[0]
     stroke = places + 6.0 * np.sin(np.linspace(0.0, np.pi, 60))[:, None] * (0.0, -1.0)
-    trace = processor_ms(lambda: traced(base.network, stroke, camera), repeats=15)
+    trace = processor_ms(lambda: trace(base.network, stroke, camera), repeats=15)
     yield Row("car", "an edge traced by a stroke", trace)
     low, high = (camera.project(base.network.positions[[template.node[name] for name in names]])[0]
                  for names in (("S2.R", "S4.R"), ("B2.R", "B4.R")))  # fmt: skip
     ends = 0.5 * (low + high)
     line = ends[0] + np.linspace(0.0, 1.0, 200)[:, None] * (ends[1] - ends[0])
-    lay = processor_ms(lambda: laid(base, line, camera), repeats=15)
+    lay = processor_ms(lambda: project_stroke(base, line, camera), repeats=15)
     yield Row("car", "a styling curve of 200 samples laid on the body", lay)
     growing, ends_at = Growing(base.nets, camera), count(2, 6)
     move = processor_ms(lambda: growing.lines(line[: next(ends_at)]), repeats=32)
@@ -236,7 +237,9 @@ def surface_rows(template: Template) -> Iterator[Row]:
         return extent(coons_nets(map_.points(edges), sides))
 
     wanted = Dimensions(wheelbase=2880.0, width=1850.0)
-    yield Row("car", "dimensions", processor_ms(lambda: reshaped(wanted, box, wheels, measure)))
+    yield Row(
+        "car", "dimensions", processor_ms(lambda: fit_reshaping(wanted, box, wheels, measure))
+    )
     lines = bernstein(np.linspace(0.0, 1.0, 25)) @ edges
     skin = processor_ms(lambda: shrink_wrap(lines), repeats=3)
     yield Row("car", "rough skin over 62 edges, 10,242 vertices", skin)

@@ -23,7 +23,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
 from bozzetto.view.standard_views import standard_view
 from bozzetto_car.body.build import body_of
-from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.state import CarState
 from bozzetto_car.view.scene import scene_of as car_scene
 from tests.benchmarks.timing import Row, processor_ms
@@ -174,7 +174,7 @@ def sketch_rows() -> Iterator[Row]:
     camera = view_of(car, size).with_viewport(1600, 1000)
     scan = np.random.default_rng(0).integers(0, 256, (1000, 1600, 4), np.uint8)
     scan[..., 3] = 255
-    stand = Stand.behind(camera, (0.0, 0.0), body.network.positions)
+    stand = SketchCamera.behind(camera, (0.0, 0.0), body.network.positions)
     sketch = Scene((Layer("sketch", (stand.image(Picture.of(scan, "sketch"), 0.8),)),))
     through = camera.with_viewport(*size)
     turns = iter(np.linspace(0.0, 40.0, 100))

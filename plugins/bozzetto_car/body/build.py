@@ -1,4 +1,4 @@
-"""The body: the network of the solved car, what was done to it by hand, dimensions, and skin."""
+"""The body: the network of the solved car, the edits by hand, its dimensions and its surfaces."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.coons import coons_nets
@@ -18,39 +17,35 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.plugin import Memory
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.body.chain_smoothing import annealed, ratio_locked, reduced
-from bozzetto_car.body.default_shape import pulled_out
+from bozzetto_car.array_types import Array
+from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
+from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
-from bozzetto_car.body.drag import bent
-from bozzetto_car.body.stretch import brought_back, reshaping_of, stretched
-from bozzetto_car.body.trace_edges import traced
-from bozzetto_car.camera.sketch_camera import Stand
-from bozzetto_car.dimensions import Dimensions, measured
-from bozzetto_car.solver.pipeline import Solved, counted_marks, solved
+from bozzetto_car.body.drag import bend_edge
+from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
+from bozzetto_car.body.trace_edges import trace
+from bozzetto_car.camera.sketch_camera import SketchCamera
+from bozzetto_car.dimensions import Dimensions, measure_dimensions
+from bozzetto_car.solver.initial_cameras import counted_marks
+from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, node_called, with_positions
 
-__all__ = [
-    "Body", "Trouble", "body_of", "drawn_through", "in_world_of", "preview_of",
-    "unstretched_body_of",
-]  # fmt: skip
-
-Array = NDArray[np.float64]
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
 
 REMEMBERED: Final = 1024
-"""Bodies that are remembered: the last ones, each after every edit; some kilobytes each."""
+"""Number of bodies that are remembered, one after each edit; each takes some kilobytes."""
 
 FIRST_SEEN: Final = 8
-"""Cars that are remembered as the first with their edits."""
+"""Number of cars that are remembered as the first with their edits."""
 
 DRAWN: Final = 1e2
-"""How much firmer an edge is that was drawn or bent by hand, when lengths of tangents are evened
-out for smooth surfaces, than one that is as it came from the marks."""
+"""Firmness of an edge that was drawn or bent by hand, relative to one that came from the marks,
+when the lengths of tangents are adjusted for smooth surfaces."""
 
 IN_HAND: Final = 1e4
-"""The same of the edge that was drawn last: it stays where the pen has put it."""
+"""Firmness of the edge that was drawn last: it stays where the pen has put it."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +55,7 @@ class Trouble:
     Attributes
     ----------
     number : int
-        Of the edit.
+        Index of the edit in the state.
     message : str
     """
 
@@ -76,15 +71,15 @@ class Body:
     ----------
     network : Network
     solved : Solved
-        What it came from.
+        The solve that it came from.
     drawn : frozenset of int
         Edges that were drawn or bent by hand.
     troubles : tuple of Trouble
         Edits that were left out.
     world : Dimensions
-        Those that it was brought to; none if it is as it was drawn.
+        Dimensions that it was brought to; none given if it is as it was drawn.
     dimensions_problem : str
-        Why the dimensions that are wanted cannot be had; "" if they can.
+        Why the body cannot have the dimensions that are wanted; "" if it can.
     """
 
     network: Network
@@ -96,14 +91,14 @@ class Body:
 
     @property
     def template(self) -> Template:
-        """Whose names its nodes, edges and patches have."""
+        """The template that names its nodes, edges and patches."""
         return self.network.template
 
     @cached_property
-    def stands(self) -> Mapping[str, Stand]:
-        """By the id of the sketch, as this body is seen through its camera."""
-        stands = {key: placed.stand for key, placed in self.solved.placed.items()}
-        return stands | _seen_again(self) if self.world.given() else stands
+    def sketch_cameras(self) -> Mapping[str, SketchCamera]:
+        """The camera through which each sketch sees this body, by the id of the sketch."""
+        sketch_cameras = {key: placed.sketch_camera for key, placed in self.solved.placed.items()}
+        return sketch_cameras | _seen_again(self) if self.world.given() else sketch_cameras
 
     @cached_property
     def nets(self) -> Array:
@@ -112,7 +107,7 @@ class Body:
 
     @cached_property
     def patchwork(self) -> Patchwork:
-        """The skin, with the names of the patches."""
+        """The surfaces as one patchwork, with the names of the patches."""
         names = tuple(patch.name for patch in self.template.patches)
         return Patchwork(
             self.nets,
@@ -124,14 +119,14 @@ class Body:
 
     @cached_property
     def creases(self) -> Array:
-        """Degrees along each edge, (m,); NaN on the rim."""
+        """The crease angle along each edge, (m,) degrees; NaN on the rim."""
         return crease_angles(self.nets, self.template.sides, len(self.template.edges))
 
     @cached_property
     def dimensions(self) -> Dimensions:
-        """As measured on the surface, mm."""
+        """The dimensions as measured on the surfaces, mm."""
         front, rear = self.network.positions[self.template.wheels[:, 0], 0]
-        return measured(extent(self.nets), front, rear)
+        return measure_dimensions(extent(self.nets), front, rear)
 
 
 _bodies: Memory[Body] = Memory(REMEMBERED)
@@ -140,18 +135,19 @@ _first_seen: Memory[CarState] = Memory(FIRST_SEEN)
 
 
 def body_of(state: CarState, before: CarState | None = None) -> Body:
-    """The body of a car.
+    """Return the body of a car.
 
     Parameters
     ----------
     state : CarState
+        The car.
     before : CarState, optional
-        See `solved`.
+        The car before one of its marks was dragged; see `solve_car`.
 
     Raises
     ------
     UserError
-        As of `solved`. An edit or dimensions that cannot be are left out, and told.
+        As `solve_car` does. Edits and dimensions that are impossible are left out and reported.
     """
     body, wanted = unstretched_body_of(state, before), state.dimensions
     if not wanted.given() or body.dimensions_problem:
@@ -159,18 +155,31 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     return _bodies.recall((body, wanted), partial(_finished, body, wanted))
 
 
-def preview_of(state: CarState) -> Body:
-    """The body of a car, quickly: brought to its dimensions, not solved for them.
-
-    While a dimension is dragged the solve without dimensions stays the same and is remembered;
-    to stretch its body takes a hundredth of what another solve does. While the shape is dragged,
-    edits are not made again; see `unstretched_body_of`. They are carried along from the first
-    car that was seen with them.
+def sketch_cameras_of(state: CarState) -> Mapping[str, SketchCamera]:
+    """Return the camera of each sketch of a car by its id, without edits if they do not matter.
 
     Raises
     ------
     UserError
-        As of `body_of`.
+        As `body_of` does.
+    """
+    if state.dimensions.given():
+        return body_of(state).sketch_cameras
+    return {key: placed.sketch_camera for key, placed in solve_car(state).placed.items()}
+
+
+def preview_of(state: CarState) -> Body:
+    """Return the body of a car quickly: stretched to its dimensions, not solved for them.
+
+    While a dimension is dragged, the solve without dimensions stays the same and is remembered;
+    stretching its body takes a hundredth of the time of another solve. While the shape is
+    dragged, edits are not repeated: their effect is carried over from the first car that was
+    seen with them; see `unstretched_body_of`.
+
+    Raises
+    ------
+    UserError
+        As `body_of` does.
     """
     loose = replace(state, lock=False) if state.dimensions.given() else state
     if not state.edits:
@@ -180,12 +189,12 @@ def preview_of(state: CarState) -> Body:
 
 
 def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:
-    """The body of a car as it is drawn, before it is brought to its dimensions.
+    """Return the body of a car as it is drawn, before it is stretched to its dimensions.
 
-    While a mark is dragged edits are not made again: what they have changed is carried along.
+    While a mark is dragged, edits are not repeated: their effect on `before` is carried over.
     """
     try:
-        base = solved(state, before)
+        base = solve_car(state, before)
     except UserError as problem:
         if not (state.lock and state.dimensions.given()):
             raise
@@ -203,10 +212,9 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
 
 
 class _Same:
-    """Something that is equal to itself alone.
+    """A key that is equal only to a key of the very same object.
 
-    To compare all samples of fifty strokes with those of the last time would take longer than
-    to make one more edit.
+    Comparing all samples of fifty strokes would take longer than repeating one edit.
     """
 
     __slots__ = ("own",)
@@ -230,36 +238,38 @@ def _right_after(base: Solved, state: CarState) -> Body:
 
 
 def _deformed(base: Solved, state: CarState) -> Body:
-    """The network right after deformation."""
+    """Return the network right after deformation, as a body without edits."""
     network = Network.of(base.template, base.positions)
     if state.annealed:
-        network = annealed(network)
+        network = anneal(network)
     if state.default_shape and base.joint is not None:
-        network = pulled_out(network)
-    return Body(ratio_locked(network) if state.smooth else network, base)
+        network = pull_out_panels(network)
+    return Body(lock_ratios(network) if state.smooth else network, base)
 
 
 # -- edits -----------------------------------------------------------------------------------------
 
 
 def in_world_of(body: Body, edit: BodyEdit) -> Network:
-    """The network of a body, as it was drawn, in the dimensions of the time of an edit.
+    """Return the network of an unstretched body in the dimensions that an edit was made in.
 
     Raises
     ------
     UserError
-        If it cannot have them any more.
+        If the network cannot have these dimensions any more.
     """
     map_ = _map_to(body.network, edit.dimensions)
-    return body.network if map_ is None else stretched(body.network, map_)
+    return body.network if map_ is None else stretch(body.network, map_)
 
 
 def _map_to(network: Network, wanted: Dimensions) -> Reshaping | None:
+    if not wanted.given():
+        return None
     return _maps.recall((network, wanted), partial(reshaping_of, network, wanted))
 
 
 def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
-    """The samples of a stroke (k, 2), px, and the camera through which they are seen.
+    """Return the samples of a stroke, (k, 2) px, and the camera that it was drawn through.
 
     Raises
     ------
@@ -275,27 +285,27 @@ def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
             "The sketch on which an edge was traced is gone, or its camera is not known. Show the "
             "sketch and mark more points, or trace the edge again."
         )
-    return stroke.points - placed.stand.shift, placed.stand.camera
+    return stroke.points - placed.sketch_camera.shift, placed.sketch_camera.camera
 
 
 def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
-    """A body after one more edit; the same, and why, where it cannot be made."""
+    """Return a body after one more edit; the same body and the reason where that is impossible."""
     try:
         map_ = _map_to(body.network, edit.dimensions)
-        there = body.network if map_ is None else stretched(body.network, map_)
+        there = body.network if map_ is None else stretch(body.network, map_)
         network, edges = _changed(there, edit, body)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
     in_hand = _with_images(body.template, edges)
     if smooth:
-        network = ratio_locked(network, _firmness(body, in_hand))
+        network = lock_ratios(network, _firmness(body, in_hand))
     if map_ is not None:
-        network = brought_back(body.network, there, network, map_)
+        network = undo_stretch(body.network, there, network, map_)
     return replace(body, network=network, drawn=body.drawn | in_hand)
 
 
 def _carried(old: Body, old_start: Body, start: Body) -> Body:
-    """A body with the change that edits have made to another one of the same template."""
+    """Return the body `start` with the change that edits have made from `old_start` to `old`."""
     positions, tangents = (
         getattr(start.network, what)
         + (getattr(old.network, what) - getattr(old_start.network, what))
@@ -306,22 +316,22 @@ def _carried(old: Body, old_start: Body, start: Body) -> Body:
 
 
 def _changed(network: Network, edit: Edit, body: Body) -> tuple[Network, tuple[int, ...]]:
-    """A network after an edit, and the edges that were drawn with it."""
+    """Return a network after an edit, and the edges that the edit has drawn."""
     template = network.template
     if isinstance(edit, TracedEdges):
         points, camera = drawn_through(body, edit)
         edges = tuple(edge_called(template, name) for name in edit.edges)
-        made = traced(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
+        made = trace(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
         return made.network, tuple(max(edge, ~edge) for edge in made.run.edges)
     if isinstance(edit, MovedNode):
         node = node_called(template, edit.node)
         return with_positions(network, {node: network.positions[node] + edit.by}), ()
     if isinstance(edit, BentEdge):
         edge = edge_called(template, edit.edge)
-        return bent(network, edge, edit.end, edit.tangent), (edge,)
+        return bend_edge(network, edge, edit.end, edit.tangent), (edge,)
     if edit.kind == "anneal":
-        return annealed(network), ()
-    return (reduced(network) if edit.kind == "reduce" else pulled_out(network)), ()
+        return anneal(network), ()
+    return (shorten_tangents(network) if edit.kind == "reduce" else pull_out_panels(network)), ()
 
 
 def _with_images(template: Template, edges: tuple[int, ...]) -> frozenset[int]:
@@ -340,28 +350,30 @@ def _firmness(body: Body, in_hand: frozenset[int]) -> Array:
 
 
 def _finished(body: Body, wanted: Dimensions) -> Body:
-    """The body with the dimensions that are wanted."""
+    """Return the body with the dimensions that are wanted."""
     try:
         map_ = _map_to(body.network, wanted)
     except UserError as problem:
         return replace(body, dimensions_problem=problem.message)
     if map_ is None:
         return body
-    return replace(body, network=stretched(body.network, map_), world=wanted)
+    return replace(body, network=stretch(body.network, map_), world=wanted)
 
 
-def _seen_again(body: Body) -> dict[str, Stand]:
-    """Where sketches stand that were drawn of this body before it was stretched."""
-    stands: dict[str, Stand] = {}
+def _seen_again(body: Body) -> dict[str, SketchCamera]:
+    """Find the cameras of the sketches for a body that was stretched after it was drawn."""
+    sketch_cameras: dict[str, SketchCamera] = {}
     for key in body.solved.solid:
         placed = body.solved.placed[key]
         nodes, marks = counted_marks(placed, body.template)
+        assert placed.resection is not None
         try:
             found = resect(
                 body.network.positions[nodes], marks, placed.sketch.size,
-                kind=placed.stand.camera.kind, cropped=placed.sketch.cropped,
+                kind=placed.sketch_camera.camera.kind, cropped=placed.sketch.cropped,
+                before=replace(placed.resection, disagreeing=()),
             )  # fmt: skip
         except UserError:
             continue  # marks that say too little of another body: it is seen as the one before
-        stands[key] = Stand.behind(found.camera, found.shift, body.network.positions)
-    return stands
+        sketch_cameras[key] = SketchCamera.behind(found.camera, found.shift, body.network.positions)
+    return sketch_cameras

@@ -1,11 +1,11 @@
-"""Chains of edges made smooth: one direction at each joint, least bending, shorter tangents.
+"""Smooth chains of edges: one direction at each junction, least bending, shorter tangents.
 
-Where smooth chains cross an edge at both of its ends the surfaces beside it can be smooth, too,
-if tangents have the lengths for it (`ratio_locked`).
+Where smooth chains cross an edge at both of its ends, the surfaces beside it can be smooth, too,
+if tangents have the right lengths (`lock_ratios`).
 
-All functions here change tangents and nothing else: nodes stay where marks or a person have put
-them. Kara & Shimada (2008) let both tangents at a joint take the mean of their directions,
-weighted by their lengths, and keep these lengths.
+All functions here change only tangents: nodes stay where marks or a person have put them. Kara &
+Shimada (2008) give both tangents at a junction the mean of their directions, weighted by their
+lengths, and keep these lengths.
 """
 
 from __future__ import annotations
@@ -15,50 +15,55 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry.patches.crease import locked
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import Chain
-from bozzetto_car.template.network import HANDLE, Joint, Network, as_hermite, joints, with_tangents
-
-__all__ = ["annealed", "ratio_locked", "reduced", "smoothed"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.template.network import (
+    HANDLE,
+    EdgeJunction,
+    Network,
+    as_hermite,
+    junctions,
+    with_tangents,
+)
 
 PARALLEL: Final = 1e-12
-"""Sine of the angle below which two tangents have one direction already: they stay as they are,
+"""Sine of the angle below which two tangents have the same direction. They stay as they are then,
 so that smoothing a second time changes no bit."""
 
 CUSP: Final = 1e-9
 """Length of the sum of two tangents, per length of both, below which they point against each
-other and have no mean. The longer one tells the direction then."""
+other and have no mean. The longer one then gives the direction."""
 
 LONGEST_HANDLE: Final = 1.0 / 3.0
-"""Longest handle that `reduced` leaves, per chord of the edge. With a third at both ends an edge
-runs through its chord at an even pace; the handles cannot pass each other, so it has no loop and
-no more than one inflection."""
+"""Longest handle that `shorten_tangents` leaves, per chord of the edge. With a third at both ends
+an edge has an even speed along its chord; the handles cannot pass each other, so it has no loop
+and at most one inflection."""
 
 ROUNDING: Final = 1e-12
 """Excess, as a share, that counts as rounding: reducing a second time changes no bit."""
 
 
-def smoothed(
+def smooth_chains(
     network: Network, *, leading: Collection[int] = (), nodes: Collection[int] | None = None
 ) -> Network:
-    """One tangent direction at every joint of the chains, with the lengths of tangents kept.
+    """Give the chains one tangent direction at every junction, and keep the lengths of tangents.
 
     The direction is the mean of both, weighted by their lengths, which is that of their sum.
-    Where just one of the edges leads, as one does that a person has drawn a moment ago, the
-    other follows it. Where a chain goes over to the other side its direction is across the
-    car. Idempotent to the last bit.
+    Where just one of the edges leads, for example because a person has just drawn it, the other
+    takes its direction. Where a chain crosses the plane of symmetry, its direction is across
+    the car. Idempotent to the last bit.
 
     Parameters
     ----------
     network : Network
+        The network to smooth.
     leading : collection of int
-        Edges; their mirror images lead, too.
+        Edges that lead; their mirror images lead, too.
     nodes : collection of int, optional
-        Only the joints there, and their mirror images.
+        Smooth only the junctions at these nodes and their mirror images.
     """
     template = network.template
     image = template.mirrored_edges
@@ -66,7 +71,7 @@ def smoothed(
     wanted = None if nodes is None else {*nodes, *template.mirrored[list(nodes)].tolist()}
     left = set(template.pairs[:, 1].tolist())
     changed = {}
-    for joint in joints(template):
+    for joint in junctions(template):
         if joint.node in left or not (wanted is None or joint.node in wanted):
             continue
         own = [
@@ -86,9 +91,9 @@ def smoothed(
 
 
 def _direction(
-    network: Network, joint: Joint, before: Array, after: Array, lead: tuple[bool, bool]
+    network: Network, joint: EdgeJunction, before: Array, after: Array, lead: tuple[bool, bool]
 ) -> Array:
-    """The unit vector along the chain at a joint; 0 where no tangent has a length."""
+    """Return the unit vector along the chain at a junction; 0 where no tangent has a length."""
     if joint.crosses:
         back, ahead = network.positions[list(joint.neighbours)]
         return np.array([0.0, np.sign(ahead[1] - back[1]), 0.0])
@@ -102,20 +107,20 @@ def _direction(
     return np.asarray(mean / length if length > 0.0 else mean)
 
 
-def ratio_locked(network: Network, firmness: ArrayLike | None = None) -> Network:
-    """Tangents as long as they must be for surfaces to be smooth; see `crease.locked`.
+def lock_ratios(network: Network, firmness: ArrayLike | None = None) -> Network:
+    """Set the lengths of tangents so that surfaces are smooth; see `crease.locked`.
 
-    Directions stay, and so does to the last bit what is right already.
+    Directions stay; lengths that are right already stay to the last bit.
 
     Parameters
     ----------
     network : Network
-        Its chains have one direction at each joint.
+        A network whose chains have one direction at each junction.
     firmness : (m,) array_like, optional
-        The weight of a change of each edge, the same for mirror images.
+        The weight of a change of each edge, equal for mirror images.
     """
     template = network.template
-    row = tuple((_leaving(*j.before), _leaving(*j.after)) for j in joints(template))
+    row = tuple((_leaving(*j.before), _leaving(*j.after)) for j in junctions(template))
     old = network.control_points
     points = locked(old, template.sides, row, firmness)
     changed = (points[:, 1:3] != old[:, 1:3]).any(axis=2)
@@ -124,21 +129,22 @@ def ratio_locked(network: Network, firmness: ArrayLike | None = None) -> Network
 
 
 def _leaving(edge: int, end: int) -> int:
-    """An end of an edge as `crease` calls it: the edge as it leaves the node."""
+    """Return the end of an edge in the notation of `crease`: the edge as it leaves the node."""
     return ~edge if end else edge
 
 
-def reduced(network: Network, edges: Collection[int] | None = None) -> Network:
-    """Tangents shortened where their handles are longer than a third of the chord.
+def shorten_tangents(network: Network, edges: Collection[int] | None = None) -> Network:
+    """Shorten tangents whose handles are longer than a third of the chord.
 
-    Long tangents make an edge run ahead and come back, a wiggle or a loop. Directions stay as
+    Long tangents make an edge overshoot and turn back in a wiggle or a loop. Directions stay as
     they are, so chains stay smooth.
 
     Parameters
     ----------
     network : Network
+        The network to change.
     edges : collection of int, optional
-        By default all. Mirror images follow.
+        The edges to change; all by default. Mirror images follow.
     """
     changed = {}
     for edge in range(len(network.tangents)) if edges is None else edges:
@@ -151,8 +157,8 @@ def reduced(network: Network, edges: Collection[int] | None = None) -> Network:
     return with_tangents(network, changed)
 
 
-def annealed(network: Network, chains: Collection[str] | None = None) -> Network:
-    """Chains with the least bending through their nodes, which stay where they are.
+def anneal(network: Network, chains: Collection[str] | None = None) -> Network:
+    """Give chains the least bending through their nodes, which stay where they are.
 
     Between nodes at which a chain is not smooth it becomes the natural cubic spline: of all
     tangents those with the least integral of squared second derivatives (Holladay 1957). An
@@ -163,8 +169,9 @@ def annealed(network: Network, chains: Collection[str] | None = None) -> Network
     Parameters
     ----------
     network : Network
+        The network to change.
     chains : collection of str, optional
-        Names of chains; by default all. Mirror images follow.
+        Names of chains; all by default. Mirror images follow.
     """
     template = network.template
     left = set(template.pairs[:, 1].tolist())
@@ -186,7 +193,7 @@ def annealed(network: Network, chains: Collection[str] | None = None) -> Network
 
 
 def _smooth_parts(chain: Chain) -> Iterator[tuple[int, int]]:
-    """First and last place, in a chain's nodes, of the parts that are smooth within."""
+    """Yield the first and last index, in a chain's nodes, of the parts that are smooth within."""
     breaks = [at for at, node in enumerate(chain.nodes) if node not in chain.smooth]
     for first, last in pairwise(breaks):
         if last - first > 1:
@@ -194,7 +201,7 @@ def _smooth_parts(chain: Chain) -> Iterator[tuple[int, int]]:
 
 
 def _parameter_lengths(network: Network, nodes: tuple[int, ...], edges: tuple[int, ...]) -> Array:
-    """Lengths of the parameter of edges in a row, in all as long as the polygon of the nodes."""
+    """Return the parameter lengths of edges in a row; they add up to the polygon of the nodes."""
     template = network.template
     lengths = [1.0]
     for before, after in pairwise(edges):
@@ -206,7 +213,7 @@ def _parameter_lengths(network: Network, nodes: tuple[int, ...], edges: tuple[in
 
 
 def _natural_speeds(places: Array, steps: Array) -> Array:
-    """Derivatives, at its knots, of the natural cubic spline through places, (k, 3)."""
+    """Return the derivatives, at its knots, of the natural cubic spline through places, (k, 3)."""
     count = len(places)
     matrix, right = np.zeros((count, count)), np.zeros((count, 3))
     for at, step in enumerate(steps):  # both ends of a piece: what its bending adds

@@ -1,6 +1,6 @@
-"""The default shape of a body: side panels and the corners of nose and tail pulled out.
+"""The default shape of a body: side panels and the corners of nose and tail bulge.
 
-Marks tell where nodes are and nothing of how the metal bulges between them. Kara & Shimada (2008)
+Marks give the places of nodes, but not how far the metal bulges between them. Kara & Shimada (2008)
 therefore give side panels and corners a default curvature after the deformation. Which edges
 these are is read off the template's patches, so that other templates have them, too: they are the
 *posts*, the edges that rise from the rim of the body, between two patches that face sideways (a
@@ -13,33 +13,29 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import HANDLE, Network, with_tangents
-
-__all__ = ["CORNER", "PANEL", "posts", "pulled_out"]
-
-Array = NDArray[np.float64]
 
 PANEL: Final = 30.0
 """How far the middle of a post between two side panels stands out from its chord, mm."""
 
 CORNER: Final = 60.0
-"""The same for a post in a corner of the nose or the tail, mm."""
+"""How far the middle of a post in a corner of the nose or the tail stands out, mm."""
 
 SIDEWAYS: Final = 0.7
 """Least share of y in the normal of a patch that faces sideways: 45 degrees."""
 
 MIDDLE: Final = 3.0 / 8.0
-"""How much the middle of a cubic follows when one of its inner Bézier points moves."""
+"""Movement of the middle of a cubic per movement of one of its inner Bézier points."""
 
 ROUNDING: Final = 1e-9
 """Missing bulge, mm, that counts as none."""
 
 
-def pulled_out(network: Network, panel: float = PANEL, corner: float = CORNER) -> Network:
-    """Posts that stand out less than they should, pulled out to that; nodes stay.
+def pull_out_panels(network: Network, panel: float = PANEL, corner: float = CORNER) -> Network:
+    """Move posts outward that stand out less than their default measure; nodes stay.
 
     Both handles of a post move by the same way: outward along the mean normal of the two
     patches beside it, as far as that is across the post. Posts that stand out farther already
@@ -48,6 +44,7 @@ def pulled_out(network: Network, panel: float = PANEL, corner: float = CORNER) -
     Parameters
     ----------
     network : Network
+        The network to change.
     panel, corner : float
         How far the middles of posts stand out from their chords, mm.
     """
@@ -71,7 +68,7 @@ def pulled_out(network: Network, panel: float = PANEL, corner: float = CORNER) -
 
 
 def posts(network: Network) -> Iterator[tuple[int, Array]]:
-    """The posts of the right side, each with the unit normals (2, 3) of the patches beside it.
+    """Yield the posts of the right side, each with the unit normals (2, 3) of its two patches.
 
     Parameters
     ----------
@@ -103,7 +100,7 @@ def posts(network: Network) -> Iterator[tuple[int, Array]]:
 
 
 def _beside(template: Template) -> dict[int, list[int]]:
-    """The patches at each edge."""
+    """Return the patches at each edge."""
     found: dict[int, list[int]] = {}
     for number, patch in enumerate(template.patches):
         for edge in patch.edges:

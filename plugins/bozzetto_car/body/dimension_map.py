@@ -1,4 +1,4 @@
-"""Dimensions set on a finished body: scaling, then a cubic map along the car.
+"""Set the dimensions of a finished body: scaling, then a cubic map along the car.
 
 Kara & Shimada (2008): width, height and length by scaling; front overhang and wheelbase by a
 free-form deformation in x alone, the Bezier polynomial
@@ -7,8 +7,8 @@ free-form deformation in x alone, the Bezier polynomial
 
 whose two inner values P1*, P2* are solved for so that both wheels come to where they are wanted
 while nose and tail stay. Beyond the body's ends the map goes on straight, for control points
-may lie there. Where the polynomial has a slope that is next to nought it folds the body, so
-such wishes are refused with the range that is possible.
+may lie there. Where the slope of the polynomial is nearly zero, it folds the body; such wishes
+are refused, and the message names the range that is possible.
 
 The dimensions are wanted of the surface, and moving its control points is not quite the same
 as mapping the surface, so the result is measured and the map corrected until it is right.
@@ -24,39 +24,36 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto_car.dimensions import WORDS, Dimensions, measured
+from bozzetto_car.array_types import Array
+from bozzetto_car.dimensions import WORDS, Dimensions, measure_dimensions
 from bozzetto_car.template.model import Template
-
-__all__ = ["EXACT", "Reshaping", "reshaped"]
-
-Array = NDArray[np.float64]
 
 EXACT: Final = 1e-6
 """Difference, mm, at which a dimension is what was wanted."""
 
 LEAST_SLOPE: Final = 0.2
-"""Least value of the map's slope coefficients, as a share of those of the map that changes
-nothing: what is drawn together further is a crease and no body."""
+"""Least value of the map's slope coefficients, relative to those of the identity map: with less,
+a part of the body collapses to a crease."""
 
 CORRECTED_SLOPE: Final = 0.15
-"""The same of a map that is corrected: what is within the range that a person is told can be had,
-to its very ends."""
+"""Least value for a map that is being corrected. It is lower, so that a person can have the whole
+range that a message names, to its ends."""
 
 AIMED: Final = 1e-7
-"""The same while the map is being corrected, so that it holds when it is measured again."""
+"""Difference, mm, that corrections aim at, so that the dimension is exact when measured again."""
 
 MOST_CORRECTIONS: Final = 12
-"""Most corrections; the map is next to linear in what is wanted, so that each leaves about a
-hundredth of the error."""
+"""Most corrections. The map is nearly linear in the dimensions, so that each correction leaves
+about a hundredth of the error."""
 
 TABLE: Final = 97
 """Places, from a length before the body to one behind it, from which the map is inverted."""
 
 INVERSIONS: Final = 6
-"""Steps of Newton's method from there; each doubles the digits that are right."""
+"""Steps of Newton's method in the inversion; each doubles the number of correct digits."""
 
 ALONG: Final = ("front_overhang", "wheelbase")
 """Dimensions that follow the length where they are not given."""
@@ -69,7 +66,7 @@ class Reshaping:
     Attributes
     ----------
     front, length : float
-        Of the body before, mm.
+        Foremost x and length of the body before the map, mm.
     scale : (float, float, float)
         Factors of length, width and height.
     inner : (float, float)
@@ -94,15 +91,15 @@ class Reshaping:
         return moved
 
     def tangents(self, tangents: ArrayLike, places: ArrayLike) -> Array:
-        """Derivatives (…, 3) of curves at places (…, 3) of the body, after the map, mm.
+        """Return the derivatives (…, 3) of curves at places (…, 3) of the body after the map, mm.
 
-        All tangents at a place undergo the same linear map. So what was one direction stays
-        one, ratios of lengths stay, and with them smooth lines and surfaces do.
+        All tangents at a place undergo the same linear map. So common directions and ratios of
+        lengths stay, and lines and surfaces that were smooth stay smooth.
         """
         return np.asarray(tangents, float) * self._slopes(places)
 
     def points_before(self, points: ArrayLike) -> Array:
-        """Where points of the reshaped body (…, 3) were before the map, mm."""
+        """Return where points of the reshaped body (…, 3) were before the map, mm."""
         places = np.asarray(points, float)
         before = np.empty(places.shape)
         before[..., 0] = self._along_before(places[..., 0])
@@ -111,11 +108,11 @@ class Reshaping:
         return before
 
     def tangents_before(self, tangents: ArrayLike, places: ArrayLike) -> Array:
-        """What derivatives (…, 3) were before the map, at places (…, 3) before the map, mm."""
+        """Return derivatives (…, 3) before the map, at places (…, 3) before the map, mm."""
         return np.asarray(tangents, float) / self._slopes(places)
 
     def _slopes(self, places: ArrayLike) -> Array:
-        """Derivatives of the map along the three axes, (…, 3)."""
+        """Return the derivatives of the map along the three axes, (…, 3)."""
         at = np.asarray(places, float)
         slopes = np.empty(at.shape)
         inside = np.clip((at[..., 0] - self.front) / self.length, 0.0, 1.0)
@@ -124,7 +121,7 @@ class Reshaping:
         return slopes
 
     def _pace(self, share: Array) -> Array:
-        """Derivative of the polynomial along the car by the share of the length, 0 … 1."""
+        """Return the derivative of the polynomial along the car at shares of the length, 0 … 1."""
         first, second = self.inner
         rest = 1.0 - share
         steps = first, second - first, 1.0 - second
@@ -133,7 +130,7 @@ class Reshaping:
         )
 
     def _along_before(self, x: Array) -> Array:
-        """The inverse of `along`: Newton's method from a table, for the map has no flat place."""
+        """Invert `along` by Newton's method from a table; the map has no flat place."""
         table = self.front + self.length * np.linspace(-1.0, 2.0, TABLE)
         found = np.interp(x, self.along(table), table)
         for _ in range(INVERSIONS):
@@ -142,7 +139,7 @@ class Reshaping:
         return np.asarray(found)
 
     def wheels(self, centres: ArrayLike) -> Array:
-        """Move centres of wheels (…, 3), mm: their radius, hence their height, stays."""
+        """Move centres of wheels (…, 3), mm; their height, which is their radius, stays."""
         places = np.asarray(centres, float)
         moved = self.points(places)
         moved[..., 2] = places[..., 2]
@@ -156,7 +153,7 @@ class Reshaping:
         return moved
 
     def along(self, x: ArrayLike) -> Array:
-        """The map along the car."""
+        """Map coordinates along the car, mm."""
         share = (np.asarray(x, float) - self.front) / self.length
         inside = np.clip(share, 0.0, 1.0)
         first, second = self.inner
@@ -167,14 +164,15 @@ class Reshaping:
         return np.asarray(self.front + self.scale[0] * self.length * bent)
 
 
-def reshaped(
+def fit_reshaping(
     wanted: Dimensions, box: ArrayLike, wheels: ArrayLike, measure: Callable[[Reshaping], ArrayLike]
 ) -> Reshaping | None:
-    """The map that gives a car the dimensions that are wanted.
+    """Return the map that gives a car the dimensions that are wanted.
 
     Parameters
     ----------
     wanted : Dimensions
+        The dimensions that are wanted; the others follow.
     box : (2, 3) array_like
         Least and greatest coordinates of the surface as it is, mm.
     wheels : (2,) array_like
@@ -185,18 +183,18 @@ def reshaped(
     Returns
     -------
     Reshaping or None
-        None if the car has these dimensions: nothing is to be done.
+        None if the car has these dimensions already.
 
     Raises
     ------
     UserError
         If a dimension is not a length that a car can have, or the wheels cannot get there
-        without folding the body; the message tells the range that is possible.
+        without folding the body; the message names the range that is possible.
     """
     wishes = wanted.wanted()
     extents = np.asarray(box, float)
     front, rear = np.asarray(wheels, float).tolist()
-    now = measured(extents, front, rear).given()
+    now = measure_dimensions(extents, front, rear).given()
     if all(abs(now[name] - value) <= EXACT for name, value in wishes.items()):
         return None
     growth = wishes.get("length", now["length"]) / now["length"]
@@ -207,13 +205,12 @@ def reshaped(
         least = CORRECTED_SLOPE if number else LEAST_SLOPE
         made = _mapping(asked, goal, now, float(extents[0, 0]), least)
         ends = made.along([front, rear]).tolist()
-        found = measured(np.asarray(measure(made), float), ends[0], ends[1]).given()
+        found = measure_dimensions(np.asarray(measure(made), float), ends[0], ends[1]).given()
         if all(abs(found[name] - value) <= AIMED for name, value in goal.items()):
             return made
         asked = {name: asked[name] + goal[name] - found[name] for name in goal}
     raise UserError(
-        "The body cannot be brought to these dimensions. Choose some that are nearer to those "
-        "that it has."
+        "The body cannot take these dimensions. Choose values nearer to those that it has."
     )
 
 
@@ -224,14 +221,14 @@ def _mapping(
     nose: float,
     least: float,
 ) -> Reshaping:
-    """The map for dimensions as the map itself has them."""
+    """Return the map for the dimensions `asked`, which are corrected, on the way to `goal`."""
     length = asked["length"]
     at = np.array([now["front_overhang"], now["front_overhang"] + now["wheelbase"]])
     to = np.array([asked["front_overhang"], asked["front_overhang"] + asked["wheelbase"]])
     share = at / now["length"]
     if not (0.0 < share[0] < share[1] < 1.0):
         raise UserError(
-            "The wheels of this car do not stand within its body one behind the other. Move "
+            "The wheels of this car do not stand within its body, one behind the other. Move "
             "them there first."
         )
     weights = 3.0 * np.stack((share * (1.0 - share) ** 2, share**2 * (1.0 - share)), axis=1)
@@ -245,9 +242,9 @@ def _mapping(
 
 
 def _folding(goal: dict[str, float], share: Array, solving: Array) -> str:
-    """What can be chosen instead of an overhang and a wheelbase that fold the body."""
+    """Return the message that refuses an overhang and a wheelbase, with ranges to choose from."""
     length = goal["length"]
-    told = []
+    ranges = []
     for name, direction in (("wheelbase", np.array([0.0, 1.0])), ("front_overhang", np.ones(2))):
         # The three slope coefficients are linear in the dimension; each gives one bound.
         rest = (
@@ -262,11 +259,11 @@ def _folding(goal: dict[str, float], share: Array, solving: Array) -> str:
         least = float(np.max(-lows[rises > 0.0] / rises[rises > 0.0], initial=0.0))
         most = float(np.min(-lows[rises < 0.0] / rises[rises < 0.0], initial=np.inf))
         if least < most:
-            told.append(f"a {WORDS[name]} from {np.ceil(least):g} to {np.floor(most):g} mm")
+            ranges.append(f"a {WORDS[name]} from {np.ceil(least):g} to {np.floor(most):g} mm")
     asked = (
         f"A front overhang of {goal['front_overhang']:g} mm with a wheelbase of "
         f"{goal['wheelbase']:g} mm would fold a body of {length:g} mm."
     )
-    if not told:
+    if not ranges:
         return f"{asked} Choose both nearer to those that it has."
-    return f"{asked} Choose {', or '.join(told)}."
+    return f"{asked} Choose {', or '.join(ranges)}."

@@ -1,12 +1,12 @@
-"""A cubic edge bent until it is seen where a stroke runs, and no more than that.
+"""Bend a cubic edge until it is seen where a stroke runs.
 
 Kara & Shimada (2008) lift two points of the stroke, those for the parameters 1/3 and 2/3, to the
 places on their view rays that are nearest to the old edge, and take the cubic through them and
 the two ends. Between these four points it may leave the stroke. Here that cubic is a start only:
 the inner control points are then refined by Gauss–Newton steps on the distances of all samples of
-the stroke from the edge as it is seen, with the foot points found anew at each step (Hoschek
-1988). A handle gets longer or shorter, and goes across the edge at a right angle to the rays: what
-a view does not see stays.
+the stroke from the edge as it is seen, with the foot points found again at each step (Hoschek
+1988). A handle changes its length and moves across the edge at a right angle to the rays: what a
+view does not show stays.
 """
 
 from __future__ import annotations
@@ -16,37 +16,34 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.ink.checked_points import is_on_sheet
 from bozzetto.ink.curves.resample import arc_length, distinct
 from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
-
-__all__ = ["Sighting", "fitted", "four_point_cubic", "paper_cubic", "seen", "seen_slopes"]
-
-Array = NDArray[np.float64]
 
 INNER: Final = np.array([1.0, 2.0]) / 3.0
 """Parameters of the inner points that the cubic of the paper goes through."""
 
 MOST_SAMPLES: Final = 96
-"""Most samples of a stroke that a fit looks at: a cubic has no detail that is finer."""
+"""Most samples of a stroke that a fit uses: a cubic has no finer detail."""
 
 RESOLVED: Final = 1e-3
 """Distance, px, within which a stroke runs where the edge is seen already: samples are kept to
-some 1e-4 px. The edge stays as it is then, and tracing it to and fro does not wear it out."""
+some 1e-4 px. The edge stays as it is then, and tracing it again and again does not change it."""
 
 WORTH: Final = 20.0
-"""How many independent places a stroke along an edge is worth, each known to a pixel. A hand
-errs in long waves, so that more samples tell no more."""
+"""Number of independent places, each known to a pixel, that a stroke along an edge counts as. A
+hand errs in long waves, so that more samples tell no more."""
 
 LEEWAY: Final = 0.1
-"""How far a control point may go from its place, per chord of the edge, before that weighs as
-much as a pixel. It matters where the stroke leaves a direction open only: elsewhere it shifts an
-edge by less than a hundredth of a pixel."""
+"""Movement of a control point, per chord of the edge, that costs as much as a distance of a pixel.
+It matters only where the stroke leaves a direction open: elsewhere it shifts an edge by less than
+a hundredth of a pixel."""
 
 UNSEEN: Final = 0.17
 """Sine of the angle to the view rays, ten degrees, below which a direction is not seen: a pixel
@@ -94,20 +91,27 @@ class Sighting:
     flip: Array
 
 
-def seen(camera: Camera, points: Array) -> Array:
-    """Where points (n, 3), mm, are seen, (n, 2) px; infinite where they are behind the eye."""
+def project_points(camera: Camera, points: Array) -> Array:
+    """Return where points (n, 3), mm, are seen, (n, 2) px; infinite for points behind the eye."""
     pixels = camera.project(points)[0]
     return np.where(np.isfinite(pixels), pixels, np.inf)
 
 
-def seen_slopes(camera: Camera, points: Array) -> Array:
-    """Derivatives of the places on the sheet by those in space, (n, 2, 3) px/mm.
+def edge_pictures(camera: Camera, control_points: Array, pieces: int) -> Array:
+    """Return the pictures of edges (m, 4, 3) as polylines, (m, pieces + 1, 2) px."""
+    curves = bernstein(np.linspace(0.0, 1.0, pieces + 1)) @ control_points
+    return project_points(camera, curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
+
+
+def projection_slopes(camera: Camera, points: Array) -> Array:
+    """Return the derivatives of places on the sheet by places in space, (n, 2, 3) px/mm.
 
     Parameters
     ----------
     camera : Camera
+        The view.
     points : (n, 3) float
-        In front of the eye, mm.
+        Points in front of the eye, mm.
     """
     right, up, forward = camera.axes
     if camera.kind == "orthographic":
@@ -121,11 +125,12 @@ def seen_slopes(camera: Camera, points: Array) -> Array:
 
 
 def four_point_cubic(points: ArrayLike) -> Array:
-    """Bézier points of the cubic that goes through four points at 0, 1/3, 2/3 and 1.
+    """Return the Bézier points of the cubic that goes through four points at 0, 1/3, 2/3 and 1.
 
     Parameters
     ----------
     points : (4, 3) array_like
+        The four points.
 
     Returns
     -------
@@ -139,7 +144,7 @@ def four_point_cubic(points: ArrayLike) -> Array:
 
 
 def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) -> Array:
-    """The edge as the paper traces it: through two points lifted from the stroke.
+    """Return the edge as the paper traces it: through two points lifted from the stroke.
 
     The points of the stroke are those at the shares of its length at which the old edge, as it
     is seen, has its parameters 1/3 and 2/3.
@@ -147,10 +152,11 @@ def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) ->
     Parameters
     ----------
     control_points : (4, 3) array_like
-        Of the old edge, mm, in front of the eye.
+        Bézier points of the old edge, mm, in front of the eye.
     stroke : (k, 2) array_like
-        From near the start of the edge to near its end, px.
+        The stroke from near the start of the edge to near its end, px.
     camera : Camera
+        The view that the stroke was drawn in.
 
     Returns
     -------
@@ -158,7 +164,7 @@ def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) ->
     """
     old = np.asarray(control_points, float)
     at = np.linspace(0.0, 1.0, 3 * FOOT_PLACES + 1)
-    length = arc_length(seen(camera, bernstein(at) @ old))
+    length = arc_length(project_points(camera, bernstein(at) @ old))
     share = length[[FOOT_PLACES, 2 * FOOT_PLACES]] / max(length[-1], np.finfo(float).tiny)
     places = np.asarray(stroke, float)
     along = arc_length(places)
@@ -167,24 +173,25 @@ def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) ->
     return four_point_cubic((old[0], *inner, old[3]))
 
 
-def fitted(
+def fit_edge(
     control_points: ArrayLike,
     sightings: Sequence[Sighting],
     directions: tuple[Array, Array],
     start: ArrayLike | None = None,
 ) -> Array:
-    """The edge that is seen along all strokes, as near to an old one as they allow.
+    """Return the edge that is seen along all strokes, as near to an old one as they allow.
 
     Parameters
     ----------
     control_points : (4, 3) array_like
-        Of the old edge, mm. It comes back if a part of it is behind an eye.
+        Bézier points of the old edge, mm. They are returned if a part is behind an eye.
     sightings : sequence of Sighting
+        The strokes.
     directions : ((3, a), (3, b)) float
         Unit vectors, as columns, along which the first and the second handle may move; a
         handle that may not move has none.
     start : (4, 3) array_like, optional
-        Where to begin, if the strokes are nearer there than at the old edge.
+        Bézier points to start from if the strokes are nearer to them than to the old edge.
 
     Returns
     -------
@@ -239,12 +246,11 @@ class _Samples:
         share = np.diff(along, append=along[-1]) + np.diff(along, prepend=0.0)
         whole = share.sum()
         weights = share / whole if whole > 0.0 else np.full(len(points), 1.0 / len(points))
-        matrix = camera_matrix(sighting.camera)
-        matrix[:, :3] *= sighting.flip
+        matrix = camera_matrix(sighting.camera) * np.append(sighting.flip, 1.0)
         return cls(sighting, points, WORTH * weights, matrix)
 
     def feet(self, curve: Array) -> tuple[Array, Array]:
-        """Parameters of the foot points on an edge, and the way from the samples to them, px."""
+        """Return the parameters of foot points on an edge, and the ways to them, px."""
         pictured = Pictured.of(self.matrix, curve)
         path = pictured.laid_out(FOOT_PLACES)
         if not is_on_sheet(path):
@@ -253,7 +259,7 @@ class _Samples:
         squares = np.maximum((piece**2).sum(axis=1), np.finfo(float).tiny)
         along = self.points @ piece.T - (begin * piece).sum(axis=1)
         share = np.clip(along / squares, 0.0, 1.0)
-        # Squares of the distances, less what is the same for all pieces.
+        # Squared distances, without the term that is equal for all pieces.
         away = (begin**2).sum(axis=1) - 2.0 * self.points @ begin.T
         away += share * (share * squares - 2.0 * along)
         which = np.argmin(away, axis=1)
@@ -271,9 +277,9 @@ class _Samples:
         return feet, pictured.places(feet) - self.points
 
     def across(self, curve: Array, feet: Array) -> tuple[Array, Array]:
-        """Unit vectors across the picture of an edge at foot points, (n, 2).
+        """Return unit vectors across the picture of an edge at foot points, (n, 2).
 
-        And how fast a place on the edge that moves is seen to go that way, (n, 3) px/mm.
+        The second array, (n, 3) px/mm, is how fast a place on the edge goes that way in the view.
         """
         places, speed, w = Pictured.of(self.matrix, curve).rates(feet)
         normal = np.stack((-speed[:, 1], speed[:, 0]), axis=1)
@@ -285,13 +291,14 @@ class _Samples:
 
 
 def _moves(old: Array, data: Sequence[_Samples], directions: tuple[Array, Array]) -> Array:
-    """The seen moves of both handles, (2, 3, q): each column moves one of them."""
+    """Return the visible moves of both handles, (2, 3, q): each column moves one of them."""
     found = []
     for number, allowed in enumerate(directions):
         handle = old[number + 1][None]
         rows = np.concatenate(
             [
-                seen_slopes(own.sighting.camera, handle * own.sighting.flip)[0] * own.sighting.flip
+                projection_slopes(own.sighting.camera, handle * own.sighting.flip)[0]
+                * own.sighting.flip
                 for own in data
             ]
         )
@@ -309,11 +316,11 @@ def _moves(old: Array, data: Sequence[_Samples], directions: tuple[Array, Array]
 
 
 def _along_and_across(leg: Array, rows: Array, seen_ways: Array) -> Array:
-    """The moves of a free handle in one view: along its own tangent, and across it and the ray.
+    """Return the moves of a free handle in one view: along its tangent, and across it and the ray.
 
-    Where a stroke is nearly the edge's own picture, it hardly tells how long a handle is. To move
-    it in a plane across the ray would push an edge that runs into the depth off its line then;
-    along its tangent it stays on it.
+    Where a stroke is nearly the edge's own picture, it hardly tells how long a handle is. Moving
+    the handle in a plane across the ray would then push an edge that runs into the depth off its
+    line; moving it along its tangent does not.
     """
     length = float(np.linalg.norm(leg))
     largest = np.linalg.norm(rows, ord=2)
@@ -326,7 +333,7 @@ def _along_and_across(leg: Array, rows: Array, seen_ways: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Try:
-    """Handles moved by so much, and what that costs."""
+    """Handles moved by some amount, and the cost of that."""
 
     by: Array
     curve: Array
@@ -358,7 +365,7 @@ class _Problem:
         return _Try(by, curve, feet, far + self.ease * float(by @ by))
 
     def is_met(self, now: _Try) -> bool:
-        """Whether all samples lie where the edge is seen, as far as samples can tell."""
+        """Whether all samples lie on the picture of the edge, as far as samples can tell."""
         if not np.isfinite(now.price):
             return False
         for own, (feet, way) in zip(self.data, now.feet, strict=True):
@@ -368,7 +375,7 @@ class _Problem:
         return True
 
     def step(self, now: _Try) -> Array:
-        """The Gauss–Newton step on the distances across the edge."""
+        """Return the Gauss–Newton step on the distances across the edge."""
         form, slope = self.ease * np.eye(len(now.by)), self.ease * now.by
         for own, (feet, way) in zip(self.data, now.feet, strict=True):
             normal, across = own.across(now.curve, feet)

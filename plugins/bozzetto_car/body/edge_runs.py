@@ -1,4 +1,4 @@
-"""Which edges a stroke runs along: the nearest one, or several in a row, split at the nodes."""
+"""Find the edges that a stroke runs along: the nearest one, or several in a row."""
 
 from __future__ import annotations
 
@@ -8,23 +8,19 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
+from bozzetto.ink.checked_points import FARTHEST, places_on_sheet
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_fit import seen
+from bozzetto_car.array_types import Array, Flags, Index
+from bozzetto_car.body.edge_fit import edge_pictures
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
-
-__all__ = ["Run", "run_along"]
-
-Array = NDArray[np.float64]
 
 SHORTEST: Final = 4.0
 """Length of a stroke, px, below which it is a dot."""
@@ -33,29 +29,29 @@ STROKE_PLACES: Final = 64
 """Places of the stroke, at equal steps, that are compared with the edges."""
 
 SENSE: Final = 4
-"""Of so many of these places one is looked at to tell in which sense a stroke runs."""
+"""Every how many of these places one is used to find the direction of a stroke."""
 
 EDGE_PLACES: Final = 20
-"""Pieces that each edge is laid out in."""
+"""Pieces of the polyline that stands for an edge."""
 
 PASSED: Final = 0.3
-"""Share of its length along which a stroke has to go with the first or last edge of a row, to
-speak of it; less is a stroke that has begun too early or ended too late."""
+"""Share of the first or last edge of a row that a stroke must cover to mean that edge; with less,
+the stroke has begun too early or ended too late."""
 
 CANDIDATES: Final = 4
-"""Rows, the nearest first, that are looked at closely."""
+"""Number of rows, the nearest first, that are compared in detail."""
 
 HIDDEN: Final = (2.0, 4.0)
-"""How much farther away an edge is taken to be, as a factor and in px more, if it is on a side of
-the car that is not seen: who means it hits it well."""
+"""Penalty on the distance of an edge on the far side of the car, as a factor and as px to add: a
+person who means such an edge draws exactly on it."""
 
 REACH: Final = 0.12
-"""Mean distance beyond which a stroke speaks of no edge, per diagonal of the car's picture."""
+"""Mean distance beyond which a stroke means no edge, per diagonal of the car's picture."""
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Edges in a row, and what a stroke says of each.
+    """Edges in a row, and the parts of a stroke that belong to each.
 
     Attributes
     ----------
@@ -75,9 +71,7 @@ class Run:
     distance: float
 
 
-def run_along(
-    network: Network, stroke: ArrayLike, camera: Camera, edges: Sequence[int] = ()
-) -> Run:
+def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequence[int] = ()) -> Run:
     """Find the edges that a stroke traces.
 
     It may be a single edge, or a part of one, or several in a row along a chain or along the
@@ -87,12 +81,14 @@ def run_along(
     Parameters
     ----------
     network : Network
+        The car.
     stroke : (k, 2) array_like
-        px; in either direction.
+        Samples of the stroke, px, in either direction.
     camera : Camera
+        The view that the stroke was drawn in.
     edges : sequence of int, optional
-        The edges that are meant, in the order of the row that they make. The stroke speaks of
-        all of them then, and nothing is sought.
+        The edges that are meant, in the order of the row that they make. The stroke then
+        belongs to all of them, and there is no search.
 
     Raises
     ------
@@ -104,9 +100,8 @@ def run_along(
     points = points[distinct(points)]
     if arc_length(points)[-1] < SHORTEST:
         raise UserError("The stroke is a dot. Draw along an edge of the car.")
-    curves = bernstein(np.linspace(0.0, 1.0, EDGE_PLACES + 1)) @ network.control_points
-    paths = seen(camera, curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
-    visible = [is_on_sheet(path) for path in paths]
+    paths = edge_pictures(camera, network.control_points, EDGE_PLACES)
+    visible: Flags = np.all(np.abs(paths) <= FARTHEST, axis=(1, 2))
     known = [_in_row(network.template, edges)] if edges else _rows(network.template)
     rows = [row for row in known if all(visible[max(e, ~e)] for e in row)]
     if not rows:
@@ -118,8 +113,7 @@ def run_along(
     else:
         row = _nearest_row(network, camera, paths, rows, places)
     distance = float(distances_to_polyline(places, _laid_out(paths, row)).mean())
-    shown = np.concatenate([path for path, good in zip(paths, visible, strict=True) if good])
-    if distance > REACH * float(np.linalg.norm(np.ptp(shown, axis=0))):
+    if distance > REACH * float(np.linalg.norm(np.ptp(paths[visible], axis=(0, 1)))):
         raise UserError("The stroke is far from every edge of the car. Draw along one of them.")
     ends = [network.template.edges[max(e, ~e)][:: 1 if e >= 0 else -1].tolist() for e in row]
     nodes = (ends[0][0], *(end for _, end in ends))
@@ -127,13 +121,13 @@ def run_along(
 
 
 def _in_row(template: Template, edges: Sequence[int]) -> tuple[int, ...]:
-    """Edges that follow each other, each in the sense in which the row goes on."""
+    """Return edges that follow each other, each with the sign of its direction in the row."""
     if len(edges) == 1:
         return (edges[0],)
     ends = template.edges[list(edges)].tolist()
     row: list[int] = []
     for number, (edge, (start, end)) in enumerate(zip(edges, ends, strict=True)):
-        # Towards the next edge, or, of the last one, away from the one before.
+        # Towards the next edge; the last edge leads away from the one before.
         forward = end in ends[number + 1] if number + 1 < len(edges) else start in ends[number - 1]
         row.append(edge if forward else ~edge)
     heads = [end if own >= 0 else start for own, (start, end) in zip(row, ends, strict=True)]
@@ -151,7 +145,7 @@ def _nearest_row(
     rows: list[tuple[int, ...]],
     places: Array,
 ) -> tuple[int, ...]:
-    """The edges that a stroke goes along, in its direction, of the row that is meant."""
+    """Return the edges, in the direction of a stroke, of the row that the stroke means."""
     toward = facing(network.template, network.positions, camera)
     faces = np.asarray(toward[network.template.edges].all(axis=1))
     known = sorted({max(edge, ~edge) for row in rows for edge in row})
@@ -169,7 +163,7 @@ def _nearest_row(
 
 
 def _rows(template: Template) -> list[tuple[int, ...]]:
-    """Rows of edges that a stroke may follow: chains, the middle, and all edges in none of them."""
+    """Return the rows that a stroke may follow: chains, the middle, and all other single edges."""
     rows = [chain.edges for chain in template.chains]
     part: list[int] = []
     for pair in pairwise(template.centre.tolist()):
@@ -184,13 +178,13 @@ def _rows(template: Template) -> list[tuple[int, ...]]:
 
 
 def _laid_out(paths: Array, row: tuple[int, ...]) -> Array:
-    """The picture of edges in a row, one polyline; each node is in it once."""
+    """Return the picture of edges in a row as one polyline; each node is in it once."""
     pieces = [paths[edge] if edge >= 0 else paths[~edge][::-1] for edge in row]
     return np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
 
 
 def _distances(places: Array, paths: Array) -> Array:
-    """Distances of places (k, 2) from the pictures of edges (m, l, 2), (k, m) px."""
+    """Return the distances of places (k, 2) from the pictures of edges (m, l, 2), (k, m) px."""
     middle = places.mean(axis=0)
     own, laid = places - middle, paths - middle
     begin, step = laid[:, :-1].reshape(-1, 2), np.diff(laid, axis=1).reshape(-1, 2)
@@ -204,20 +198,20 @@ def _distances(places: Array, paths: Array) -> Array:
 
 
 def _distance(away: Array, row: tuple[int, ...]) -> float:
-    """The mean distance of a stroke from a row."""
+    """Return the mean distance of a stroke from a row, px."""
     return float(away[:, [max(edge, ~edge) for edge in row]].min(axis=1).mean())
 
 
-def _cost(away: Array, row: tuple[int, ...], faces: NDArray[np.bool_]) -> float:
-    """The same, with what is added where the row is hidden."""
+def _cost(away: Array, row: tuple[int, ...], faces: Flags) -> float:
+    """Return the mean distance of a stroke from a row with the penalty for hidden edges, px."""
     distance = _distance(away, row)
     factor, more = HIDDEN
     hidden = sum(not faces[max(edge, ~edge)] for edge in row) / len(row)
     return distance + hidden * ((factor - 1.0) * distance + more)
 
 
-def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Lengths along the picture of a row, and the places there that a stroke passes, in order."""
+def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, Index]:
+    """Return lengths along the picture of a row, and the vertices there that a stroke passes."""
     path = _laid_out(paths, row)
     along = arc_length(path)
     step = float(arc_length(places)[-1]) / len(places)
@@ -225,13 +219,13 @@ def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, NDA
 
 
 def _directed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...]:
-    """A row in the direction of a stroke."""
+    """Return a row in the direction of a stroke."""
     _, feet = _feet(paths, row, places[::SENSE])
     return row if feet[0] <= feet[-1] else tuple(~edge for edge in row[::-1])
 
 
 def _passed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...]:
-    """The edges of a row that a stroke goes along, in its direction."""
+    """Return the edges of a row that a stroke covers, in the direction of the stroke."""
     along, feet = _feet(paths, row, places)
     if feet[0] > feet[-1]:
         row, feet = tuple(~edge for edge in row[::-1]), len(along) - 1 - feet
@@ -247,7 +241,7 @@ def _passed(paths: Array, row: tuple[int, ...], places: Array) -> tuple[int, ...
 
 
 def _parts(points: Array, paths: Array, row: tuple[int, ...]) -> tuple[Array, ...]:
-    """A stroke split where it is nearest to the nodes within a row of edges.
+    """Split a stroke where it is nearest to the nodes within a row of edges.
 
     The samples at which it is split belong to both sides, so that no part is empty.
     """
@@ -260,7 +254,7 @@ def _parts(points: Array, paths: Array, row: tuple[int, ...]) -> tuple[Array, ..
     cuts = [0]
     for number in range(1, len(row)):
         node = path[number * EDGE_PLACES]
-        # Between the middles of both edges: a stroke may come near to the node again elsewhere.
+        # Only between the middles of both edges: the stroke may pass the node again elsewhere.
         low = kept[np.searchsorted(feet, (number - 0.5) * EDGE_PLACES).clip(0, count - 1)]
         high = kept[np.searchsorted(feet, (number + 0.5) * EDGE_PLACES).clip(0, count - 1)]
         low, high = max(low, cuts[-1]), max(high, cuts[-1])

@@ -1,7 +1,7 @@
-"""The row of what was done to a body by hand: drags that add up, edits that are taken back.
+"""The list of edits by hand: drags are merged, edits are taken back.
 
-Only a row of drags at its end is ever changed: before a stroke or a treatment a drag means
-something else than after it.
+Only the drags at the end of the list are ever changed: a drag before a stroke or a treatment has
+another meaning than one after it.
 """
 
 from __future__ import annotations
@@ -11,19 +11,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto.view.rotations import triple
 from bozzetto_car.state import BentEdge, MovedNode, TracedEdges, Treatment
-
-__all__ = ["dragged", "without_last_of"]
 
 Edit = TracedEdges | MovedNode | BentEdge | Treatment
 Edits = tuple[Edit, ...]
 
 
-def dragged(edits: Edits, drag: MovedNode | BentEdge) -> Edits:
-    """With one more drag; a node, or a tangent, that was dragged just before is so only once.
+def add_drag(edits: Edits, drag: MovedNode | BentEdge) -> Edits:
+    """Return the edits with one more drag, merged with a recent drag of the same node or tangent.
 
-    Moves of a node add up, of a tangent the last one counts. So a row does not grow as long as
-    somebody drags the same few handles to and fro.
+    Moves of a node add up; of a tangent the last one counts. So the list does not grow while a
+    person drags the same few handles back and forth.
     """
     first = len(edits)
     while first and _is_drag(edits[first - 1], drag):
@@ -31,8 +30,7 @@ def dragged(edits: Edits, drag: MovedNode | BentEdge) -> Edits:
     kept, row = edits[:first], list(edits[first:])
     for number, edit in enumerate(row):
         if isinstance(edit, MovedNode) and isinstance(drag, MovedNode) and edit.node == drag.node:
-            x, y, z = np.add(edit.by, drag.by).tolist()
-            row[number] = replace(edit, by=(x, y, z))
+            row[number] = replace(edit, by=triple(np.add(edit.by, drag.by)))
             return (*kept, *row)
         if isinstance(edit, BentEdge) and isinstance(drag, BentEdge):
             if (edit.edge, edit.end) == (drag.edge, drag.end):
@@ -42,16 +40,17 @@ def dragged(edits: Edits, drag: MovedNode | BentEdge) -> Edits:
 
 
 def _is_drag(edit: Edit, other: Edit) -> bool:
-    """Whether an edit is a drag in the same world as another."""
+    """Whether an edit is a drag in the same dimensions as another."""
     return isinstance(edit, MovedNode | BentEdge) and edit.dimensions == other.dimensions
 
 
 def without_last_of(edits: Edits, edges: Iterable[str]) -> Edits | None:
-    """Without the last stroke or drag that bent one of some edges; None if there is none.
+    """Return the edits without the last one that bent any of some edges; None if there is none.
 
     Parameters
     ----------
     edits : tuple of edits
+        All edits, oldest first.
     edges : iterable of str
         Names of edges.
     """

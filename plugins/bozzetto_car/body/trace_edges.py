@@ -1,4 +1,4 @@
-"""Edges traced: a stroke along the picture of the car, in the sketch or from any side."""
+"""Trace edges: bend them to a stroke along the picture of the car, from any side."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import bernstein
@@ -16,28 +16,39 @@ from bozzetto.ink.checked_points import FARTHEST
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
-from bozzetto_car.body.chain_smoothing import smoothed
-from bozzetto_car.body.drag import dragged_place
-from bozzetto_car.body.edge_fit import UNSEEN, Sighting, fitted, paper_cubic, seen, seen_slopes
-from bozzetto_car.body.edge_runs import Run, run_along
+from bozzetto_car.array_types import Array, Flags
+from bozzetto_car.body.chain_smoothing import smooth_chains
+from bozzetto_car.body.drag import drag_place
+from bozzetto_car.body.edge_fit import (
+    UNSEEN,
+    Sighting,
+    fit_edge,
+    paper_cubic,
+    project_points,
+    projection_slopes,
+)
+from bozzetto_car.body.edge_runs import Run, find_run
 from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
 from bozzetto_car.template.model import MIRROR
-from bozzetto_car.template.network import Network, as_hermite, joints, with_positions, with_tangents
+from bozzetto_car.template.network import (
+    Network,
+    as_hermite,
+    junctions,
+    with_positions,
+    with_tangents,
+)
 
-__all__ = ["Traced", "traced"]
-
-Array = NDArray[np.float64]
 Directions = tuple[Array, Array]
 
 NEAR_END: Final = 0.25
-"""Distance of the end of a stroke from a node, per length of the edge as it is seen, within
-which the stroke is meant to reach the node."""
+"""Distance of the end of a stroke from a node, per length of the edge in the view, within which the
+stroke is taken to end in the node."""
 
 PIECES: Final = 20
-"""Pieces that an edge is laid out in where its length is looked at."""
+"""Pieces of an edge for the decision whether it is seen."""
 
 PLACES: Final = 100
-"""Pieces that an edge is laid out in where lengths and distances on the sheet are measured."""
+"""Pieces of an edge where lengths and distances on the sheet are measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +69,14 @@ class Traced:
 
     @cached_property
     def deviations(self) -> tuple[float, ...]:
-        """Largest distance on the sheet of each edge from its part of the stroke, px.
+        """The largest distance on the sheet of each edge from its part of the stroke, px.
 
         It is measured on the stretch of the edge that the stroke runs beside.
         """
         return _deviations(self.network, self.run, self.camera)
 
 
-def traced(
+def trace(
     network: Network,
     stroke: ArrayLike,
     camera: Camera,
@@ -76,15 +87,17 @@ def traced(
     """Bend the edges that a stroke runs along until they are seen where it is.
 
     Neighbours in smooth chains take the new directions and keep the lengths of their tangents.
-    The other side of the car follows. A stroke that goes over the middle shows the same edge
-    from two sides, and with that how deep it lies.
+    The other side of the car follows. A stroke that crosses the middle shows the same edge from
+    two sides, which also gives its depth.
 
     Parameters
     ----------
     network : Network
+        The network to change.
     stroke : (k, 2) array_like
-        px; in either direction.
+        Samples of the stroke, px, in either direction.
     camera : Camera
+        The view that the stroke was drawn in.
     edges : sequence of int, optional
         The edges that are meant, in the order of the row that they make; by default the
         nearest ones.
@@ -97,7 +110,7 @@ def traced(
     UserError
         If the stroke runs along no edge, or along nothing but edges that are seen end-on.
     """
-    run = run_along(network, stroke, camera, edges)
+    run = find_run(network, stroke, camera, edges)
     shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
     if not shown:
         names = ", ".join(network.template.edge_names[max(edge, ~edge)] for edge in run.edges)
@@ -109,44 +122,44 @@ def traced(
         network = _with_nodes_on_stroke(network, run, camera)
     own = {_own(network, edge) for edge in shown}
     free = {edge: _free_directions(network, edge) for edge in own}
-    bent = smoothed(_bent(network, run, camera, free), leading=own, nodes=run.nodes)
-    # Where two traced edges meet smoothly both have given way. Their common direction is kept
-    # from now on, and all the rest is fitted once more.
+    bent = smooth_chains(_bent(network, run, camera, free), leading=own, nodes=run.nodes)
+    # Where two traced edges meet smoothly, both have changed their direction. The common one is
+    # kept now, and everything else is fitted again.
     held = _held_directions(bent, own)
     if held:
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
-        bent = smoothed(bent, leading=own, nodes=run.nodes)  # rounding, no more
+        bent = smooth_chains(bent, leading=own, nodes=run.nodes)  # rounding, no more
     return Traced(bent, run, camera)
 
 
 def _own(network: Network, signed: int) -> int:
-    """The edge of a side of a patch or chain, or its mirror image, whichever comes first."""
+    """Return the index of an edge or of its mirror image, whichever comes first."""
     edge = max(signed, ~signed)
     image = int(network.template.mirrored_edges[edge])
     return min(edge, max(image, ~image))
 
 
 def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
-    """Whether an edge is not so foreshortened that its picture tells nothing of it."""
+    """Whether an edge is long enough in the view for its picture to tell its shape."""
     curve = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ network.control_points[edge]
-    scale = float(np.linalg.norm(seen_slopes(camera, curve[[PIECES // 2]])[0], ord=2))
-    length = float(arc_length(seen(camera, curve))[-1])
+    scale = float(np.linalg.norm(projection_slopes(camera, curve[[PIECES // 2]])[0], ord=2))
+    length = float(arc_length(project_points(camera, curve))[-1])
     return length >= UNSEEN * scale * float(arc_length(curve)[-1])
 
 
 def _with_nodes_on_stroke(network: Network, run: Run, camera: Camera) -> Network:
-    """Nodes of a run at the places of the stroke that speak of them."""
+    """Move the nodes of a run to the places of the stroke that belong to them."""
     pixels = [run.parts[0][0], *(part[-1] for part in run.parts)]
-    old = seen(camera, network.positions[list(run.nodes)])
+    old = project_points(camera, network.positions[list(run.nodes)])
     image = network.template.mirrored
+    lengths = [float(arc_length(_path(network, edge, camera))[-1]) for edge in run.edges]
     goals: dict[int, list[Array]] = {}
     for number, (node, pixel) in enumerate(zip(run.nodes, pixels, strict=True)):
-        beside = [at for at in (number - 1, number) if 0 <= at < len(run.edges)]
-        length = min(float(arc_length(_path(network, run.edges[at], camera))[-1]) for at in beside)
-        if np.linalg.norm(pixel - old[number]) > NEAR_END * length:
+        beside = lengths[max(number - 1, 0) : number + 1]
+        if np.linalg.norm(pixel - old[number]) > NEAR_END * min(beside):
             continue
         free = np.array([True, bool(image[node] != node), True])
-        place = dragged_place(network.positions[node], pixel, camera, free)
+        place = drag_place(network.positions[node], pixel, camera, free)
         right = min(node, int(image[node]), key=lambda k: -float(network.positions[k, 1]))
         goals.setdefault(right, []).append(place if right == node else place * MIRROR)
     return with_positions(
@@ -155,15 +168,15 @@ def _with_nodes_on_stroke(network: Network, run: Run, camera: Camera) -> Network
 
 
 def _free_directions(network: Network, edge: int) -> Directions:
-    """Directions, as columns, in which the handles of an edge may move."""
+    """Return the directions, as columns, in which the two handles of an edge may move."""
     first, last = (np.eye(3)[:, axes] for axes in network.free_axes[edge])
     return first, last
 
 
 def _held_directions(network: Network, edges: set[int]) -> dict[int, Directions]:
-    """The same, for edges in a joint of two of them: there along their tangents only."""
+    """Return the free directions of edges at a junction of two of them: there only the tangent."""
     held: dict[int, Directions] = {}
-    for joint in joints(network.template):
+    for joint in junctions(network.template):
         places = (joint.before, joint.after)
         if joint.crosses or not all(edge in edges for edge, _ in places):
             continue
@@ -179,7 +192,7 @@ def _held_directions(network: Network, edges: set[int]) -> dict[int, Directions]
 def _bent(
     network: Network, run: Run, camera: Camera, directions: Mapping[int, Directions]
 ) -> Network:
-    """The network with each edge in `directions` fitted to the parts of the stroke."""
+    """Fit each edge in `directions` to its parts of the stroke."""
     changed = {}
     for edge, ways in directions.items():
         old = network.control_points[edge]
@@ -190,7 +203,7 @@ def _bent(
             flip = np.ones(3) if max(signed, ~signed) == edge else MIRROR
             sightings.append(Sighting(part, camera, flip))
             start = _paper_start(old, sightings[-1])
-        points = fitted(old, sightings, ways, start)
+        points = fit_edge(old, sightings, ways, start)
         for end, tangent in enumerate(as_hermite(points)[1]):
             if not np.array_equal(points[1 + end], old[1 + end]):
                 changed[edge, end] = tangent
@@ -198,9 +211,9 @@ def _bent(
 
 
 def _paper_start(old: Array, sighting: Sighting) -> Array | None:
-    """The paper's cubic, if the stroke goes all the way from one node to the other."""
+    """Return the paper's cubic if the stroke goes all the way from one node to the other."""
     own, stroke = old * sighting.flip, sighting.points
-    ends = seen(sighting.camera, own[[0, 3]])
+    ends = project_points(sighting.camera, own[[0, 3]])
     if np.linalg.norm(stroke[[0, -1]] - ends) > np.linalg.norm(stroke[[-1, 0]] - ends):
         stroke = stroke[::-1]
     away = np.linalg.norm(stroke[[0, -1]] - ends, axis=1)
@@ -210,7 +223,7 @@ def _paper_start(old: Array, sighting: Sighting) -> Array | None:
 
 
 def _path(network: Network, signed: int, camera: Camera) -> Array:
-    """The picture of an edge, the way that it is run through, (k, 2) px.
+    """Return the picture of an edge in the direction of the run, (k, 2) px.
 
     Both nodes are in view; what lies between them behind the eye is left out.
     """
@@ -235,7 +248,7 @@ def _deviations(network: Network, run: Run, camera: Camera) -> tuple[float, ...]
     return tuple(found)
 
 
-def _beside(part: Array, path: Array) -> NDArray[np.bool_]:
-    """Samples that are nearer to the inside of a polyline than to either of its ends."""
+def _beside(part: Array, path: Array) -> Flags:
+    """Whether samples are nearer to the inside of a polyline than to either of its ends, (k,)."""
     away = np.linalg.norm(part[:, None] - path, axis=2).argmin(axis=1)
     return np.asarray((away > 0) & (away < len(path) - 1))

@@ -1,8 +1,8 @@
-"""Wheels, to be looked at: tyre, rim and spokes, and the arch that they leave in the body.
+"""Meshes of the wheels: tyre, rim and spokes, and the gap below the arch in the body.
 
 A template has no wheel arches: its panels run down to the sill, and wheels stand inside them. So
-the outer face of a wheel is set just outside the panel beside it, and round it the gap below the
-arch is laid on the panel. None of it is handed over.
+the outer face of a wheel is set just outside the panel beside it, and the gap below the arch is a
+dark band on the panel around it. Exports hold none of this.
 """
 
 from __future__ import annotations
@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches.patch import Places, grid, points_at
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
 
-__all__ = ["wheel_meshes"]
-
-Array = NDArray[np.float64]
 Color = tuple[int, int, int, int]
 Piece = tuple[Array, Array, NDArray[np.integer[Any]], Array]
 
@@ -47,44 +45,43 @@ SPOKE: Final = ((0.10, 0.050, -0.030), (0.38, 0.030, -0.026), (0.655, 0.036, -0.
 """Of a spoke from the hub to the rim: distance from the axle, half width, and place along it."""
 
 SPOKE_DEPTH: Final = 0.028
-"""How deep the flanks of a spoke are, per radius."""
+"""Depth of the flanks of a spoke, per radius."""
 
 STEPS: Final = 56
-"""Round the axle."""
+"""Steps around the axle."""
 
 DEEPEST: Final = 0.055
-"""How deep a rim is, per radius: the panel beside the wheel is behind it."""
+"""Depth of a rim, per radius: the panel beside the wheel lies behind it."""
 
 FELT: Final = (0.05, 0.36, 0.68)
-"""Circles, per radius, on which the panel beside a wheel is felt for."""
+"""Circles, per radius, on which the place of the panel beside a wheel is measured."""
 
 GAP: Final = (0.88, 0.98, 1.075)
-"""The same on which the gap below the arch is laid."""
+"""Circles, per radius, of the band that shows the gap below the arch."""
 
 LAID: Final = 4.0
-"""How far outside the panel that is, mm: more than triangles of the body differ from it."""
+"""Distance of the band outside the panel, mm: more than triangles of the body differ from it."""
 
 GUESSES: Final = 7
 """Places along each side of a patch from which the search for a place seen from the side starts."""
 
 REFINED: Final = 5
-"""Steps of Newton's method from there."""
+"""Steps of Newton's method in this search."""
 
 MET: Final = 0.1
-"""Distance, mm, at which the place is found."""
+"""Distance, mm, at which the search has found the place."""
 
 OVER_EDGE: Final = 1e-3
-"""How far beyond its border a patch is met, in u and v, so that there is no slit between two."""
+"""How far beyond its border a patch counts, in u and v, so that there is no slit between two."""
 
 
 def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
-    """The four wheels, and the gaps below their arches.
-
-    They stand on the ground, so their height tells their radius.
+    """Return the meshes of the right and the left wheels with the gaps below their arches.
 
     Parameters
     ----------
     network : Network
+        The car; its wheels stand on the ground, so that their height is their radius.
     nets : (k, 4, 4, 3) array_like
         The patches of the body, mm.
     """
@@ -101,7 +98,7 @@ def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
 
 
 def _wheels(network: Network) -> list[tuple[Array, float]]:
-    """Centre and radius, mm, of the right wheels that are above the ground."""
+    """Return centre and radius, mm, of the right wheels that are above the ground."""
     centres = network.positions[network.template.wheels[:, 0]]
     return [(centre, float(centre[2])) for centre in centres if centre[2] > 0.0]
 
@@ -110,9 +107,9 @@ def _wheels(network: Network) -> list[tuple[Array, float]]:
 
 
 def _beside(nets: Array, centre: Array, radius: float) -> tuple[float, Array]:
-    """Where the outer face of a wheel is, y in mm, and the circles (c, n, 3) of the gap.
+    """Return the y of the outer face of a wheel, mm, and the circles (c, n, 3) of the gap.
 
-    Places of these where there is no panel are NaN.
+    Places on the circles where there is no panel are NaN.
     """
     ring = np.linspace(0.0, 2.0 * np.pi, STEPS, endpoint=False) - 0.5 * np.pi
     circles = radius * np.array((*FELT, *GAP))[:, None]
@@ -124,7 +121,7 @@ def _beside(nets: Array, centre: Array, radius: float) -> tuple[float, Array]:
 
 
 def _panel(nets: Array, places: Array) -> Array:
-    """How far right the body reaches at places (n, 2), x and z, seen from the side; or NaN."""
+    """Return how far right the body reaches at places (n, 2), x and z; NaN where it does not."""
     flat = nets[..., [0, 2]].reshape(len(nets), -1, 2)
     near = (flat.min(axis=1) <= places.max(axis=0)) & (flat.max(axis=1) >= places.min(axis=0))
     own = nets[near.all(axis=1) & (nets[..., 1].max(axis=(1, 2)) > 0.0)]
@@ -153,7 +150,7 @@ def _panel(nets: Array, places: Array) -> Array:
 
 
 def _gap(band: Array) -> list[Piece]:
-    """The gap round a wheel, where circles lie on the panel."""
+    """Return the band of the gap around a wheel, where its circles lie on the panel."""
     rows, count = band.shape[:2]
     at = np.arange(rows * count).reshape(rows, count)
     quads = np.stack(
@@ -173,7 +170,7 @@ def _gap(band: Array) -> list[Piece]:
 
 @cache
 def _unit_wheel() -> Piece:
-    """A right wheel of radius 1 whose outer face is at y = 0."""
+    """Return a right wheel of radius 1 whose outer face is at y = 0."""
     spoke = _spoke()
     turns = np.arange(SPOKES) * 2.0 * np.pi / SPOKES
     spokes = [_turned_about(spoke, float(turn)) for turn in turns]
@@ -181,7 +178,7 @@ def _unit_wheel() -> Piece:
 
 
 def _turned(color: Color, section: Array) -> Piece:
-    """A section (k, 2) turned about the axle, with smooth normals along it."""
+    """Turn a section (k, 2) about the axle, with smooth normals along it."""
     ring = np.linspace(0.0, 2.0 * np.pi, STEPS + 1)
     away, along = (
         section[:, None, 0],
@@ -202,7 +199,7 @@ def _turned(color: Color, section: Array) -> Piece:
 
 
 def _spoke() -> Piece:
-    """A spoke along x: a face and two flanks."""
+    """Return a spoke along x: a face and two flanks."""
     away, half, along = np.array(SPOKE).T
     low, high = np.stack((away, along, -half), 1), np.stack((away, along, half), 1)
     deep = np.array((0.0, -SPOKE_DEPTH, 0.0))
@@ -213,7 +210,7 @@ def _spoke() -> Piece:
 
 
 def _strip(color: Color, one: Array, other: Array) -> Piece:
-    """A flat-shaded strip between two polylines (k, 3)."""
+    """Return a flat-shaded strip between two polylines (k, 3)."""
     corners = np.stack((one[:-1], one[1:], other[1:], other[:-1]), axis=1)
     normal = np.cross(corners[:, 3] - corners[:, 0], corners[:, 1] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)

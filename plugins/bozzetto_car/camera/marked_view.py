@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
@@ -14,21 +13,17 @@ from bozzetto.view import Camera
 from bozzetto.view.calibration.levenberg_marquardt import CROPPED, freedom
 from bozzetto.view.calibration.normalization import Framing
 from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, Poses
+from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.template.model import Template
 
-__all__ = ["MOST_VIEWS", "MarkedView", "Residuals", "Sight", "framing_of"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
 FEWEST_MARKS: Final = 4
-"""Marks of a sketch that can say anything: a camera has seven numbers, a mark tells two."""
+"""Fewest marks of a sketch that determine a camera: it has seven numbers, a mark tells two."""
 
 PRINCIPAL: Final = 7
-"""The first of the two numbers of a pose that are its principal point."""
+"""Index of the first of the two numbers of a pose that are its principal point."""
 
 MOST_VIEWS: Final = 8
-"""Sketches of one car that are solved together."""
+"""Most sketches of one car that are solved together."""
 
 FARTHEST_MARK: Final = 20.0
 """Farthest mark from the middle of the picture, in its diagonals. Marks may lie off the
@@ -36,12 +31,12 @@ picture, but not so far that nobody could have set them."""
 
 LEAST_EXTENT: Final = 0.01
 """Least diagonal of the marks' box that counts, in diagonals of the picture: of marks that
-all lie in one place, none is exact to nought px."""
+all lie in one place, none is exact to 0 px."""
 
 
 @dataclass(frozen=True, eq=False)
 class MarkedView:
-    """One sketch of the car.
+    """One sketch of the car with its marks and a camera.
 
     Attributes
     ----------
@@ -52,7 +47,7 @@ class MarkedView:
     marks : (k, 2) float
         Their places in the picture, px.
     shift : (float, float)
-        Of the principal point from the middle of the picture, px.
+        Shift of the principal point from the middle of the picture, px.
     cropped : bool
         Whether the principal point is free.
 
@@ -85,16 +80,16 @@ class MarkedView:
             raise UserError("A mark lies far beyond the picture. Set it again.")
 
     def turned(self, camera: Camera, shift: tuple[float, float]) -> MarkedView:
-        """The same marks seen by another camera."""
+        """Return the same marks with another camera."""
         return replace(self, camera=camera, shift=shift)
 
-    def only(self, counted: NDArray[np.bool_]) -> MarkedView:
-        """The same with some of its marks, (k,)."""
+    def only(self, counted: Flags) -> MarkedView:
+        """Return the view with some of its marks, (k,)."""
         return replace(self, nodes=self.nodes[counted], marks=self.marks[counted])
 
 
 class Residuals(NamedTuple):
-    """What a sketch misses, and how that changes.
+    """The residuals of a sketch and their derivatives.
 
     Attributes
     ----------
@@ -112,14 +107,14 @@ class Residuals(NamedTuple):
 
 
 def framing_of(template: Template, view: MarkedView) -> Framing:
-    """The units of a sketch: the same for whatever car is in it."""
+    """Return the units of a sketch, which do not depend on the car in it."""
     centroid = template.positions.mean(axis=0)
     radius = np.sqrt(((template.positions - centroid) ** 2).sum(axis=1).mean())
     return Framing(centroid, float(radius), view.camera.viewport)
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class Reprojection:
     """A sketch as the solve sees it: everything but the pose of its camera.
 
     Attributes
@@ -127,11 +122,11 @@ class Sight:
     framing : Framing
     nodes : (k,) int
     marks : (k, 2) float
-        In diagonals of the picture, from its middle.
+        Places of the marks from the middle of the picture, in its diagonals.
     extent : float
         Diagonal of the marks' box, in diagonals of the picture.
     free : (c,) int
-        Which of the nine numbers of a pose are sought.
+        Indices of the numbers of a pose, of nine, that are unknown.
     """
 
     framing: Framing
@@ -141,13 +136,15 @@ class Sight:
     free: Index
 
     @classmethod
-    def of(cls, template: Template, view: MarkedView, held: bool) -> tuple[Sight, Poses]:
-        """A sketch, and the pose to start from.
+    def of(cls, template: Template, view: MarkedView, held: bool) -> tuple[Reprojection, Poses]:
+        """Return a sketch in these units, and the pose to start from.
 
         Parameters
         ----------
         template : Template
+            The template of the car.
         view : MarkedView
+            The sketch with its marks and camera.
         held : bool
             Whether the camera stays as it is.
 
@@ -165,7 +162,7 @@ class Sight:
         return cls(framing, view.nodes, marks, max(size, LEAST_EXTENT), free), pose
 
     def residuals(self, pose: Poses, positions: Array) -> Residuals | None:
-        """What a pose and a car (n, 3) miss; None if a marked node is not in front."""
+        """Return the residuals of a pose and a car (n, 3); None if a marked node is behind it."""
         points = self.framing.points(positions[self.nodes])
         seen = pose.see(points)
         if seen.depth.min() <= NEAREST:
@@ -179,11 +176,12 @@ class Sight:
         return Residuals((seen.places[0] - self.marks) * unit, by_nodes, by_camera)
 
     def rows(self, seen: Residuals, follow: Array) -> Array:
-        """Derivative of the residuals by the car and the free numbers of the camera.
+        """Return the derivative of the residuals by the car and the free numbers of the camera.
 
         Parameters
         ----------
         seen : Residuals
+            The residuals.
         follow : (n, 3, f) float
             How the nodes follow the free directions of the car.
 
@@ -196,18 +194,18 @@ class Sight:
         return rows.reshape(-1, rows.shape[2])
 
     def stepped(self, pose: Poses, step: Array) -> Poses:
-        """The pose after a step of its free numbers (c,), within the bounds of a pose."""
+        """Return the pose after a step of its free numbers (c,), within the bounds of a pose."""
         whole = np.zeros((1, PARAMETERS))
         whole[0, self.free] = step
         return pose.moved(whole)
 
     def pixels_missed(self, pose: Poses, positions: Array) -> Array:
-        """Distance of each mark from its node with a pose and a car (n, 3), px, (k,)."""
+        """Return the distance of each mark from its node with a pose and a car (n, 3), px, (k,)."""
         seen = pose.see(self.framing.points(positions[self.nodes])).places[0]
         return np.asarray(np.linalg.norm(seen - self.marks, axis=1) * self.framing.diagonal)
 
     def middle(self, pose: Poses) -> tuple[Array, Array, float]:
-        """What is known of the principal point: its form (c, c), slope (c,) and cost."""
+        """Return the prior of the principal point: its form (c, c), slope (c,) and cost."""
         wide = np.where(self.free >= PRINCIPAL, 1.0 / CROPPED**2, 0.0)
         at = np.concatenate((np.zeros(PRINCIPAL), pose.principal[0]))[self.free]
         return np.diag(wide), wide * at, float(wide @ at**2)

@@ -1,4 +1,4 @@
-"""The picture of a cubic: seen through a camera it is a rational cubic in the plane.
+"""The picture of a cubic: through a camera it is a rational cubic in the plane.
 
 The four Bézier points times the camera's matrix are the homogeneous points of the picture, so
 places and derivatives there cost a few products, however often a search asks for them.
@@ -7,26 +7,27 @@ places and derivatives there cost a few products, however often a search asks fo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-
-__all__ = ["Pictured", "camera_matrix"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 POWERS: Final = np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], float)
 """Coefficients of 1, t, t², t³ from Bézier points."""
 
+REMEMBERED: Final = 64
+"""Number of cameras whose matrices are remembered: a body has many edits through few cameras."""
+
 AT_EYE: Final = 1e-6
-"""Depth, mm, at which a place is in the eye."""
+"""Depth, mm, at which a place counts as in the eye."""
 
 
+@lru_cache(REMEMBERED)
 def camera_matrix(camera: Camera) -> Array:
-    """M (3, 4) with (u w, v w, w) = M (x, y, z, 1): px from mm, w above 0 before the eye."""
+    """Return M (3, 4) with (u w, v w, w) = M (x, y, z, 1): px from mm, w > 0 before the eye."""
     right, up, forward = camera.axes
     eye = np.asarray(camera.eye)
     width, height = camera.viewport
@@ -37,7 +38,9 @@ def camera_matrix(camera: Camera) -> Array:
         scale = 0.5 * height / np.tan(np.radians(0.5 * camera.fov_y))
     across = scale * np.append(right, -right @ eye) + 0.5 * width * last
     down = 0.5 * height * last - scale * np.append(up, -up @ eye)
-    return np.stack((across, down, last))
+    matrix = np.stack((across, down, last))
+    matrix.flags.writeable = False
+    return matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,28 +50,28 @@ class Pictured:
     Attributes
     ----------
     coefficients : (4, 3) float
-        Of 1, t, t², t³ in (u w, v w, w).
+        Coefficients of 1, t, t², t³ in (u w, v w, w).
     """
 
     coefficients: Array
 
     @classmethod
     def of(cls, matrix: Array, control_points: Array) -> Pictured:
-        """The picture of Bézier points (4, 3), mm, through a camera's matrix (3, 4)."""
+        """Return the picture of Bézier points (4, 3), mm, through a camera's matrix (3, 4)."""
         seen = control_points @ matrix[:, :3].T + matrix[:, 3]
         return cls(POWERS @ seen)
 
     def laid_out(self, pieces: int) -> Array:
-        """Places (pieces + 1, 2), px, at equal steps of t; infinite at or behind the eye."""
+        """Return places (pieces + 1, 2), px, at equal steps of t; infinite at or behind the eye."""
         t = np.linspace(0.0, 1.0, pieces + 1)
         return self._places(self._at(t))
 
     def places(self, t: Array) -> Array:
-        """Places (n, 2), px; infinite at or behind the eye."""
+        """Return places (n, 2), px; infinite at or behind the eye."""
         return self._places(self._at(t))
 
     def rates(self, t: Array) -> tuple[Array, Array, Array]:
-        """Places (n, 2), px, their derivatives by t, and w (n,); where w is above 0."""
+        """Return places (n, 2), px, their derivatives by t, and w (n,), clipped above 0."""
         c, s = self.coefficients, t[:, None]
         seen = self._at(t)
         slope = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3]))

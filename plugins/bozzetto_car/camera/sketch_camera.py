@@ -1,8 +1,8 @@
-"""Where a sketch stands in space: its camera, and the plane its picture lies on.
+"""The place of a sketch in space: its camera, and the plane that its picture lies on.
 
 A picture that hangs behind the car, square to the line of sight, looks the same through its own
-camera at any distance, however one turns or zooms about the camera's eye. So a place on the
-sheet is a place in the picture by the ray through it, from whatever view.
+camera at any distance, also after turns and zooms about the camera's eye. So the ray through a
+place on the sheet gives a place in the picture, from any view.
 """
 
 from __future__ import annotations
@@ -11,37 +11,34 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.scene import Image, Picture
 from bozzetto.view import Camera
 from bozzetto.view.eye_fixed_motion import FOV_LIMITS
 from bozzetto.view.rotations import triple
-
-__all__ = ["Stand", "flat_stand"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 SHEET: Final = 6000.0
-"""Width of a picture whose camera is not known yet, mm: a car in it has about its size."""
+"""Width of a picture whose camera is not known yet, mm: the car in it has about its real size."""
 
 MIDDLE: Final = (2300.0, 0.0, 800.0)
-"""Where its middle is, mm: about that of a car."""
+"""Middle of such a picture, mm: about that of a car."""
 
 BEYOND: Final = 1.25
-"""How far behind the farthest node of the car a picture hangs, per distance of that from the
-eye; of an orthographic camera per length of the car."""
+"""Depth of a picture per depth of the farthest node of the car from the eye. With an orthographic
+camera the part above 1 is the distance behind that node, per length of the car."""
 
 SAME_EYE: Final = 1e-6
-"""Difference of two eyes, per distance of their targets, that is none."""
+"""Distance of two eyes, per distance of their targets, that counts as none."""
 
 ALL_IN: Final = 1.04
-"""How much more than the picture is seen of it at first, so that its border is in view."""
+"""Size of the first view relative to the picture, so that the picture's border is in view."""
 
 
 @dataclass(frozen=True, eq=False)
-class Stand:
-    """A sketch in space.
+class SketchCamera:
+    """The camera of a sketch, and the depth at which its picture hangs.
 
     Attributes
     ----------
@@ -50,7 +47,7 @@ class Stand:
     shift : (dx, dy)
         Pixels of the picture are those of the camera plus this; see `resect`.
     depth : float
-        Of the picture along the line of sight, mm from the eye.
+        Depth of the picture along the line of sight, mm from the eye.
     """
 
     camera: Camera
@@ -58,25 +55,25 @@ class Stand:
     depth: float = 10_000.0
 
     @classmethod
-    def behind(cls, camera: Camera, shift: tuple[float, float], positions: Array) -> Stand:
-        """A sketch that hangs behind a car with nodes at `positions` (n, 3), mm."""
+    def behind(cls, camera: Camera, shift: tuple[float, float], positions: Array) -> SketchCamera:
+        """Return the camera of a sketch that hangs behind a car with nodes (n, 3), mm."""
         depth = camera.view_space(positions)[:, 2]
         if camera.kind == "perspective":
             return cls(camera, shift, BEYOND * float(depth.max()))
         return cls(camera, shift, float(depth.max() + (BEYOND - 1.0) * np.ptp(positions[:, 0])))
 
     def lifted(self, pixels: ArrayLike) -> Array:
-        """Places (n, 3) in space of pixels (n, 2) of the picture, mm."""
+        """Return the places (n, 3) in space of pixels (n, 2) of the picture, mm."""
         forward = self.camera.axes[2]
         place = np.add(self.camera.eye, self.depth * forward)
         return self.camera.on_plane(np.subtract(pixels, self.shift), place, forward)
 
     def pixels(self, points: ArrayLike) -> Array:
-        """Where the picture shows points (n, 3), px; NaN at or behind the eye."""
+        """Return where the picture shows points (n, 3), px; NaN at or behind the eye."""
         return np.asarray(self.camera.project(points)[0] + self.shift)
 
     def seen_at(self, camera: Camera, places: ArrayLike) -> Array:
-        """Pixels (n, 2) of the picture at places (n, 2) on the sheet of another view.
+        """Return pixels (n, 2) of the picture at places (n, 2) on the sheet of another view.
 
         NaN where a ray does not meet the picture's plane.
         """
@@ -85,7 +82,7 @@ class Stand:
         return self.pixels(camera.on_plane(places, point, forward))
 
     def image(self, picture: Picture, opacity: float) -> Image:
-        """The picture where it hangs."""
+        """Return the picture as an image in space."""
         width, height = self.camera.viewport
         corner, right, low = self.lifted([[0.0, 0.0], [width, 0.0], [0.0, height]])
         across, down = right - corner, low - corner
@@ -98,7 +95,7 @@ class Stand:
         )
 
     def is_seen_through(self, camera: Camera) -> bool:
-        """Whether a view is from where the sketch was drawn, turned or zoomed as it may be."""
+        """Whether a view has the eye of the sketch, turned and zoomed in any way."""
         own = self.camera
         if camera.kind != own.kind:
             return False
@@ -109,7 +106,7 @@ class Stand:
         return bool(np.abs(camera.axes - own.axes).max() < SAME_EYE)
 
     def view(self, viewport: tuple[float, float]) -> Camera:
-        """The view with all of the picture on a canvas of another size, and a border around it."""
+        """Return the view of the whole picture with a border, on a canvas of another size."""
         width, height = self.camera.viewport
         wide, high = viewport
         half = 0.5 * ALL_IN * height * max(1.0, (width / height) / (wide / high))
@@ -117,7 +114,7 @@ class Stand:
         return self.windowed(viewport, [middle, (middle[0], middle[1] - half)])
 
     def window(self, camera: Camera) -> Array:
-        """What a view shows of the picture.
+        """Return the part of the picture that a view shows.
 
         Returns
         -------
@@ -128,14 +125,14 @@ class Stand:
         return self.seen_at(camera, [(0.5 * width, 0.5 * height), (0.5 * width, 0.0)])
 
     def windowed(self, viewport: tuple[float, float], window: ArrayLike) -> Camera:
-        """The view that shows a window of the picture, turned and zoomed about the eye.
+        """Return the view that shows a window of the picture, turned and zoomed about the eye.
 
         Parameters
         ----------
         viewport : (width, height)
-            Of the canvas, px.
+            Size of the canvas, px.
         window : (2, 2) array_like
-            As of `window`, perhaps through another camera.
+            As `window` returns it, also through another camera.
         """
         own = self.camera
         middle, upper = self.lifted(window)
@@ -161,17 +158,17 @@ class Stand:
         )
 
 
-def flat_stand(size: tuple[float, float]) -> Stand:
-    """A picture of which no camera is known: it stands upright over the ground, seen from the side.
+def upright_camera(size: tuple[float, float]) -> SketchCamera:
+    """Return the camera of a picture without a known one: upright, seen from the side.
 
     Parameters
     ----------
     size : (width, height)
-        px.
+        Size of the picture, px.
     """
     width, height = size
     eye = (MIDDLE[0], MIDDLE[1] - 10_000.0, MIDDLE[2])
     camera = Camera(
         "orthographic", eye, MIDDLE, height=SHEET * height / width, viewport=(width, height)
     )
-    return Stand(camera)
+    return SketchCamera(camera)

@@ -1,36 +1,34 @@
-"""Which nodes of a car a camera sees, as far as the patches' own directions tell."""
+"""The nodes of a car that a camera sees, judged by the directions of the patches."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
-
-__all__ = ["facing"]
-
-Array = NDArray[np.float64]
 
 GRAZING: Final = 0.08
 """Least cosine between a patch's normal and the ray to the eye: at less than five degrees a
 patch is too narrow in the sketch for anybody to tell where it ends."""
 
 
-def facing(template: Template, positions: Array, camera: Camera) -> NDArray[np.bool_]:
-    """Nodes in front of the camera with a patch that faces it, and wheels on its side, (n,).
+def facing(template: Template, positions: Array, camera: Camera) -> Flags:
+    """Whether nodes are in front of the camera and face it, and wheels are on its side, (n,).
 
-    A node that another part of the car hides counts as seen: on a car that is next to convex
-    these are few.
+    A node with any patch that faces the camera faces it. A node that another part of the car
+    hides counts as seen: on a nearly convex car these are few.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     positions : (n, 3) float
         Nodes of the car, mm.
     camera : Camera
+        The view.
     """
     if camera.kind == "orthographic":
         toward = np.broadcast_to(-camera.axes[2], positions.shape)

@@ -1,1 +1,1 @@
-"""Which point to mark next, and where it is expected. Imports body and below."""
+"""The point to mark next, and where it is expected. Imports body and below."""

@@ -1,4 +1,4 @@
-"""Commands for marking: pass a point over, say that it is not seen, take a mark away."""
+"""Commands for marking: skip a point, note that it is not visible, remove a mark."""
 
 from __future__ import annotations
 
@@ -14,16 +14,14 @@ from bozzetto_car.marking.edit_marks import (
     without_last_mark,
 )
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, in_work, neighbour_of
-from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.state import CarState
-
-__all__ = ["asked_node", "marking_commands", "passed_over"]
 
 NOTHING_HIDDEN: Final = "No point of this sketch is noted as not visible. There is none to ask for."
 
 
 def marking_commands() -> tuple[Command, ...]:
-    """All of them, in the order in which they are listed."""
+    """Return the commands, in the order of the menu."""
     return (
         Command(
             "skip", "Skip this point",
@@ -32,7 +30,7 @@ def marking_commands() -> tuple[Command, ...]:
         ),
         Command(
             "ask-before", "Go back to the point before",
-            "Ask once more for the point that comes before this one, to set its mark anew.",
+            "Ask again for the point before this one, to set its mark again.",
             lambda state, context: passed_over(state, -1), "Shift+S", _has_sketch,
         ),
         Command(
@@ -53,7 +51,7 @@ def marking_commands() -> tuple[Command, ...]:
 
 
 def asked_node(state: CarState) -> str:
-    """The node that is asked for.
+    """Return the node that is asked for.
 
     Raises
     ------
@@ -61,7 +59,7 @@ def asked_node(state: CarState) -> str:
         If there is no sketch, it is hidden, or all is marked.
     """
     sketch_in_work(state)
-    solved_ = solved(state)
+    solved_ = solve_car(state)
     if in_work(state, solved_) is None:
         raise UserError(HIDDEN)
     asked = asked_of(state, solved_)
@@ -71,15 +69,15 @@ def asked_node(state: CarState) -> str:
 
 
 def passed_over(state: CarState, step: int) -> CarState:
-    """With the next node (step 1) or the one before (-1) asked for.
+    """Return the state that asks for the next node (step 1) or the one before (-1).
 
     Raises
     ------
     UserError
-        As of `asked_node`; with all marked, only forward.
+        As `asked_node` does; with all points marked, only forward.
     """
     sketch = sketch_in_work(state)
-    solved_ = solved(state)
+    solved_ = solve_car(state)
     placed, asked = in_work(state, solved_), asked_of(state, solved_)
     if placed is None:
         raise UserError(HIDDEN)

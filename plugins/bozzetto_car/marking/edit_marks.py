@@ -1,8 +1,7 @@
-"""What marking does to a sketch: marks set, moved and taken away, nodes passed over, sides.
+"""Edits of a sketch: marks set, moved and removed, nodes skipped, sides exchanged.
 
-Nobody should have to think of left and right. A sketch is taken to show the left side until
-both wheels of that side are marked; if the nose points the other way then, every mark changes
-sides.
+A person need not think of left and right. A sketch is taken to show the left side until both
+wheels of that side are marked; if the nose then points the other way, every mark changes sides.
 """
 
 from __future__ import annotations
@@ -14,26 +13,14 @@ from bozzetto.errors import UserError
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.model import Template, twin
 
-__all__ = [
-    "marked",
-    "near_wheels",
-    "sketch_in_work",
-    "with_all_asked",
-    "with_asked",
-    "with_sides_exchanged",
-    "with_skipped",
-    "without_last_mark",
-    "without_marks",
-]
-
 
 def sketch_in_work(state: CarState) -> Sketch:
-    """The sketch that is marked.
+    """Return the sketch that is marked.
 
     Raises
     ------
     UserError
-        If there is none.
+        If the car has no sketch.
     """
     sketch = state.sketch
     if sketch is None:
@@ -41,17 +28,21 @@ def sketch_in_work(state: CarState) -> Sketch:
     return sketch
 
 
-def marked(state: CarState, node: str, place: tuple[float, float], template: Template) -> CarState:
-    """With a node of the sketch in work marked, or its mark moved.
+def set_mark(
+    state: CarState, node: str, place: tuple[float, float], template: Template
+) -> CarState:
+    """Return the state with a node of the sketch in work marked, or its mark moved.
 
     Parameters
     ----------
     state : CarState
+        The car.
     node : str
+        Name of the node.
     place : (u, v)
-        Pixels of the picture; beside it is good, too.
+        Pixels of the picture; places beside it are allowed.
     template : Template
-        That of the car: it knows the wheels, by which the sides are told.
+        The template of the car; its wheels tell the sides.
     """
     sketch = sketch_in_work(state)
     mark = Mark(node, float(place[0]), float(place[1]))
@@ -66,7 +57,7 @@ def marked(state: CarState, node: str, place: tuple[float, float], template: Tem
 
 
 def near_wheels(sketch: Sketch, template: Template) -> tuple[str, str]:
-    """The front and the rear wheel on the side that a sketch shows."""
+    """Return the front and the rear wheel on the side that a sketch shows."""
     column = 0 if sketch.shows == "R" else 1
     front, rear = template.wheels[:, column].tolist()
     return template.names[front], template.names[rear]
@@ -75,8 +66,8 @@ def near_wheels(sketch: Sketch, template: Template) -> tuple[str, str]:
 def _nose_points_the_other_way(sketch: Sketch, template: Template) -> bool:
     """Whether the near wheels stand in the order that only the other side shows.
 
-    A line along the car on the side that is seen runs to the right from the nose where that is
-    the left side, from whatever height and however far ahead or behind it is seen.
+    On the left side of a car, a line along the car runs from the nose to the right in the view,
+    from any height and from any place ahead or behind.
     """
     front, rear = (sketch.mark_of(name) for name in near_wheels(sketch, template))
     if front is None or rear is None:
@@ -85,7 +76,7 @@ def _nose_points_the_other_way(sketch: Sketch, template: Template) -> bool:
 
 
 def with_sides_exchanged(sketch: Sketch) -> Sketch:
-    """With all marks, and what was passed over, on the other side of the car."""
+    """Return the sketch with all marks and skipped nodes on the other side of the car."""
     return replace(
         sketch,
         marks=tuple(replace(mark, node=twin(mark.node)) for mark in sketch.marks),
@@ -95,14 +86,14 @@ def with_sides_exchanged(sketch: Sketch) -> Sketch:
 
 
 def without_marks(state: CarState, nodes: Collection[str]) -> CarState:
-    """With some marks of the sketch in work taken away."""
+    """Return the state without some marks of the sketch in work."""
     sketch = sketch_in_work(state)
     left = tuple(mark for mark in sketch.marks if mark.node not in nodes)
     return state.with_node(replace(sketch, marks=left))
 
 
 def without_last_mark(state: CarState) -> CarState:
-    """With the newest mark of the sketch in work taken away; its node is asked for again.
+    """Return the state without the newest mark of the sketch in work, and ask for it again.
 
     Raises
     ------
@@ -117,7 +108,7 @@ def without_last_mark(state: CarState) -> CarState:
 
 
 def with_skipped(state: CarState, nodes: Collection[str]) -> CarState:
-    """With nodes noted as not to be seen in the sketch in work; marks that are set stay."""
+    """Return the state with nodes noted as not visible in the sketch; marks that are set stay."""
     sketch = sketch_in_work(state)
     known = {*sketch.skipped, *(mark.node for mark in sketch.marks)}
     more = tuple(node for node in nodes if node not in known)
@@ -125,11 +116,11 @@ def with_skipped(state: CarState, nodes: Collection[str]) -> CarState:
 
 
 def with_all_asked(state: CarState) -> CarState:
-    """With nothing noted as not to be seen in the sketch in work: all is asked for again."""
+    """Return the state with no node noted as not visible in the sketch in work."""
     return state.with_node(replace(sketch_in_work(state), skipped=()))
 
 
 def with_asked(state: CarState, node: str) -> CarState:
-    """With a node asked for next in the sketch in work, which is chosen."""
+    """Return the state that asks for a node next in the sketch in work, which is chosen."""
     sketch = sketch_in_work(state)
     return replace(state, asked=node, selected=sketch.id)

@@ -1,8 +1,8 @@
-"""Where a sketch will show a node that has no mark yet, and how sure that is.
+"""Predict where a sketch will show a node that has no mark yet, with a covariance.
 
-A place is unsure by what is not known of the camera and of the car. The two hang together: a car
-that is a little longer is seen by a camera a little farther off. So the covariance is carried
-through both, as the normal equations of the solve have them (Triggs et al. 2000, section 6).
+The place is uncertain because the camera and the car are. Both errors are correlated: a car that
+is a little longer is seen by a camera a little farther away. So the covariance is propagated
+through both, with the normal equations of the solve (Triggs et al. 2000, section 6).
 """
 
 from __future__ import annotations
@@ -11,41 +11,39 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
 from bozzetto.view.calibration import Places
-from bozzetto_car.camera.marked_view import Sight
-from bozzetto_car.solver.bundle_adjustment import Joint
+from bozzetto_car.array_types import Array
+from bozzetto_car.camera.marked_view import Reprojection
+from bozzetto_car.solver.bundle_adjustment import JointSolution
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.prior import robust_weights
 
-__all__ = ["expected"]
-
-Array = NDArray[np.float64]
-
 OPEN: Final = 1e-12
-"""Share of the largest part of a form below which it says nothing of a number of the camera."""
+"""Share of the largest eigenvalue of a form below which a direction counts as undetermined."""
 
 
 _known: Memory[Places | None] = Memory(64)
 
 
 def expected(solved: Solved, sketch: str, node: int) -> Places | None:
-    """Where a sketch is expected to show a node; remembered.
+    """Return where a sketch is expected to show a node; remembered.
 
     Parameters
     ----------
     solved : Solved
+        The solve.
     sketch : str
         Id of a sketch.
     node : int
+        Index of the node.
 
     Returns
     -------
     Places or None
-        One place, with its covariance; None while the sketch has no camera, or where the node is
-        not before it.
+        One place with its covariance; None while the sketch has no camera, or where the node is
+        not in front of it.
     """
     return _known.recall((solved, sketch, node), lambda: _expected(solved, sketch, node))
 
@@ -55,7 +53,7 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     if joint is None or sketch not in solved.solid:
         return None
     view = joint.views[solved.solid.index(sketch)]
-    sight, pose = Sight.of(solved.template, view, held=False)
+    sight, pose = Reprojection.of(solved.template, view, held=False)
     one = replace(sight, nodes=np.array([node]), marks=np.zeros((1, 2)))
     known, asked = (each.residuals(pose, solved.positions) for each in (sight, one))
     if known is None or asked is None:
@@ -66,7 +64,7 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     rows = sight.rows(known, follow) / hand
     weights, _ = robust_weights(((known.missed / hand) ** 2).sum(axis=1), solved.cost.stray)
     told = (rows * np.repeat(weights, 2)[:, None]).T @ rows
-    # Given the car, the camera is what the marks say; it goes along with the car by `led`.
+    # Given the car, the marks determine the camera; `led` is how it follows the car.
     spread = np.linalg.pinv(told[free:, free:] + sight.middle(pose)[0], OPEN, True)
     led = spread @ told[free:, :free]
     by_all = one.rows(asked, follow)
@@ -79,7 +77,7 @@ def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     return Places(np.asarray(place), covariance[None])
 
 
-def _following(solved: Solved, joint: Joint) -> Array:
-    """How the nodes follow the free directions of the car, (n, 3, f)."""
+def _following(solved: Solved, joint: JointSolution) -> Array:
+    """Return how the nodes follow the free directions of the car, (n, 3, f)."""
     span = joint.span
     return np.asarray((solved.template.basis @ span).reshape(-1, 3, span.shape[1]))

@@ -1,4 +1,4 @@
-"""Which mark is asked for next, in which words, and where the sketch will show it."""
+"""The mark that is asked for next, its title, and where the sketch will show it."""
 
 from __future__ import annotations
 
@@ -6,30 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.edit_marks import near_wheels
 from bozzetto_car.marking.mark_prediction import expected
-from bozzetto_car.solver.pipeline import FEWEST, Placed, Solved
+from bozzetto_car.solver.initial_cameras import FEWEST, Placed
+from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.model import Template
-
-__all__ = [
-    "ALL_MARKED",
-    "HIDDEN",
-    "Asked",
-    "asked_of",
-    "hint_of",
-    "in_work",
-    "neighbour_of",
-    "open_nodes",
-    "shown_nodes",
-    "titled",
-]
-
-Array = NDArray[np.float64]
 
 HIDDEN: Final = "This sketch is hidden. Show it to mark it."
 
@@ -46,11 +30,11 @@ class Asked:
     ----------
     node : str
     place : (2,) float or None
-        Where the picture shows it as far as is known, px; None while the camera is not known.
+        Expected place in the picture, px; None while the camera is not known.
     ellipse : (2, 2) float or None
-        Half axes of the region in which it lies nine times of ten, px, as rows.
+        Half axes, px, as rows, of the region that holds the place with a probability of 90 %.
     hidden : bool
-        It is on a side of the car that this sketch does not show.
+        Whether the node is on a side of the car that this sketch does not show.
     """
 
     node: str
@@ -60,10 +44,10 @@ class Asked:
 
 
 def in_work(state: CarState, solved: Solved) -> Placed | None:
-    """The sketch in work as it is solved, with all that the person said of it.
+    """Return the solved sketch in work, with all that the person has set on it.
 
-    A solve is remembered by the marks, so that its sketches may be those of a state in which
-    another thing was passed over or another side was shown.
+    A solve is remembered by the marks, so that its sketches may come from a state with other
+    skipped nodes or another side shown.
     """
     sketch = state.sketch
     placed = None if sketch is None else solved.placed.get(sketch.id)
@@ -71,9 +55,9 @@ def in_work(state: CarState, solved: Solved) -> Placed | None:
 
 
 def asked_of(state: CarState, solved: Solved) -> Asked | None:
-    """The node that the sketch in work is to be marked with next; None if it has all.
+    """Return the node to mark next in the sketch in work; None if it has all.
 
-    That is the one that the person chose, or the next one of `open_nodes`.
+    It is the node that the person chose, or the next one of `open_nodes`.
     """
     placed = in_work(state, solved)
     if placed is None:
@@ -87,10 +71,10 @@ def asked_of(state: CarState, solved: Solved) -> Asked | None:
 
 
 def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
-    """Nodes that are neither marked nor noted as not to be seen, in the order of asking.
+    """Return the nodes that are neither marked nor noted as not visible, in the order of asking.
 
-    The order is the template's. It goes on from the newest mark and begins anew at its end, so
-    that what was passed over comes again, but not at once. Once the camera is known, nodes on
+    The order is the template's. It continues from the newest mark and wraps around, so that
+    skipped nodes come again, but not at once. Once the camera is known, nodes on
     a side of the car that the sketch does not show come last.
     """
     template, sketch = solved.template, placed.sketch
@@ -104,9 +88,9 @@ def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
 
 
 def neighbour_of(asked: str, step: int, placed: Placed, solved: Solved) -> str:
-    """The node one step before (-1) or after (1) another in the template's order.
+    """Return the node one step before (-1) or after (1) another in the template's order.
 
-    Forward are only nodes that are open; back are all, so that a mark can be set again.
+    Forward leads only to open nodes, backward to all, so that a mark can be set again.
     """
     template, sketch = solved.template, placed.sketch
     order = [template.names[node] for node in template.asked(sketch.shows)]
@@ -129,14 +113,14 @@ def _order_after_newest(sketch: Sketch, template: Template) -> tuple[int, ...]:
     return (*order[begin:], *order[:begin])
 
 
-def shown_nodes(placed: Placed, solved: Solved) -> NDArray[np.bool_] | None:
+def shown_nodes(placed: Placed, solved: Solved) -> Flags | None:
     """Which nodes a sketch shows, (n,); None while that is not known."""
     if not placed.is_known:
         return None
-    return facing(solved.template, solved.positions, placed.stand.camera)
+    return facing(solved.template, solved.positions, placed.sketch_camera.camera)
 
 
-def _described(node: int, placed: Placed, solved: Solved, shown: NDArray[np.bool_] | None) -> Asked:
+def _described(node: int, placed: Placed, solved: Solved, shown: Flags | None) -> Asked:
     name = solved.template.names[node]
     if shown is None:
         return Asked(name)
@@ -150,22 +134,22 @@ def _described(node: int, placed: Placed, solved: Solved, shown: NDArray[np.bool
 
 
 def side_of(node: str, sketch: Sketch) -> str:
-    """``near side`` or ``far side``, as the sketch has it; "" for a node in the middle."""
+    """Return ``near side`` or ``far side`` for a sketch; "" for a node in the middle."""
     _, _, side = node.partition(".")
     if not side:
         return ""
     return "near side" if side == sketch.shows else "far side"
 
 
-def titled(node: str, sketch: Sketch, template: Template) -> str:
-    """What a node is called in a sketch: ``Front wheel, near side``."""
+def node_title(node: str, sketch: Sketch, template: Template) -> str:
+    """Return the title of a node in a sketch: ``Front wheel, near side``."""
     title = template.titles.get(node, node)
     side = side_of(node, sketch)
     return f"{title}, {side}" if side else title
 
 
 def hint_of(state: CarState, solved: Solved) -> str:
-    """What to mark next, and what that will bring."""
+    """Return a hint that names the next mark and what it will bring."""
     placed = in_work(state, solved)
     if placed is None:
         return HIDDEN if state.sketch is not None else "Drop a sketch of a car on the sheet."

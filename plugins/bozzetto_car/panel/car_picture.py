@@ -1,4 +1,4 @@
-"""The small car that shows what is asked for: the template, turned to where a node is seen best."""
+"""The picture of a small car that shows the point to mark, from where it is seen best."""
 
 from __future__ import annotations
 
@@ -16,42 +16,42 @@ from bozzetto.scene import Layer, Palette, Scene, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 from bozzetto.view.navigation import fit_points
+from bozzetto.view.rotations import triple
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.wheels import wheel_meshes
-from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import network_lines
-
-__all__ = ["Pose", "SmallCar", "between", "pose_of", "small_car"]
 
 DIVISIONS: Final = 8
 """Steps along each side of a patch."""
 
 AWAY: Final = 12_000.0
-"""Of the eye from the middle of the car, mm."""
+"""Distance of the eye from the middle of the car, mm."""
 
 OPENING: Final = 24.0
-"""Degrees."""
+"""Opening angle of the camera, degrees."""
 
 MARGIN: Final = 0.04
 """Part of the picture left free on each side."""
 
 GLASS: Final = (74, 84, 98)
-"""Of windows."""
+"""Colour of windows."""
 
 GLAZED: Final = ("glass", "windscreen", "backlight")
 """Words in the names of patches that are windows."""
 
 TINT: Final = 0.62
-"""Share of the accent in the colour of the patches that a prompt speaks of, and of glass in that
-of windows: the clay below keeps them together."""
+"""Share of the accent in the colour of the patches that a prompt names, and of glass in that of
+windows: the clay below holds the picture together."""
 
-USUAL: Final = Picture(40.0, 15.0)
-"""From where a node is seen for which a template tells nothing."""
+USUAL: Final = ViewHint(40.0, 15.0)
+"""View hint for a node without one in the template."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """From where the small car is looked at, degrees; see `template.Picture`."""
+    """The direction from which the small car is seen, degrees; see `ViewHint`."""
 
     azimuth: float
     elevation: float
@@ -59,14 +59,14 @@ class Pose:
 
 @dataclass(frozen=True, eq=False)
 class SmallCar:
-    """A picture of the template with what is asked for.
+    """A picture of the template with one node marked.
 
     Attributes
     ----------
     pixels : (h, w, 4) uint8
         RGBA, transparent around the car.
     place : (x, y)
-        Where the node is seen, in the units of the size that was asked for.
+        Place of the node in the picture, in units of `size`.
     """
 
     pixels: NDArray[np.uint8]
@@ -77,13 +77,13 @@ _meshes: Memory[Scene] = Memory(8)
 
 
 def pose_of(template: Template, node: str) -> Pose:
-    """From where a node is seen best."""
+    """Return the pose from which a node is seen best."""
     picture = template.pictures.get(node, USUAL)
     return Pose(picture.azimuth, picture.elevation)
 
 
 def between(start: Pose, end: Pose, share: float) -> Pose:
-    """A pose on the shorter way from one to another, with a soft start and end; share 0 … 1."""
+    """Return a pose on the shorter way between two, with a soft start and end; share 0 … 1."""
     soft = share * share * (3.0 - 2.0 * share)
     turn = (end.azimuth - start.azimuth + 180.0) % 360.0 - 180.0
     rise = end.elevation - start.elevation
@@ -98,17 +98,20 @@ def small_car(
     size: tuple[int, int],
     scale: float = 1.0,
 ) -> SmallCar:
-    """The template as it is seen from a pose, with the patches of a prompt tinted.
+    """Draw the template as seen from a pose, with the patches of a prompt tinted.
 
     Parameters
     ----------
     template : Template
+        The template.
     node : str
-        What is asked for; "" for nothing.
+        Name of the node to mark; "" for none.
     pose : Pose
+        The direction of the view.
     palette : Palette
+        The colours of the window.
     size : (width, height)
-        px.
+        Size of the picture, px.
     scale : float
         Pixels of the picture per px of `size`.
     """
@@ -122,16 +125,13 @@ def small_car(
 
 def _camera(template: Template, pose: Pose, size: tuple[int, int]) -> Camera:
     middle = 0.5 * (template.positions.min(axis=0) + template.positions.max(axis=0))
-    eye = middle + AWAY * Picture(pose.azimuth, pose.elevation).toward_eye
-    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
-    camera = Camera(
-        "perspective", (x, y, z), (tx, ty, tz), fov_y=OPENING, viewport=(size[0], size[1])
-    )
+    eye = middle + AWAY * ViewHint(pose.azimuth, pose.elevation).toward_eye
+    camera = Camera("perspective", triple(eye), triple(middle), fov_y=OPENING, viewport=size)
     return fit_points(camera, _outline(template), MARGIN)
 
 
-def _outline(template: Template) -> NDArray[np.float64]:
-    """The nodes, and the lowest points of the wheels."""
+def _outline(template: Template) -> Array:
+    """Return the nodes, and the lowest points of the wheels."""
     wheels = template.positions[template.wheels.ravel()]
     return np.vstack((template.positions, wheels * (1.0, 1.0, 0.0)))
 

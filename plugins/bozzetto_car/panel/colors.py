@@ -1,4 +1,4 @@
-"""The colours of the guide panel: those of the program, as they come with every widget."""
+"""The colours of the guide panel: those that the program gives every widget."""
 
 from __future__ import annotations
 
@@ -7,24 +7,22 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene import DARK, LIGHT, Palette
 
-__all__ = ["palette_of", "role", "warning_of"]
-
 
 def palette_of(widget: QWidget) -> Palette:
-    """The palette of the sheet that goes with a widget's own."""
+    """Return the palette of the sheet that belongs to a widget's own."""
     window, text = role(widget, QPalette.ColorRole.Window), role(widget, TEXT)
     return DARK if window.lightness() < text.lightness() else LIGHT
 
 
 def role(widget: QWidget, which: QPalette.ColorRole, opacity: float = 1.0) -> QColor:
-    """A colour of a widget's palette; opacity 0 … 1."""
+    """Return a colour of a widget's palette; opacity 0 … 1."""
     color = QColor(widget.palette().color(which))
     color.setAlphaF(opacity)
     return color
 
 
 def warning_of(widget: QWidget) -> QColor:
-    """The colour of what needs a look."""
+    """Return the colour of warnings."""
     return QColor(*palette_of(widget).warning)
 
 

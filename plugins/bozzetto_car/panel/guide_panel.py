@@ -29,11 +29,9 @@ from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
 from bozzetto_car.panel.worker import Work
 from bozzetto_car.state import CarState
 
-__all__ = ["GuidePanel"]
-
 PATIENCE: Final = 60
-"""Time after a change before the panel looks at it, ms: the program solves the car first, and
-then its answer is remembered."""
+"""Time from a change to the update of the panel, ms: the program solves the car first, and its
+answer is then remembered."""
 
 WORDS: Final = ("Back", "Skip", "Not visible")
 
@@ -47,12 +45,14 @@ CHECKED, UNCHECKED = Qt.CheckState.Checked, Qt.CheckState.Unchecked
 
 
 class GuidePanel(QScrollArea):
-    """Guides through the marking of a car's sketches.
+    """The panel that guides a person through the marking of a car's sketches.
 
     Parameters
     ----------
     host : PanelHost
+        Access to the selected car.
     parent : QWidget
+        The widget that holds the panel.
     """
 
     def __init__(self, host: PanelHost, parent: QWidget) -> None:
@@ -73,7 +73,7 @@ class GuidePanel(QScrollArea):
 
     @property
     def busy(self) -> bool:
-        """Whether what is shown is not that of the newest state yet."""
+        """Whether the panel does not show the newest state yet."""
         return self._soon.isActive() or self._work.busy
 
     def sizeHint(self) -> QSize:
@@ -196,7 +196,7 @@ class GuidePanel(QScrollArea):
         for number, rule in enumerate(guide.rules):
             item = self.rules.item(number)
             item.setCheckState(CHECKED if rule.is_on else UNCHECKED)
-            item.setToolTip("The car does not keep to it." if rule.is_broken else "")
+            item.setToolTip("The car violates this constraint." if rule.is_broken else "")
         self.rules.blockSignals(False)
 
     # -- what can be done --------------------------------------------------------------------------
@@ -230,7 +230,7 @@ class GuidePanel(QScrollArea):
         self._change(switched, "Switch soundness")
 
     def _change(self, change: Callable[[CarState], CarState], label: str) -> None:
-        """Change the newest state, which may be ahead of what is shown."""
+        """Change the newest state, which may be newer than what is shown."""
         state = self._host.state
         if isinstance(state, CarState) and state.sketch is not None:
             self._host.change(change(state), label)

@@ -1,11 +1,10 @@
-"""All points of a car on one drawing: which are marked, which disagree; a click asks for one."""
+"""A chart of all points of a car: which are marked, which disagree; a click asks for one."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -20,10 +19,9 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.panel.colors import palette_of, role, warning_of
 from bozzetto_car.panel.view_model import Chart, Guide, NodeRow, chart_of
-
-__all__ = ["NodeChart", "told"]
 
 MARGIN: Final = 12.0
 """Free space around the drawing, px."""
@@ -38,15 +36,15 @@ WORDS: Final = {
     "asked": "asked for",
     "set": "marked",
     "open": "not marked yet",
-    "hidden": "not seen from here, as it seems",
+    "hidden": "probably not visible here",
     "skipped": "noted as not visible",
 }
 
 Role = QPalette.ColorRole
 
 
-def told(row: NodeRow) -> str:
-    """A node and its status in words."""
+def row_text(row: NodeRow) -> str:
+    """Return a node and its status in words."""
     if row.status == "wrong":
         return f"{row.title}: disagrees by {row.off or 0.0:.0f} px"
     if row.off is not None:
@@ -60,7 +58,7 @@ class NodeChart(QWidget):
     Signals
     -------
     chosen : str
-        A node was clicked, or taken with the keys.
+        A node was clicked, or chosen with the keys.
     """
 
     chosen = Signal(str)
@@ -88,7 +86,7 @@ class NodeChart(QWidget):
         self.update()
 
     def place_of(self, node: str) -> QPointF:
-        """Where a node is drawn."""
+        """Return where a node is drawn."""
         if self._guide is None or self._chart is None:
             return QPointF()
         x, y = self._laid(self._chart.places[self._guide.template.node[node]])
@@ -101,7 +99,7 @@ class NodeChart(QWidget):
             inner = self.width() - 2.0 * MARGIN
             self.setFixedHeight(round(inner * self._chart.height + 2.0 * MARGIN))
 
-    def _laid(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _laid(self, places: Array) -> Array:
         return np.asarray(MARGIN + (self.width() - 2.0 * MARGIN) * places)
 
     def _row_at(self, at: QPointF) -> NodeRow | None:
@@ -133,7 +131,7 @@ class NodeChart(QWidget):
             painter.setPen(QPen(role(self, Role.Link), 1.0))
             painter.drawRoundedRect(self.rect().adjusted(0, 0, -1, -1), 4.0, 4.0)
 
-    def _path(self, edges: NDArray[np.float64]) -> QPainterPath:
+    def _path(self, edges: Array) -> QPainterPath:
         path = QPainterPath()
         for edge in self._laid(edges).tolist():
             path.moveTo(*edge[0])
@@ -176,7 +174,7 @@ class NodeChart(QWidget):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if watched is self and isinstance(event, QHelpEvent):
             row = self._row_at(QPointF(event.pos()))
-            QToolTip.showText(event.globalPos(), "" if row is None else told(row), self)
+            QToolTip.showText(event.globalPos(), "" if row is None else row_text(row), self)
             return True
         return False
 
@@ -192,7 +190,7 @@ class NodeChart(QWidget):
             self.chosen.emit(row.node)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrow keys go through the nodes in the order of asking, Enter takes one."""
+        """Go through the nodes with the arrow keys in the order of asking; Enter chooses one."""
         guide = self._guide
         if guide is None or not guide.rows:
             return
@@ -211,7 +209,7 @@ class NodeChart(QWidget):
         node = "" if row is None else row.node
         if node != self._pointed:
             self._pointed = node
-            self.setAccessibleDescription("" if row is None else told(row))
+            self.setAccessibleDescription("" if row is None else row_text(row))
             pointer = (
                 Qt.CursorShape.ArrowCursor if row is None else Qt.CursorShape.PointingHandCursor
             )

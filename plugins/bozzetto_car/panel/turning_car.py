@@ -1,4 +1,4 @@
-"""The small car of the guide panel: it turns to the point that is asked for."""
+"""The small car of the guide panel, which turns to the point that is asked for."""
 
 from __future__ import annotations
 
@@ -22,16 +22,14 @@ from bozzetto_car.panel.colors import palette_of, role
 from bozzetto_car.panel.worker import Work
 from bozzetto_car.template.model import Template
 
-__all__ = ["STILL", "TurningCar"]
-
 SHAPE: Final = 0.5
 """Height of the picture per width."""
 
 TURN: Final = 700.0
-"""Time in which the car turns to another point, ms."""
+"""Duration of a turn to another point, ms."""
 
 PULSES: Final = 3
-"""How often the dot swells when it has come to a new point; then it rests."""
+"""Number of times that the dot swells at a new point; then it rests."""
 
 PULSE: Final = 900.0
 """Length of one swell, ms."""
@@ -43,11 +41,11 @@ DOT: Final = 4.5
 """Radius of the dot, px."""
 
 STILL: Final = "reducedMotion"
-"""A property of the application: whether the person wants nothing to move by itself."""
+"""Property of the application: whether the person wants no animation."""
 
 
 class TurningCar(QWidget):
-    """The template with one node marked; pictures are made in a thread."""
+    """The widget with the template and one node marked; a thread draws its pictures."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -67,7 +65,7 @@ class TurningCar(QWidget):
 
     @property
     def busy(self) -> bool:
-        """Whether it still turns, or a picture is being made."""
+        """Whether the car still turns, or a picture is being drawn."""
         return self._work.busy
 
     @property
@@ -94,14 +92,14 @@ class TurningCar(QWidget):
     # -- turning -----------------------------------------------------------------------------------
 
     def _turn(self) -> None:
-        """Ask for the picture of this moment, as long as anybody sees it."""
+        """Ask for the picture of this moment, as long as the widget is visible."""
         template, node = self._template, self._node
         if template is None or not self.isVisible() or self.width() < 2:
             return
         end = pose_of(template, node)
         share = min(self._clock.elapsed() / TURN, 1.0) if self._start != end else 1.0
         pose = between(self._start, end, share)
-        # On the way a coarser picture does: the eye follows the car, not its edges.
+        # While it turns a coarser picture is enough: the eye follows the car, not its edges.
         scale = self.devicePixelRatioF() if share == 1.0 else 1.0
         palette, size = palette_of(self), (self.width(), self.height())
         key = (template, node, pose, palette, size, scale)

@@ -1,4 +1,4 @@
-"""What the guide panel says of a car, as plain values: nothing is computed where it is shown."""
+"""The content of the guide panel as plain values, so that widgets compute nothing."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import (
@@ -18,31 +19,29 @@ from bozzetto_car.marking.next_mark import (
     asked_of,
     in_work,
     neighbour_of,
+    node_title,
     shown_nodes,
-    titled,
 )
-from bozzetto_car.solver.pipeline import FEWEST, Placed, Solved
+from bozzetto_car.solver.initial_cameras import FEWEST, Placed
+from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import further_views
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.shape_constraints import soundness_names
 
-__all__ = ["Chart", "Guide", "NodeRow", "Rule", "SketchRow", "Status", "chart_of", "guide_of"]
-
-Array = NDArray[np.float64]
 Status = Literal["asked", "set", "wrong", "skipped", "open", "hidden"]
 
-CHART_POSE: Final = Picture(69.0, 20.0)
-"""From where the chart of all nodes shows the car: no two nodes lie on each other, in none of the
-three templates."""
+CHART_POSE: Final = ViewHint(69.0, 20.0)
+"""Direction of the view in the chart of all nodes: no two nodes overlap in any of the three
+templates."""
 
 CHART_SIZE: Final = (1000.0, 1000.0)
 """Canvas of the chart's camera, px; only its shape counts."""
 
-NOT_SEEN: Final = "Not seen from here, as it seems. Pass it over, unless the drawing shows it."
+NOT_SEEN: Final = "Probably not visible here. Skip it, unless the drawing shows it."
 
 PIECES: Final = 10
-"""Of an edge in the chart."""
+"""Pieces of an edge in the chart."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +55,8 @@ class NodeRow:
         ``wrong``: its mark was set aside; ``skipped``: noted as not visible; ``hidden``: still
         open, and on a side that the sketch does not show.
     off : float or None
-        Distance of its mark from where the car has it, or, of a wrong one, from where the
-        others have it, px.
+        Distance of its mark from its node on the car, or, of a wrong mark, from where the other
+        marks expect it, px.
     """
 
     node: str
@@ -68,11 +67,11 @@ class NodeRow:
 
 @dataclass(frozen=True)
 class SketchRow:
-    """A sketch, and in a few words its camera, marks and what they are missed by."""
+    """A sketch, with its camera, marks and residual in a few words."""
 
     id: str
     name: str
-    told: str
+    summary: str
     in_work: bool
     wrong: bool = False
 
@@ -93,23 +92,23 @@ class Chart:
     Attributes
     ----------
     places : (n, 2) float
-        Of the nodes.
+        Places of the nodes.
     edges : (m, k, 2) float
     front : (m,) bool
         Edges on the side that is seen.
     height : float
-        Of the box, per width.
+        Height of the box, per width.
     """
 
     places: Array
     edges: Array
-    front: NDArray[np.bool_]
+    front: Flags
     height: float
 
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """All that the panel shows.
+    """The content of the panel.
 
     Attributes
     ----------
@@ -119,18 +118,18 @@ class Guide:
     asked, title, prompt : str
         The node that is asked for, its name, and how to ask for it; "" for none.
     before, after : str
-        The nodes to which one goes back or on; "" for none.
+        The nodes that *Back* and *Skip* lead to; "" for none.
     note : str
-        What to know beside: how many marks are missing, that the node is not seen from here.
+        A remark: how many marks are missing, or that the node seems not to be visible.
     count : int
-        How many nodes are marked.
+        Number of nodes that are marked.
     rows : tuple of NodeRow
         All nodes, in the order in which they are asked for.
     sketches : tuple of SketchRow
     advice : str
         Which further sketch would help most; "" while that is not known.
     dimensions : tuple of (str, float)
-        As measured on the body, mm.
+        Names, and values as measured on the body, mm.
     rules : tuple of Rule
     """
 
@@ -151,19 +150,19 @@ class Guide:
 
 
 def guide_of(state: CarState) -> Guide:
-    """What the panel shows of a car.
+    """Return the content of the panel for a car.
 
     Raises
     ------
     UserError
-        As of `solved`.
+        As `solve_car` does.
     """
     body = body_of(state)
     solved, template = body.solved, body.template
     placed, asked = in_work(state, solved), asked_of(state, solved)
     sketch = None if placed is None else placed.sketch
     node = "" if asked is None else asked.node
-    title = titled(node, sketch, template) if sketch is not None and node else ""
+    title = node_title(node, sketch, template) if sketch is not None and node else ""
     is_hidden = placed is None and state.sketch is not None
     before, after = _neighbours(node, placed, solved)
     return Guide(
@@ -217,7 +216,7 @@ def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:
     missed, others = placed.missed or {}, placed.left_out or {}
     for number in template.asked(sketch.shows):
         node = template.names[number]
-        title, off = titled(node, sketch, template), missed.get(node)
+        title, off = node_title(node, sketch, template), missed.get(node)
         status: Status = "open"
         if node in placed.disagreeing:
             status, off = "wrong", others.get(node, off)
@@ -235,18 +234,18 @@ def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:
 def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
     for sketch in state.sketches:
         placed = solved.placed.get(sketch.id)
-        told = "hidden" if placed is None else _told(sketch, placed)
+        summary = "hidden" if placed is None else _summary(sketch, placed)
         wrong = placed is not None and bool(placed.disagreeing or placed.exchanged)
-        yield SketchRow(sketch.id, sketch.name, told, sketch is state.sketch, wrong)
+        yield SketchRow(sketch.id, sketch.name, summary, sketch is state.sketch, wrong)
 
 
-def _told(sketch: Sketch, placed: Placed) -> str:
+def _summary(sketch: Sketch, placed: Placed) -> str:
     count, wrong = len(sketch.marks), len(placed.disagreeing)
     words = [f"{count} mark" if count == 1 else f"{count} marks"]
     if wrong:
         words.insert(0, "1 mark disagrees" if wrong == 1 else f"{wrong} marks disagree")
     elif placed.is_known:
-        words.insert(0, placed.stand.camera.kind)
+        words.insert(0, placed.sketch_camera.camera.kind)
     agreeing = [px for node, px in (placed.missed or {}).items() if node not in placed.disagreeing]
     if agreeing:
         words.append(f"{np.sqrt(np.mean(np.square(agreeing))):.1f} px")
@@ -280,13 +279,12 @@ def _rules(state: CarState, body: Body) -> Iterator[Rule]:
 
 
 def chart_of(template: Template, near: str) -> Chart:
-    """The template drawn from a little above the corner of its nose, on the side that is near."""
+    """Return the template drawn from above the corner of its nose, on the near side."""
     side = 1.0 if near == "R" else -1.0
-    pose = Picture(side * CHART_POSE.azimuth, CHART_POSE.elevation)
+    pose = ViewHint(side * CHART_POSE.azimuth, CHART_POSE.elevation)
     middle = template.positions.mean(axis=0)
     eye = middle + 20_000.0 * pose.toward_eye
-    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
-    camera = Camera("orthographic", (x, y, z), (tx, ty, tz), height=6000.0, viewport=CHART_SIZE)
+    camera = Camera("orthographic", triple(eye), triple(middle), height=6000.0, viewport=CHART_SIZE)
     curves = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ template.control_points
     drawn = camera.project(curves.reshape(-1, 3))[0]
     places = camera.project(template.positions)[0]

@@ -1,4 +1,4 @@
-"""Small parts of the guide panel: a heading that folds, a bar of progress, rows to choose."""
+"""Widgets of the guide panel: a heading that folds, a progress bar, rows to choose."""
 
 from __future__ import annotations
 
@@ -11,16 +11,14 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QSizePolicy, QVBoxLayout,
 from bozzetto_car.panel.colors import role, warning_of
 from bozzetto_car.panel.view_model import SketchRow
 
-__all__ = ["Fold", "Progress", "SketchButton", "label"]
-
 Role = QPalette.ColorRole
 
 CHEVRON: Final = [QPointF(-2.0, -4.0), QPointF(2.0, 0.0), QPointF(-2.0, 4.0)]
-"""Points to the right; turned down where what is under it shows."""
+"""Chevron that points to the right; it is turned down where the content shows."""
 
 
 def label(parent: QWidget, *, kind: str = "", tone: str = "") -> QLabel:
-    """A line of text in the program's own type: `kind` "heading" or "small", `tone` "quiet"."""
+    """Return a line of text in the program's type: `kind` "heading" or "small", `tone` "quiet"."""
     made = QLabel(parent)
     made.setWordWrap(True)
     made.setTextFormat(Qt.TextFormat.PlainText)
@@ -30,7 +28,7 @@ def label(parent: QWidget, *, kind: str = "", tone: str = "") -> QLabel:
 
 
 class Progress(QWidget):
-    """How many of all points are marked."""
+    """A bar that shows how many of all points are marked."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -56,7 +54,7 @@ class Progress(QWidget):
 
 
 class Fold(QWidget):
-    """A heading and what is under it."""
+    """A heading that shows or hides its content."""
 
     def __init__(self, title: str, content: QWidget, parent: QWidget, *, is_open: bool) -> None:
         super().__init__(parent)
@@ -103,12 +101,12 @@ class _Heading(QAbstractButton):
 
 
 class SketchButton(QAbstractButton):
-    """A sketch to choose: its name, its camera and how well it fits."""
+    """A sketch to choose: its name, its camera and its residual."""
 
     def __init__(self, row: SketchRow, parent: QWidget) -> None:
         super().__init__(parent)
         self.row = row
-        self.setAccessibleName(f"{row.name}: {row.told}")
+        self.setAccessibleName(f"{row.name}: {row.summary}")
         self.setCheckable(True)
         self.setChecked(row.in_work)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -142,7 +140,7 @@ class SketchButton(QAbstractButton):
         painter.drawText(
             below,
             Qt.AlignmentFlag.AlignVCenter,
-            painter.fontMetrics().elidedText(self.row.told, cut, below.width()),
+            painter.fontMetrics().elidedText(self.row.summary, cut, below.width()),
         )
 
 

@@ -1,4 +1,4 @@
-"""Work that must not hold the window up: in a thread of its own, the newest request only."""
+"""Work in a thread of its own, so that the window stays responsive."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ from PySide6.QtCore import QObject, QTimer
 
 from bozzetto.errors import UserError
 
-__all__ = ["Work"]
-
 LOOK: Final = 12
-"""Time between two looks at whether the answer is there, ms. The thread never touches Qt."""
+"""Interval at which the window looks for the answer, ms. The thread never touches Qt."""
 
 
 class Work(QObject):
@@ -22,7 +20,7 @@ class Work(QObject):
     Parameters
     ----------
     parent : QObject
-        With it the work ends; an answer that comes later is dropped.
+        The object that owns the work; answers after its end are dropped.
     """
 
     def __init__(self, parent: QObject) -> None:
@@ -42,9 +40,9 @@ class Work(QObject):
         return self._running is not None
 
     def ask(self, work: Callable[[], Any], done: Callable[[Any], None]) -> None:
-        """Have something computed, and its answer given to `done` on the window's thread.
+        """Compute something, and give its answer to `done` on the window's thread.
 
-        What fails with a `UserError` is not answered: the program tells of it where it solves
+        Work that fails with a `UserError` gets no answer: the program reports it where it solves
         the model.
         """
         self._next = work, done

@@ -1,12 +1,12 @@
-"""Cameras and shape solved together: a bundle adjustment over one sketch or several.
+"""Solve cameras and shape together: a bundle adjustment over one sketch or several.
 
-A camera that was found from the template as it stands is wrong by as much as the car differs
-from it, so the cameras go on turning while the shape gives way. The unknowns are the variables
+A camera that was found from the template is wrong by as much as the car differs from it, so the
+cameras change together with the shape. The unknowns are the variables
 of a symmetric car (`Template.basis`) and the numbers of each camera; the cost is that of
 `prior`. The soundness inequalities hold at every iterate, not only at the end, for each
 step is the least of a quadratic function under them (sequential quadratic programming with a
 Gauss-Newton form, damped after Levenberg and Marquardt). A solve may therefore be cut short at
-any time, and one that starts from the last car while a mark is dragged takes a few steps.
+any time, and a solve that starts from the last car while a mark is dragged takes a few steps.
 """
 
 from __future__ import annotations
@@ -16,71 +16,67 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.pose import Poses
-from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Sight
+from bozzetto_car.array_types import Array
+from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
 from bozzetto_car.solver.feasible_set import Feasible
-from bozzetto_car.solver.leave_one_out import LeftOut, left_out
+from bozzetto_car.solver.leave_one_out import LeftOut, leave_one_out
 from bozzetto_car.solver.prior import Cost, Prior, robust_weights
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
-
-__all__ = ["Joint", "solve", "without_cameras"]
-
-Array = NDArray[np.float64]
 
 MOST_STEPS: Final = 40
 """Most steps, taken or not. A cold solve takes six to ten."""
 
 SETTLED: Final = 1e-6
-"""Decrease of the cost, as a share of it, at which a solve has arrived."""
+"""Relative decrease of the cost at which a solve has converged."""
 
 FIRST_DAMPING: Final = 1e-3
 """Damping at the start, as a share of the diagonal of the normal matrix."""
 
 DAMPINGS: Final = (1e-9, 1e6)
-"""Least damping, and the one at which no step downhill is left."""
+"""Least damping, and the damping at which no step downhill is left."""
 
 SOFTER, STIFFER = 0.1, 8.0
 """Factors of the damping after a step that was taken, and after one that was not."""
 
 ANCHORED: Final = 1e-12
-"""What is added to the diagonal of the normal matrix, as a share of its largest entry: without
-marks enough, some numbers of a camera are told by nothing."""
+"""Term on the diagonal of the normal matrix, as a share of its largest entry: with few marks, some
+numbers of a camera are undetermined."""
 
 LONGEST_SERIES: Final = 0.9
-"""Largest ratio of one step to the one before that is followed to its end: nine steps more."""
+"""Largest ratio of successive steps that is extrapolated to its limit: nine steps more."""
 
 MOST_TIES: Final = 3
 """Most solves with another outermost node, where dimensions are locked."""
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class JointSolution:
     """A car and the cameras of its sketches.
 
     Attributes
     ----------
     variables : (q,) float
-        Of the car; `Template.whole` makes its nodes of them.
+        Variables of the car; `Template.whole` gives its nodes.
     views : tuple of MarkedView
         The sketches with their cameras as solved: a start for the next solve.
     residuals : tuple of (k,) float
-        What each mark is missed by, px.
+        Distance of each mark from its node, px.
     left_out : tuple of LeftOut
-        What each mark would be missed by without a say of its own, px, and how surprising
-        that is: whether it is on the wrong side, or went astray.
+        Distance of each mark from the place where the other marks expect it, px, and how
+        surprising that is: the mark may be on the wrong side, or a mistake.
     cost : float
     span : (q, f) float
         Directions in which the variables are free; all, unless dimensions are locked.
     information : (f, f) float
-        Of the car along the span, when the cameras are left to follow: its inverse is the
-        covariance, but for the inequalities.
+        Information about the car along the span, with the cameras free to follow: its inverse is
+        the covariance, apart from the inequalities.
     steps : int
-        Taken or not.
+        Number of steps, taken or not.
     """
 
     variables: Array
@@ -103,22 +99,24 @@ def solve(
     locked: Dimensions | None = None,
     overlap: Overlap = NONE_BEYOND,
     hold_cameras: bool = False,
-) -> Joint:
+) -> JointSolution:
     """Find the car of some sketches, and their cameras.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     views : sequence of MarkedView
         One to eight. Their cameras are where the solve starts; those that
         `bozzetto.view.calibration` finds from the template are good starts.
     cost : Cost
+        The weights of marks and template.
     soundness : Soundness
         The inequalities that are switched on.
     start : (q,) float, optional
-        Variables to start from, as those of the last solve while a mark is dragged. Where they
-        violate an inequality or a locked dimension, the nearest car that does not is taken.
-        The template, if not given.
+        Variables to start from, such as those of the last solve while a mark is dragged; by
+        default the template. Where they violate an inequality or a locked dimension, the solve
+        starts from the nearest car that does not.
     locked : Dimensions, optional
         Dimensions that are known.
     overlap : Overlap
@@ -129,7 +127,7 @@ def solve(
 
     Returns
     -------
-    Joint
+    JointSolution
         Every inequality holds to 1e-9 mm, and every locked dimension to 1e-6 mm.
 
     Raises
@@ -154,7 +152,7 @@ def solve(
         other = locks.tied(template, best.variables)
         if other is None:
             break
-        # A node has come level with the outermost one: perhaps it wants to go beyond.
+        # A node is level with the outermost one: the cost may be lower with it beyond.
         locks = Locks.of(template, locked, best.variables, overlap, other)
         feasible = Feasible.of(soundness, locks, best.variables, prior.form(best.variables))
         tried = _Problem(template, best.views, cost, prior, feasible, hold_cameras).solved()
@@ -186,7 +184,7 @@ class _Iterate:
 
 
 class _Problem:
-    """A joint solve: what stays the same from step to step."""
+    """A joint solve: the data that stay the same from step to step."""
 
     def __init__(
         self,
@@ -199,7 +197,7 @@ class _Problem:
     ) -> None:
         self.template, self.cost, self.prior, self.feasible = template, cost, prior, feasible
         self.views = tuple(views)
-        made = [Sight.of(template, view, held) for view in views]
+        made = [Reprojection.of(template, view, held) for view in views]
         self.sights = tuple(sight for sight, _ in made)
         self.starts = tuple(pose for _, pose in made)
         self.free = feasible.span.shape[1]
@@ -209,7 +207,7 @@ class _Problem:
         # How the coordinates of each node follow the free directions, (n, 3, f).
         self.nodes = (template.basis @ feasible.span).reshape(-1, 3, self.free)
 
-    def solved(self) -> Joint:
+    def solved(self) -> JointSolution:
         here = self.at(self.feasible.start, self.starts)
         if here is None:
             raise UserError(
@@ -237,7 +235,7 @@ class _Problem:
         return self.joint(here, steps)
 
     def at(self, variables: Array, poses: tuple[Poses, ...]) -> _Iterate | None:
-        """The normal equations; None where a marked node is not in front of its camera."""
+        """Return the normal equations; None where a marked node is not in front of its camera."""
         span, free = self.feasible.span, self.free
         positions = self.template.whole(variables)
         own = self.prior.form(variables)
@@ -269,7 +267,7 @@ class _Problem:
         return _Iterate(variables, poses, cost, form, slope)
 
     def step(self, here: _Iterate, damping: float) -> Array | None:
-        """The step (f + c,) that the normal equations ask for; None if there is none."""
+        """Return the step (f + c,) of the normal equations; None if there is none."""
         form = here.form.copy()
         diagonal = np.arange(self.size)
         size = form[diagonal, diagonal]
@@ -277,14 +275,14 @@ class _Problem:
         return self.feasible.step(here.variables, form, here.slope)
 
     def moved(self, here: _Iterate, step: Array) -> _Iterate | None:
-        """The iterate after a step; None if it leads where no car may be."""
+        """Return the iterate after a step; None if no car may be there."""
         variables = self.feasible.moved(here.variables, step[: self.free])
         if variables is None:
             return None
         moves = zip(self.sights, here.poses, self.parts, strict=True)
         return self.at(variables, tuple(s.stepped(pose, step[part]) for s, pose, part in moves))
 
-    def joint(self, here: _Iterate, steps: int) -> Joint:
+    def joint(self, here: _Iterate, steps: int) -> JointSolution:
         positions = self.template.whole(here.variables)
         covariance = np.asarray(np.linalg.pinv(here.form, ANCHORED, True), float)
         views, residuals, others = [], [], []
@@ -294,7 +292,7 @@ class _Problem:
             views.append(view.turned(*sight.framing.camera(pose)))
             residuals.append(sight.pixels_missed(pose, positions))
             others.append(self.left_out(number, pose, positions, covariance))
-        return Joint(
+        return JointSolution(
             here.variables,
             tuple(views),
             tuple(residuals),
@@ -306,7 +304,7 @@ class _Problem:
         )
 
     def left_out(self, number: int, pose: Poses, positions: Array, covariance: Array) -> LeftOut:
-        """What the marks of a sketch would be missed by without a say, px."""
+        """Return how far the marks of a sketch are from where the others expect them, px."""
         sight = self.sights[number]
         seen = sight.residuals(pose, positions)
         assert seen is not None  # an iterate has its nodes before the eye
@@ -315,7 +313,7 @@ class _Problem:
         weights, _ = robust_weights((missed**2).sum(axis=1), self.cost.stray)
         car, part = slice(0, self.free), self.parts[number]
         among = np.r_[car, part]
-        found = left_out(
+        found = leave_one_out(
             sight.rows(seen, self.nodes) / hand, missed, weights, covariance[np.ix_(among, among)]
         )
         unit = hand * sight.extent * sight.framing.diagonal
@@ -323,10 +321,10 @@ class _Problem:
 
 
 def _rest(last: Array, step: Array) -> Array:
-    """What is left to go when steps shrink like a geometric series (Aitken 1926).
+    """Return the rest of the way when steps shrink like a geometric series (Aitken 1926).
 
-    The form knows nothing of how the sketch bends while the shape slides along what the marks
-    allow, so that close tracing is approached by ever shorter steps in one direction.
+    The quadratic form ignores how the projection curves while the shape slides along what the
+    marks allow, so that close tracing converges in ever shorter steps in one direction.
     """
     size = float(last @ last)
     ratio = min(max(float(step @ last) / size, 0.0), LONGEST_SERIES) if size > 0.0 else 0.0
@@ -334,9 +332,9 @@ def _rest(last: Array, step: Array) -> Array:
 
 
 def without_cameras(form: Array, free: int) -> Array:
-    """The form over the car alone, (f, f), when the cameras follow it: the Schur complement."""
+    """Return the form over the car alone, (f, f), with the cameras free: the Schur complement."""
     cross, cameras = form[:free, free:], form[free:, free:]
     if not cameras.size:
         return form
-    # The pseudo-inverse, for too few marks leave some numbers of a camera open.
+    # The pseudo-inverse, because few marks leave some numbers of a camera undetermined.
     return np.asarray(form[:free, :free] - cross @ np.linalg.pinv(cameras, 1e-12, True) @ cross.T)

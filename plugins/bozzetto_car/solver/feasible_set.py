@@ -1,9 +1,9 @@
-"""Cars that are allowed: sound, and with the dimensions that are known.
+"""The set of allowed cars: sound, and with the dimensions that are known.
 
 The linear inequalities bound a convex set, and a step that keeps them at its end keeps them all
-the way. Folds are quadratic. A step sees them as planes, of which it may use up a part only;
-where what is left does not suffice for the curvature, the step is refused, and a shorter one
-will do, for the curvature falls with the square of its length.
+the way. The inequalities against folds are quadratic. A step linearizes them and may use up only
+a part of their slack; where the rest does not cover the curvature, the step is refused. A shorter
+step then succeeds, because the curvature falls with the square of its length.
 """
 
 from __future__ import annotations
@@ -12,26 +12,22 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.dimensions import Locks
 from bozzetto_car.solver.quadratic_program import Contradiction, constrained_minimum
 from bozzetto_car.template.shape_constraints import Soundness
 
-__all__ = ["VIOLATED", "Feasible"]
-
-Array = NDArray[np.float64]
-
 VIOLATED: Final = 1e-10
-"""Negative slack, mm, that counts as a violation. What rounding leaves of a car of 5000 mm is a
-hundredth of it."""
+"""Negative slack, mm, that counts as a violation. Rounding on a car of 5000 mm is a hundredth of
+it."""
 
 USABLE: Final = 0.9
 """Share of the slack of a fold that the linear part of a step may use up."""
 
 MOST_RETURNS: Final = 20
-"""Most steps back to where all inequalities hold, from a start where some do not."""
+"""Most steps from a start that violates inequalities to a car where all hold."""
 
 MOST_NAMED: Final = 3
 """Inequalities that a message names."""
@@ -59,16 +55,18 @@ class Feasible:
 
     @classmethod
     def of(cls, soundness: Soundness, locks: Locks | None, near: Array, form: Array) -> Feasible:
-        """The set, with the car in it that is nearest to a given one.
+        """Return the set, with the allowed car in it that is nearest to a given one.
 
         Parameters
         ----------
         soundness : Soundness
+            The inequalities that are switched on.
         locks : Locks, optional
+            The locked dimensions.
         near : (q,) float
-            It is taken as it is where it is allowed.
+            Variables of the given car. It is taken as it is where it is allowed.
         form : (q, q) float
-            In which nearness is measured.
+            The quadratic form that measures nearness.
 
         Raises
         ------
@@ -83,7 +81,7 @@ class Feasible:
         made = cls(soundness, bounds, span, first)
         inner = span.T @ form @ span
         straight = made._straight()
-        # What the linear inequalities cannot do together is certain, so they come first.
+        # Contradictions of the linear inequalities are certain, so these come first.
         for which in (straight, np.ones(len(straight), bool)):
             for _ in range(MOST_RETURNS):
                 slacks = made._slacks(first)[which]
@@ -107,19 +105,19 @@ class Feasible:
         return cls(soundness, bounds, span, first)
 
     def step(self, variables: Array, form: Array, slope: Array) -> Array | None:
-        """The step for which a quadratic function is least while the car stays allowed.
+        """Return the step to the least of a quadratic function while the car stays allowed.
 
         Parameters
         ----------
         variables : (q,) float
             An allowed car.
         form, slope : (f + c, f + c) and (f + c,) float
-            Of the function, over the span and c numbers that are not bounded.
+            The quadratic function over the span and c numbers without bounds.
 
         Returns
         -------
         (f + c,) float or None
-            None if rounding leaves no step at all: a stiffer form will.
+            None if rounding leaves no step at all: try again with a stiffer form.
         """
         slacks = np.maximum(self._slacks(variables), 0.0)
         slacks[~self._straight()] *= USABLE
@@ -131,13 +129,13 @@ class Feasible:
             return None
 
     def moved(self, variables: Array, step: Array) -> Array | None:
-        """The car after a step (f,) within the span; None if it is not allowed."""
+        """Return the car after a step (f,) within the span; None if it is not allowed."""
         moved = variables + self.span @ step
         allowed = self._slacks(moved).min(initial=0.0) >= -VIOLATED
         return np.asarray(moved) if allowed else None
 
-    def _straight(self) -> NDArray[np.bool_]:
-        """Which of the inequalities are linear."""
+    def _straight(self) -> Flags:
+        """Which of the inequalities are linear, (m,)."""
         linear, named = len(self.soundness.matrix), len(self.soundness.names)
         number = np.arange(named + len(self.bounds))
         return np.asarray((number < linear) | (number >= named))
@@ -150,7 +148,7 @@ class Feasible:
 
 
 def _with_locks(locks: Locks, near: Array, form: Array) -> tuple[Array, Array]:
-    """Free directions (q, f), and the car with the locked dimensions nearest to a given one."""
+    """Return free directions (q, f), and the nearest car that has the locked dimensions."""
     # The trailing right singular vectors leave the rows as they are.
     _, sizes, turned = np.linalg.svd(locks.rows)
     rank = int((sizes > 1e-9).sum())
@@ -165,10 +163,10 @@ def _with_locks(locks: Locks, near: Array, form: Array) -> tuple[Array, Array]:
 
 def _contradiction(soundness: Soundness, rows: list[int]) -> str:
     names = [soundness.names[row] for row in rows if row < len(soundness.names)]
-    told = ", ".join(f"“{name}”" for name in list(dict.fromkeys(names))[:MOST_NAMED])
-    if not told:
+    kept_names = ", ".join(f"“{name}”" for name in list(dict.fromkeys(names))[:MOST_NAMED])
+    if not kept_names:
         return "No car has these dimensions. Change one of them."
     return (
-        f"No car has these dimensions and keeps {told}. Change a dimension, or switch one of "
+        f"No car has these dimensions and keeps {kept_names}. Change a dimension, or switch one of "
         "these off."
     )

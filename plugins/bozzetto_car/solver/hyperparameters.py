@@ -1,18 +1,18 @@
-"""How far a car is from its template, and which marks are wrong, as the marks have it.
+"""Estimate how far a car is from its template, and which marks are wrong.
 
-The cost of `prior` takes for granted how much cars differ from the template. Then a car
-that *is* the template follows every tremor of the hand, and a mark that went astray takes the
-shape along. What is probable tells both apart (MacKay, *Bayesian interpolation*, 1992). Of a car
-that differs by a share t of what the cost expects, marked by a hand s times as unsteady, the
-marks lie about their places in the template, to first order, with the covariance
+The cost of `prior` assumes how much cars differ from the template. With it alone, a car that
+*is* the template follows the noise of the hand, and a wrong mark distorts the shape. The evidence
+of the marks tells both apart (MacKay, *Bayesian interpolation*, 1992). If a car differs by a
+share t of what the cost expects and the hand is s times as unsteady, the marks lie about their
+places in the template, to first order, with the covariance
 
     C = s² I + t² A Σ Aᵀ ,
 
-where A is their derivative by the car and Σ the covariance of cars; what moves with the cameras,
-of which nothing is known, has been projected out of all three. One symmetric eigenvalue problem
-serves every t and s. From C⁻¹ follows how probable a mark is beside the others (Sundararajan &
-Keerthi, *Predictive approaches for choosing hyperparameters in Gaussian processes*, 2001). One
-that is less so than a mark that may lie anywhere is set aside.
+where A is their derivative by the car and Σ the covariance of cars; the unknown motions of the
+cameras have been projected out of all three. One symmetric eigenvalue problem serves every t and
+s. From C⁻¹ follows how probable a mark is given the others (Sundararajan & Keerthi, *Predictive
+approaches for choosing hyperparameters in Gaussian processes*, 2001). A mark that is less
+probable than a mark at a random place is set aside.
 """
 
 from __future__ import annotations
@@ -22,47 +22,43 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bozzetto_car.camera.marked_view import MarkedView, Sight
+from bozzetto_car.array_types import Array, Flags
+from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.template.model import Template
 
-__all__ = ["Evidence", "Weighed", "evidence_of", "weighed"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
 SPREADS: Final = np.geomspace(0.03, 1.5, 12)
-"""Shares t of the deviations that the cost expects; all of them as likely beforehand."""
+"""Shares t of the deviations that the cost expects; all are equally likely a priori."""
 
 HANDS: Final = np.geomspace(0.7, 3.0, 6)
-"""How much less steady a hand is than the cost has it by default. What is below counts as exact:
-nobody wants to hear that a mark disagrees by 5 px."""
+"""Factors s by which a hand is less steady than the cost assumes. Less than the least counts as
+exact: nobody wants to hear that a mark disagrees by 5 px."""
 
 STEADY: Final = 1.6
 """Factor by which hands differ (one standard deviation of the logarithm)."""
 
-ASTRAY: Final = 16.0
-"""Price of setting a mark aside, as a natural logarithm: it may lie anywhere in the picture, which
-is worth 12, and that happens to one mark in fifty."""
+MISTAKE: Final = 16.0
+"""Price of setting a mark aside, as a natural logarithm: a mark at a random place in the picture
+costs 12, and one mark in fifty is such a mistake."""
 
-SINGLE: Final = 0.2
-"""What is added to it for every mark of the sketch. Cars differ in single places more than the cost
-has it, as with a pillar that stands 15 cm farther back, and many marks show many places."""
+MISTAKE_PER_MARK: Final = 0.2
+"""Addition to this price for every mark of the sketch. Cars differ in single places more than the
+cost expects, such as a pillar 15 cm farther back, and many marks show many places."""
 
-RETURNING: Final = 6.0
-"""By how much that is cheaper for a mark that was aside already while marks are dragged, so
-that none comes and goes with every tremor."""
+RETURN_DISCOUNT: Final = 6.0
+"""Discount for a mark that was aside already while marks are dragged, so that no mark comes and
+goes with the noise of the hand."""
 
 FEWEST_LEFT: Final = 6
-"""Marks of a sketch that count in any case: so few fit whatever they are told."""
+"""Number of marks of a sketch that always count: so few marks fit any car."""
 
 MOST_ASIDE: Final = 0.25
-"""Most marks of a sketch that are set aside, as a share. Of more, none tells which are right."""
+"""Largest share of the marks of a sketch that is set aside: beyond it, nothing tells which marks
+are right."""
 
 
-TOLD: Final = 1e-12
+DETERMINED: Final = 1e-12
 """Least determinant of a mark's block, of 1: below, the mark alone determines the camera."""
 
 
@@ -72,21 +68,21 @@ NO_CHANGE: Final = (0.0, 0, 0)
 
 @dataclass(frozen=True, eq=False)
 class Weighed:
-    """What the marks say of the car and of each other.
+    """The estimated spread of the car, and which marks count.
 
     Attributes
     ----------
     spread : float
         How far the car is from the template, as a share of the deviations that the cost expects.
     counted : tuple of (k,) bool
-        For each sketch which marks count; the others are set aside.
+        Which marks of each sketch count; the others are set aside.
     """
 
     spread: float
     counted: tuple[Flags, ...]
 
 
-def weighed(
+def judge_marks(
     template: Template, views: Sequence[MarkedView], aside: Sequence[Flags] | None = None
 ) -> Weighed:
     """Weigh the marks of all sketches of a car against the template and each other.
@@ -94,21 +90,25 @@ def weighed(
     Parameters
     ----------
     template : Template
+        The template of the car.
     views : sequence of MarkedView
-        With all marks, and cameras near enough for first derivatives, as those from the template
-        are. All marked nodes are before them.
+        The sketches with all marks, and with cameras near enough for first derivatives, such as
+        those from the template. All marked nodes are in front of the cameras.
     aside : sequence of (k,) bool, optional
         For each sketch the marks that were aside before one of them was dragged.
 
     Notes
     -----
-    Marks are set aside one at a time, always the one by which the probability of all gains most,
-    until none gains, and then taken back likewise. It grows with each, so there is an end.
+    Marks are set aside one at a time, always the one that raises the probability of all most, until
+    none does, and then taken back in the same way. The probability grows each time, so this ends.
     """
     sketches = _linear(template, views)
     before = [np.zeros(len(view.nodes), bool) for view in views] if aside is None else aside
     counted = [~flags for flags in before]
-    prices = [np.where(flags, -RETURNING, 0.0) + ASTRAY + SINGLE * len(flags) for flags in before]
+    prices = [
+        np.where(flags, -RETURN_DISCOUNT, 0.0) + MISTAKE + MISTAKE_PER_MARK * len(flags)
+        for flags in before
+    ]
     while True:
         now = Evidence(sketches, counted)
         best = max(_losses(now, counted, prices), default=NO_CHANGE)
@@ -121,13 +121,14 @@ def weighed(
 
 
 def evidence_of(template: Template, view: MarkedView) -> Evidence:
-    """How probable the marks of one sketch are, all of them.
+    """Return how probable the marks of one sketch are, all of them together.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     view : MarkedView
-        As for `weighed`.
+        The sketch, as for `judge_marks`.
     """
     return Evidence(_linear(template, [view]), [np.ones(len(view.nodes), bool)])
 
@@ -135,7 +136,7 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
 def _losses(
     now: Evidence, counted: list[Flags], prices: list[Array]
 ) -> Iterator[tuple[float, int, int]]:
-    """What is gained by setting the best mark of each sketch aside, which sketch, and which."""
+    """Return the gain of setting the best mark of each sketch aside, the sketch, and the mark."""
     for number, (flags, price) in enumerate(zip(counted, prices, strict=True)):
         most = min(len(flags) - FEWEST_LEFT, int(MOST_ASIDE * len(flags)))
         if len(flags) - flags.sum() < most:
@@ -147,7 +148,7 @@ def _losses(
 def _returns(
     sketches: list[_Linear], counted: list[Flags], prices: list[Array]
 ) -> Iterator[tuple[float, int, int]]:
-    """What is gained by taking each mark back that is aside, its sketch, and its number."""
+    """Return the gain of taking each mark back that is aside, the sketch, and the mark."""
     for number, flags in enumerate(counted):
         for mark in np.flatnonzero(~flags).tolist():
             more = flags.copy()
@@ -181,7 +182,7 @@ def _linear(template: Template, views: Sequence[MarkedView]) -> list[_Linear]:
     follow = (template.basis @ root).reshape(-1, 3, len(root))
     made = []
     for view in views:
-        sight, pose = Sight.of(template, view, held=False)
+        sight, pose = Reprojection.of(template, view, held=False)
         seen = sight.residuals(pose, template.positions)
         if seen is None:
             raise ValueError("a marked node is not before its camera")
@@ -191,17 +192,17 @@ def _linear(template: Template, views: Sequence[MarkedView]) -> list[_Linear]:
 
 
 class Evidence:
-    """How probable marks are, for all spreads and hands together.
+    """The probability of marks, for all spreads and hands together.
 
     Attributes
     ----------
     total : float
-        Natural logarithm of the probability of all marks, but for a constant that depends on
-        their number alone.
+        Natural logarithm of the probability of all marks, up to a constant that depends only on
+        their number.
     spread : float
         See `Weighed`; the mean of the logarithm, as a factor.
     improbable : list of (k,) float
-        For each sketch: by how much the rest is more probable without each mark, as a logarithm.
+        For each sketch, the gain in probability of the rest without each mark, as a logarithm.
     """
 
     def __init__(self, sketches: Sequence[_Linear], counted: Sequence[Flags]) -> None:
@@ -219,15 +220,15 @@ class Evidence:
         self.total = float(_sum_of_logs(logs))
         logs -= self.total
         self.spread = float(np.exp(np.exp(logs) @ np.log(spreads)))
-        # The inverse of C, times s²: its blocks of two by two for each mark, and what it makes
-        # of what is missed.
+        # The inverse of C, times s²: its 2 × 2 blocks for each mark, and its product with the
+        # residuals.
         across, down = by_car[::2], by_car[1::2]
         xx = blocks[:, 0, :1] - across**2 @ damped
         yy = blocks[:, 1, 1:] - down**2 @ damped
         xy = blocks[:, 0, 1:] - (across * down) @ damped
         left = missed[:, None] - by_car @ (damped * pulled[:, None])
         x, y = left[::2], left[1::2]
-        size = np.maximum(xx * yy - xy**2, TOLD)
+        size = np.maximum(xx * yy - xy**2, DETERMINED)
         squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / size / hands**2
         alone = 0.5 * np.log(size) - 2.0 * np.log(hands) - np.log(2.0 * np.pi) - 0.5 * squared
         ends = np.cumsum([flags.sum() for flags in counted])[:-1]
@@ -237,14 +238,14 @@ class Evidence:
 def _without_cameras(
     sketches: Sequence[_Linear], counted: Sequence[Flags]
 ) -> tuple[Array, Array, Array, int]:
-    """Project out what moves with the cameras.
+    """Project out the motions of the cameras.
 
     Returns
     -------
     missed : (m,) float
     by_car : (m, q) float
     blocks : (m / 2, 2, 2) float
-        Of the projection, for each mark.
+        Diagonal blocks of the projection, for each mark.
     rank : int
         Dimensions that are left.
     """
@@ -261,11 +262,11 @@ def _without_cameras(
 
 
 def _tall(pairs: Array) -> Array:
-    """Two rows for each mark, (2 k, n), of (k, 2, n)."""
+    """Return two rows for each mark, (2 k, n), from (k, 2, n)."""
     return pairs.reshape(-1, pairs.shape[2])
 
 
 def _sum_of_logs(logs: Array) -> Array:
-    """Logarithm of the sum of exponentials along the last axis."""
+    """Return the logarithm of the sum of exponentials along the last axis."""
     top = logs.max(axis=-1, keepdims=True)
     return np.asarray(np.log(np.exp(logs - top).sum(axis=-1)) + top[..., 0])

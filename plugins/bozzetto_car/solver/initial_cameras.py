@@ -1,7 +1,7 @@
-"""A sketch and its camera, as the template has it: found, resumed, or why there is none.
+"""The camera of a sketch as the template gives it: found, resumed, or why there is none.
 
-It is what the solve of camera and shape starts from. Left and right of the car are easily
-exchanged, and then no camera fits well; that is found out here, too.
+The solve of camera and shape starts from it. Left and right of the car are easily exchanged, and
+then no camera fits well; this module detects that, too.
 """
 
 from __future__ import annotations
@@ -11,37 +11,33 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view.calibration import Resection, resect
+from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.camera.marked_view import MarkedView
-from bozzetto_car.camera.sketch_camera import Stand, flat_stand
+from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.solver.hyperparameters import evidence_of
 from bozzetto_car.state import Sketch
 from bozzetto_car.template.model import Template
 
-__all__ = ["FEWEST", "Placed", "counted_marks", "placed_by", "told_by", "view_of"]
-
-Array = NDArray[np.float64]
-
 FEWEST: Final = 6
-"""Marks from which the camera of a sketch can be found."""
+"""Fewest marks from which the camera of a sketch can be found."""
 
 EXCHANGED: Final = 7.0
-"""By how much the marks must be more probable with left and right exchanged, as a natural
-logarithm: beyond doubt. A side view or an orthographic sketch tells nothing of that kind."""
+"""Gain in probability with left and right exchanged, as a natural logarithm, that is beyond doubt.
+A side view or an orthographic sketch cannot tell the sides."""
 
 UNLIKE: Final = 0.85
-"""Spread from which that is asked at all: marks that left and right are exchanged of make a car
-that is most unlike the template."""
+"""Spread from which an exchange is tested at all: marks with left and right exchanged give a car
+that is very unlike the template."""
 
 PLAUSIBLE: Final = 1.25
-"""Spread of a car that is like enough to the template to be one. Marks that make none on either
-side are wrong in another way."""
+"""Largest spread of a plausible car. Marks that give no plausible car on either side are wrong in
+another way."""
 
 NEAR_EYE: Final = 0.05
-"""Depth of a node before the eye, in mean depths of the car, below which no sketch can show it."""
+"""Depth of a node in front of the eye, in mean depths of the car, that no sketch shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,21 +50,21 @@ class Placed:
     stand : Stand
         Where it stands in space; upright beside the car while its camera is not known.
     resection : Resection or None
-        The camera as the template has it; None where it cannot be found.
+        The camera that sees the template at the marks; None where it cannot be found.
     missed : mapping of str to float
-        By node: distance of its mark from where it is seen, px; not of nodes behind the eye.
+        By node: distance of its mark from where it is seen, px; without nodes behind the eye.
     left_out : mapping of str to float
-        By node: distance of its mark from where the others have it, px.
+        By node: distance of its mark from where the other marks expect it, px.
     disagreeing : tuple of str
         Nodes whose marks were set aside, the worst first.
     exchanged : bool
-        The marks fit a car seen in a mirror: left and right are exchanged.
+        Whether the marks fit a mirrored car: left and right are exchanged.
     problem : str
-        Why its camera is not known, and what to do; "" if it is.
+        Why the camera is not known, and what to do; "" if it is known.
     """
 
     sketch: Sketch
-    stand: Stand
+    sketch_camera: SketchCamera
     resection: Resection | None = None
     missed: Mapping[str, float] | None = None
     left_out: Mapping[str, float] | None = None
@@ -78,29 +74,31 @@ class Placed:
 
     @property
     def is_known(self) -> bool:
-        """Whether its camera is."""
+        """Whether the camera is known."""
         return self.resection is not None
 
 
-def placed_by(template: Template, sketch: Sketch, resumed: Placed | None = None) -> Placed:
+def place_sketch(template: Template, sketch: Sketch, resumed: Placed | None = None) -> Placed:
     """Place a sketch by the camera that sees the template at its marks.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     sketch : Sketch
+        The sketch.
     resumed : Placed, optional
         The same sketch before one of its marks was dragged: where to start from.
     """
-    nodes, places = counted_marks(Placed(sketch, flat_stand(sketch.size)), template)
+    nodes, places = counted_marks(Placed(sketch, upright_camera(sketch.size)), template)
     try:
         found = _camera_of(sketch, template, nodes, places, resumed)
     except UserError as problem:
-        return Placed(sketch, flat_stand(sketch.size), problem=problem.message)
+        return Placed(sketch, upright_camera(sketch.size), problem=problem.message)
     unseen = nodes[_too_near(template, nodes, found)].tolist()
     aside = tuple(template.names[node] for node in unseen)
-    stand = Stand.behind(found.camera, found.shift, template.positions)
-    placed = Placed(sketch, stand, found, disagreeing=aside)
+    sketch_camera = SketchCamera.behind(found.camera, found.shift, template.positions)
+    placed = Placed(sketch, sketch_camera, found, disagreeing=aside)
     exchanged = _is_exchanged(placed, template) if resumed is None else resumed.exchanged
     return replace(placed, exchanged=exchanged)
 
@@ -108,13 +106,13 @@ def placed_by(template: Template, sketch: Sketch, resumed: Placed | None = None)
 def _camera_of(
     sketch: Sketch,
     template: Template,
-    nodes: NDArray[np.intp],
+    nodes: Index,
     places: Array,
     resumed: Placed | None,
 ) -> Resection:
-    """The camera that sees the template at the marks; that of before if no mark has moved."""
+    """Find the camera that sees the template at the marks; keep the last if no mark has moved."""
     last = None if resumed is None else resumed.resection
-    if last is not None and resumed is not None and told_by(resumed.sketch) == told_by(sketch):
+    if last is not None and resumed is not None and marks_of(resumed.sketch) == marks_of(sketch):
         return last
     marked = {template.names[node] for node in nodes}
     further = {
@@ -149,22 +147,22 @@ def _is_exchanged(placed: Placed, template: Template) -> bool:
     return left.spread < PLAUSIBLE and left.total > right.total + EXCHANGED
 
 
-def _too_near(template: Template, nodes: NDArray[np.intp], found: Resection) -> NDArray[np.bool_]:
+def _too_near(template: Template, nodes: Index, found: Resection) -> Flags:
     """Which nodes (k,) a camera has so near its eye, or behind it, that it cannot show them."""
     depth = found.camera.view_space(template.positions)[:, 2]
     return np.asarray(depth[nodes] < NEAR_EYE * depth.mean())
 
 
 def view_of(placed: Placed, template: Template) -> MarkedView:
-    """A sketch with all of its marks and the camera as the template has it."""
+    """Return a sketch with all of its marks and the camera that the template gives."""
     found = placed.resection
     assert found is not None
     nodes, marks = counted_marks(placed, template)
     return MarkedView(found.camera, nodes, marks, found.shift, placed.sketch.cropped)
 
 
-def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp], Array]:
-    """Nodes (k,) and marks (k, 2), px, of a sketch without those that were set aside."""
+def counted_marks(placed: Placed, template: Template) -> tuple[Index, Array]:
+    """Return nodes (k,) and marks (k, 2), px, of a sketch without those that were set aside."""
     marks = [
         mark
         for mark in placed.sketch.marks
@@ -174,6 +172,6 @@ def counted_marks(placed: Placed, template: Template) -> tuple[NDArray[np.intp],
     return nodes, np.array([(mark.u, mark.v) for mark in marks], float).reshape(-1, 2)
 
 
-def told_by(sketch: Sketch) -> tuple[object, ...]:
-    """What a sketch says of the car."""
+def marks_of(sketch: Sketch) -> tuple[object, ...]:
+    """Return all that a sketch tells a solve: its size, marks and kind of camera."""
     return sketch.size, sketch.marks, sketch.kind, sketch.cropped

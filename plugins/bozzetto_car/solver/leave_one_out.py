@@ -1,10 +1,9 @@
-"""What each mark is missed by when it has no say itself.
+"""The distance of each mark from the place where the other marks expect it.
 
-Camera and shape give way to a mark that went astray, so that what is left of its error may be
-small. What the other marks and the template expect in its place tells more. For a least squares
-problem that is linear nearby it follows from the solve with the mark (Cook & Weisberg 1982,
-section 2.2): with H the mark's part of the hat matrix and r what it is missed by, it would be
-missed by (1 − H)⁻¹ r.
+Camera and shape give way to a wrong mark, so that its own residual may be small. The place that
+the other marks and the template expect tells more. For a least squares problem that is linear
+nearby it follows from the solve with the mark (Cook & Weisberg 1982, section 2.2): with H the
+mark's part of the hat matrix and r its residual, the residual without the mark is (1 − H)⁻¹ r.
 """
 
 from __future__ import annotations
@@ -12,32 +11,29 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["LeftOut", "left_out"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """Marks as the rest of what is known sees them.
+    """Marks compared with the places that the rest of the data expect.
 
     Attributes
     ----------
     missed : (k,) float
-        Distance between a mark and where its node is expected without it.
+        Distance between a mark and the place where its node is expected without it.
     surprise : (k,) float
-        The same in standard deviations of what is expected and of the hand: more than four or
-        five do not happen by chance.
+        This distance in standard deviations of the expectation and of the hand: more than four
+        or five do not happen by chance.
     """
 
     missed: Array
     surprise: Array
 
 
-def left_out(rows: Array, missed: Array, weights: Array, covariance: Array) -> LeftOut:
-    """Leave out one mark after the other.
+def leave_one_out(rows: Array, missed: Array, weights: Array, covariance: Array) -> LeftOut:
+    """Compare each mark with the place that all others expect.
 
     Parameters
     ----------
@@ -46,9 +42,9 @@ def left_out(rows: Array, missed: Array, weights: Array, covariance: Array) -> L
     missed : (k, 2) float
         What each mark is missed by, in standard deviations of the hand.
     weights : (k,) float
-        Of the marks in the solve.
+        Weights of the marks in the solve.
     covariance : (p, p) float
-        Of the unknowns, with all marks.
+        Covariance of the unknowns, with all marks.
 
     Returns
     -------
@@ -59,7 +55,7 @@ def left_out(rows: Array, missed: Array, weights: Array, covariance: Array) -> L
     spread = pairs @ covariance @ np.swapaxes(pairs, 1, 2)
     left = np.eye(2) - weights[:, None, None] * spread
     expected = np.linalg.solve(left, missed[:, :, None])[:, :, 0]
-    # The covariance of what is missed: the hand's own, and that of the place without the mark.
+    # Covariance of the residual: that of the hand, and that of the place without the mark.
     doubt = np.eye(2) + np.linalg.solve(left, spread)
     scaled = np.linalg.solve(doubt, expected[:, :, None])[:, :, 0]
     squares = np.maximum((expected * scaled).sum(axis=1), 0.0)

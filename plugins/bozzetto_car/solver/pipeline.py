@@ -1,10 +1,10 @@
-"""From marks to the car: the cameras of all sketches, and the shape, solved together.
+"""From marks to the car: solve the cameras of all sketches and the shape together.
 
-First the camera of every sketch from the template as it stands (`initial_cameras`); then how far
-the car is from it, and which marks are wrong (`hyperparameters`), for they would take the shape
-along; then all cameras and the shape in one (`bundle_adjustment`). The same marks give the same
-car, and a solve that was made already is remembered. One that starts from the car before a drag is
-quicker, and no other.
+First the camera of every sketch is found from the template (`initial_cameras`); then how far the
+car is from the template, and which marks are wrong and would distort the shape
+(`hyperparameters`); then all cameras and the shape in one (`bundle_adjustment`). The same marks
+give the same car, and solves are remembered. A solve that starts from the car before a drag is
+quicker.
 """
 
 from __future__ import annotations
@@ -14,23 +14,22 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import extent
 from bozzetto.plugin import Memory, switched_on
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
-from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Overlap
-from bozzetto_car.solver.bundle_adjustment import Joint, solve
-from bozzetto_car.solver.hyperparameters import weighed
+from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
+from bozzetto_car.solver.hyperparameters import judge_marks
 from bozzetto_car.solver.initial_cameras import (
-    FEWEST,
     Placed,
     counted_marks,
-    placed_by,
-    told_by,
+    marks_of,
+    place_sketch,
     view_of,
 )
 from bozzetto_car.solver.prior import Cost
@@ -40,24 +39,20 @@ from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.shape_constraints import Soundness
 
-__all__ = ["FEWEST", "Placed", "Solved", "counted_marks", "solved", "template_of"]
-
-Array = NDArray[np.float64]
-
 GENEROUS: Final = 2.0
-"""Factor of the spread that is probable. It is half of what the cost expects for most cars, whose
-shapes the cost does best for as it is; only where the template is nearly right it is too loose."""
+"""Factor on the estimated spread. For most cars the estimate is half of what the cost expects, and
+the cost does best as it is; it is too loose only where the template is nearly right."""
 
 REMEMBERED: Final = 32
-"""Solves that are remembered."""
+"""Number of solves that are remembered."""
 
 FRAMES: Final = 4
-"""Frames of a drag that are remembered: the same one is asked for more than once."""
+"""Number of frames of a drag that are remembered: each is asked for more than once."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A car that has the shape of its sketches.
+    """A car with the shape and the cameras of its sketches.
 
     Attributes
     ----------
@@ -65,8 +60,8 @@ class Solved:
     cost : Cost
     soundness : Soundness
     positions : (n, 3) float
-        Of the nodes, mm; the template's where no sketch is solved.
-    joint : Joint or None
+        Places of the nodes, mm; the template's where no sketch is solved.
+    joint : JointSolution or None
         None where no sketch is solved.
     placed : mapping of str to Placed
         By the id of the sketch.
@@ -78,7 +73,7 @@ class Solved:
     cost: Cost
     soundness: Soundness
     positions: Array
-    joint: Joint | None
+    joint: JointSolution | None
     placed: Mapping[str, Placed]
     solid: tuple[str, ...]
 
@@ -89,28 +84,29 @@ _templates: Memory[Template] = Memory(8)
 
 
 def template_of(state: CarState) -> Template:
-    """The template of a car.
+    """Return the template of a car.
 
     Raises
     ------
     FormatError
-        If its own is none.
+        If the car brings a template of its own that cannot be read.
     """
     if not state.own:
         return bundled(state.template)
     return _templates.recall(state.own, lambda: read_template(state.own.encode()))
 
 
-def solved(state: CarState, before: CarState | None = None) -> Solved:
-    """Cameras and shape of a car.
+def solve_car(state: CarState, before: CarState | None = None) -> Solved:
+    """Solve the cameras and the shape of a car.
 
     Parameters
     ----------
     state : CarState
+        The car.
     before : CarState, optional
-        The car as it was before one of its marks was dragged: where to start from, which is
-        quicker. A mark that was aside there comes back later than it went, so that none flickers.
-        Nobody sees what is found then but who asks with the same car before.
+        The car as it was before one of its marks was dragged. A start from it is quicker. A mark
+        that was aside there comes back later than it went, so that none flickers. The answer is
+        remembered for this pair of states only.
 
     Raises
     ------
@@ -121,12 +117,12 @@ def solved(state: CarState, before: CarState | None = None) -> Solved:
     key = _question(state)
     if before is None or key == (start := _question(before)):
         return _solves.recall(key, lambda: _solved(state, None))
-    return _frames.recall((key, start), lambda: _solved(state, solved(before)))
+    return _frames.recall((key, start), lambda: _solved(state, solve_car(before)))
 
 
 def _question(state: CarState) -> tuple[object, ...]:
-    """All that a solve depends on."""
-    sketches = tuple((sketch.id, *told_by(sketch)) for sketch in _taking_part(state))
+    """Return all that a solve depends on, as a key."""
+    sketches = tuple((sketch.id, *marks_of(sketch)) for sketch in _taking_part(state))
     locked = state.dimensions if state.lock else None
     shape = (state.own or state.template, state.trace, state.cost, state.without, locked)
     return (*shape, sketches)
@@ -144,7 +140,7 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     if before is not None and before.template is not template:
         before = None
     last = {} if before is None else before.placed
-    placed = {s.id: placed_by(template, s, last.get(s.id)) for s in _taking_part(state)}
+    placed = {s.id: place_sketch(template, s, last.get(s.id)) for s in _taking_part(state)}
     solid = tuple(key for key, one in placed.items() if one.is_known)
     if len(solid) > MOST_VIEWS:
         raise UserError(
@@ -162,73 +158,74 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
         _among(view, template, last[key].disagreeing if key in last else ())
         for key, view in zip(solid, views, strict=True)
     ]
-    told = weighed(template, views, were_aside)
-    views = [view.only(flags) for view, flags in zip(views, told.counted, strict=True)]
+    judged = judge_marks(template, views, were_aside)
+    views = [view.only(flags) for view, flags in zip(views, judged.counted, strict=True)]
     if state.cost != "paper":
         pairs = zip(solid, views, strict=True)
         views = [_resumed(placed[key], view, before) for key, view in pairs]
-        cost = cost.within(_spread(told.spread, state.trace))
+        cost = cost.within(_spread(judged.spread, state.trace))
     joint = solve(
         template, views, cost, soundness, start=start, locked=locked,
         overlap=_overlap(template) if locked else Overlap(),
         hold_cameras=state.cost == "paper",
     )  # fmt: skip
     positions = template.whole(joint.variables)
-    for number, (key, flags) in enumerate(zip(solid, told.counted, strict=True)):
+    for number, (key, flags) in enumerate(zip(solid, judged.counted, strict=True)):
         nodes = counted_marks(placed[key], template)[0][~flags].tolist()
         aside = (*placed[key].disagreeing, *(template.names[node] for node in nodes))
-        placed[key] = _told(placed[key], joint, number, template, positions, aside)
+        placed[key] = _with_residuals(placed[key], joint, number, template, positions, aside)
     return Solved(template, cost, soundness, positions, joint, placed, solid)
 
 
 def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedView:
-    """A sketch with the camera of the last solve, which is nearer."""
+    """Return a sketch with the camera of the last solve, which is nearer than the template's."""
     if before is None or placed.sketch.id not in before.solid:
         return view
-    start = before.placed[placed.sketch.id].stand
+    start = before.placed[placed.sketch.id].sketch_camera
     return view.turned(start.camera, start.shift) if start.camera.kind == view.camera.kind else view
 
 
 def _spread(found: float, trace: float) -> float:
-    """How far a car may be from the template, as a share of what the cost expects.
+    """Return how far a car may be from the template, as a share of what the cost expects.
 
-    Who wants the marks traced more exactly than by default does not want to be told that hands
-    tremble.
+    A person who wants the marks traced more exactly than by default wants their noise, too.
     """
     return float(min(1.0, GENEROUS * found) ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
 
 
-def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> NDArray[np.bool_]:
+def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> Flags:
     """Which marks of a sketch, (k,), are those of the nodes that are named."""
     return np.array([template.names[node] in names for node in view.nodes.tolist()], bool)
 
 
-def _told(
+def _with_residuals(
     placed: Placed,
-    joint: Joint,
+    joint: JointSolution,
     number: int,
     template: Template,
     positions: Array,
     aside: tuple[str, ...],
 ) -> Placed:
-    """What a solve says of a sketch and its marks."""
+    """Return a sketch with its camera, and with the residuals of its marks, after a solve."""
     view = joint.views[number]
-    stand = Stand.behind(view.camera, view.shift, positions)
+    sketch_camera = SketchCamera.behind(view.camera, view.shift, positions)
     nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
-    off = np.linalg.norm(stand.pixels(positions[nodes]) - marks, axis=1)
-    # A node behind the eye is seen nowhere, so that nobody can tell how far off its mark is.
-    told = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
-    missed = {name: px for name, px in told if np.isfinite(px)}
+    off = np.linalg.norm(sketch_camera.pixels(positions[nodes]) - marks, axis=1)
+    # A node behind the eye is seen nowhere, so its mark has no distance.
+    named = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
+    missed = {name: px for name, px in named if np.isfinite(px)}
     alone = zip(view.nodes, joint.left_out[number].missed, strict=True)
     others = {template.names[n]: float(px) for n, px in alone}
-    # A mark that was set aside has no say: what it is missed by is what the others miss it by.
+    # A mark that was set aside does not count, so its residual is that of the others' place.
     others |= {name: missed[name] for name in aside if name in missed}
     aside = tuple(sorted(aside, key=lambda name: -missed.get(name, np.inf)))
-    return replace(placed, stand=stand, missed=missed, left_out=others, disagreeing=aside)
+    return replace(
+        placed, sketch_camera=sketch_camera, missed=missed, left_out=others, disagreeing=aside
+    )
 
 
 def _overlap(template: Template) -> Overlap:
-    """How far the template's surface bulges beyond its nodes; it hardly changes with the shape."""
+    """Return how far the template's surface bulges beyond its nodes, which hardly changes."""
     sides = np.array([patch.edges for patch in template.patches])
     box = extent(coons_nets(Network.of(template).control_points, sides))
     return Overlap.of(template, template.positions, box)

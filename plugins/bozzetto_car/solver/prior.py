@@ -1,13 +1,13 @@
-"""What a deformation of the template costs: marks missed, deviation, and neighbours torn apart.
+"""The cost of a deformation: marks that are missed, deviations, and differences along edges.
 
 Kara & Shimada (2008) balance how far the projected nodes are from the marks against how far
 the nodes have moved, H = α Σ |r| / D2 + β Σ |d| / D3, with D2 and D3 the extents of the marks
-and of the template. Two of its traits are unwanted: it has no derivative where a node has not
-moved, which costs hundreds of iterations, and a node that nobody has marked does not move at
-all. So by default the norms are squared, which makes them variances: of the hand, of a node
-about its place in the template, and of the difference between the two ends of an edge, which
-takes the unmarked along. Length, width and height as a whole may vary at a lower price, for
-that is how cars differ most. The paper's cost is there as a mode, smoothed a little.
+and of the template. It has two disadvantages: it has no derivative where a node has not
+moved, which costs hundreds of iterations, and a node without a mark does not move at all. So by
+default the norms are squared, which makes them variances: of the hand, of a node about its place
+in the template, and of the difference between the two ends of an edge, which moves unmarked nodes
+along. Length, width and height as a whole may vary at a lower price, for cars differ most in
+them. The paper's cost is available as a mode, smoothed a little.
 """
 
 from __future__ import annotations
@@ -16,26 +16,21 @@ from dataclasses import dataclass, replace
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.state import TRACE
 from bozzetto_car.template.model import Template
-
-__all__ = ["Cost", "Prior", "extent", "robust_weights"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 HAND: Final = (0.02, 0.0005)
 """Standard deviation of a mark, in diagonals of all marks, where the balance is 0 and where it
 is 1: from a rough idea of a car to half a pixel. Below that the marks are met no better, and
-where they leave the shape open the template would have no say."""
+the template would no longer determine the shape where the marks leave it open."""
 
 STRAY: Final = (4.0, 0.008)
-"""Distance from which a mark pulls with a constant force only, for it went astray: the larger
-of so many standard deviations and such a share of the diagonal of all marks. Who asks for the
-last tenth of a pixel has no smaller slips of the hand than others."""
+"""Distance from which a mark counts as a mistake and pulls with a constant force only: the larger
+of a number of standard deviations and a share of the diagonal of all marks. A person who traces to
+the last tenth of a pixel makes mistakes as large as others."""
 
 DEVIATION: Final = 180.0
 """Standard deviation of a node from its place in the template, mm."""
@@ -52,7 +47,7 @@ PAPER_SHARE: Final = 0.5
 
 PAPER_SMOOTHING: Final = 1e-3
 """Length, in extents, below which the paper's norms are squares: with it the cost has a
-derivative everywhere, and the optimum is the same for all that an eye can tell."""
+derivative everywhere, and the optimum is the same to the eye."""
 
 
 @dataclass(frozen=True)
@@ -62,17 +57,17 @@ class Cost:
     Attributes
     ----------
     hand : float
-        Of a mark, per coordinate, in diagonals of the marks of its sketch.
+        Standard deviation of a mark, per coordinate, in diagonals of the marks of its sketch.
     stray : float
-        Standard deviations from which a mark counts by its distance and not the square.
+        Number of standard deviations from which a mark counts by its distance, not the square.
     deviation : float
-        Of a node, per coordinate, mm.
+        Standard deviation of a node, per coordinate, mm.
     stiff : float
-        The like of `stray` for the deviation of a node; infinite: always the square.
+        As `stray`, for the deviation of a node; infinite: always the square.
     coupling : float
-        Of the difference along an edge, per coordinate, mm; infinite: none.
+        Standard deviation of the difference along an edge, per coordinate, mm; infinite: none.
     proportion : float
-        Of length, width and height as a whole, as a share; 0: they vary as the nodes do.
+        Standard deviation of length, width and height as a whole, as a share; 0: none of its own.
     """
 
     hand: float
@@ -84,12 +79,12 @@ class Cost:
 
     @classmethod
     def balanced(cls, trace: float = TRACE) -> Self:
-        """The default cost.
+        """Return the default cost.
 
         Parameters
         ----------
         trace : float
-            0 stays plausible, 1 traces exactly.
+            Balance: 0 stays plausible, 1 traces exactly.
 
         Raises
         ------
@@ -97,14 +92,14 @@ class Cost:
             If it is not from 0 to 1.
         """
         if not 0.0 <= trace <= 1.0:
-            raise UserError("The balance goes from 0, stay plausible, to 1, trace exactly.")
+            raise UserError("The balance is a number from 0 (stay plausible) to 1 (trace exactly).")
         loose, tight = HAND
         hand = loose * (tight / loose) ** trace
         stray = max(STRAY[0], STRAY[1] / hand)
         return cls(hand, stray, DEVIATION, np.inf, COUPLING, PROPORTION)
 
     def within(self, spread: float) -> Self:
-        """The cost for cars that differ from the template by a share of what it expects."""
+        """Return the cost for cars that differ by a share of what this cost expects."""
         return replace(
             self,
             deviation=self.deviation * spread,
@@ -114,7 +109,7 @@ class Cost:
 
     @classmethod
     def paper(cls, template: Template) -> Self:
-        """The cost H of Kara & Shimada with α = β = 0.5."""
+        """Return the cost H of Kara & Shimada with α = β = 0.5."""
         # σ and the threshold c for which σ² c (√(c² + s²)) is the paper's norm, smoothed.
         spread = float(np.sqrt(PAPER_SMOOTHING / PAPER_SHARE))
         bend = float(np.sqrt(PAPER_SMOOTHING * PAPER_SHARE))
@@ -122,14 +117,14 @@ class Cost:
 
 
 def extent(template: Template) -> float:
-    """Diagonal of the box of the nodes, mm."""
+    """Return the diagonal of the box of the nodes, mm."""
     return float(np.linalg.norm(np.ptp(template.positions, axis=0)))
 
 
 def robust_weights(squares: Array, threshold: float) -> tuple[Array, float]:
-    """Weights of iteratively re-weighted least squares, and the whole cost.
+    """Return the weights of iteratively re-weighted least squares, and the whole cost.
 
-    The cost of a squared length s² is 2 c² (√(1 + s²/c²) − 1): s² near nought, 2 c s far off
+    The cost of a squared length s² is 2 c² (√(1 + s²/c²) − 1): s² near zero, 2 c s far off
     (soft L1, the pseudo-Huber function).
 
     Parameters
@@ -172,7 +167,7 @@ class Prior:
             self._squared = _with_proportions(self._squared, template, cost.proportion)
 
     def value(self, variables: Array) -> float:
-        """Cost of a car (q,); nought is the template itself."""
+        """Return the cost of a car (q,); that of the template is 0."""
         offset = variables - self.variables
         if not np.isfinite(self._cost.stiff):
             return float(offset @ self._squared @ offset)
@@ -180,7 +175,7 @@ class Prior:
         return float(offset @ self._coupled @ offset) + bent
 
     def form(self, variables: Array) -> Array:
-        """Half the second derivative at a car (q,) for re-weighted least squares, (q, q)."""
+        """Return half the second derivative at a car (q,) for re-weighted least squares, (q, q)."""
         if not np.isfinite(self._cost.stiff):
             return self._squared
         squares = self._squares(variables - self.variables)
@@ -194,7 +189,7 @@ class Prior:
 
 
 def _links(template: Template) -> Index:
-    """The edges, and two for each wheel, (m, 2): a wheel goes along with the sill around it.
+    """Return the edges, and two links for each wheel to the sill around it, (m, 2).
 
     No edge ends in a wheel, so it is tied to the nearest nodes before and behind it on the rim
     of the body, of which the edges belong to one patch only.
@@ -215,7 +210,7 @@ def _links(template: Template) -> Index:
 
 
 def _with_proportions(form: Array, template: Template, spread: float) -> Array:
-    """The form after whole proportions have been given a variance of their own.
+    """Return the form after whole proportions have been given a variance of their own.
 
     The covariance gains spread² m mᵀ for each direction m in which length, width or height
     change by their own size; by Woodbury's identity the form loses what follows.

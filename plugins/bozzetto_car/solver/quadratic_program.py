@@ -13,27 +13,23 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Constrained", "Contradiction", "constrained_minimum"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto_car.array_types import Array, Index
 
 CONTRADICTORY: Final = 1e-9
 """Length of the dual residual, of 1, below which no vector keeps all inequalities: it is the
 share of the farthest-off inequality that is left when the others are combined against it."""
 
-NOUGHT: Final = 1e-9
-"""Length of a row, as a share of the longest, that says nothing about the vector: where some
-combinations are held, the others do not change what such a row stands for."""
+NEGLIGIBLE: Final = 1e-9
+"""Length of a row, relative to the longest, that counts as zero. Such rows appear where locked
+dimensions leave no freedom to change what the row measures."""
 
 MOST_CHANGES: Final = 3
 """Most changes of the active set for each inequality; a usual search takes one for each that
 ends up active."""
 
 KEPT: Final = 1e-11
-"""Shortfall of an inequality that is no violation, as a share of the largest one demanded."""
+"""Shortfall of an inequality that is rounding, as a share of the largest bound."""
 
 
 class Contradiction(ValueError):
@@ -42,7 +38,7 @@ class Contradiction(ValueError):
     Attributes
     ----------
     rows : (k,) int
-        Inequalities that contradict each other: a certificate by Farkas' lemma.
+        Indices of inequalities that contradict each other: a certificate by Farkas' lemma.
     """
 
     def __init__(self, rows: Index) -> None:
@@ -52,13 +48,13 @@ class Contradiction(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Constrained:
-    """Where a quadratic function is least.
+    """The place where a quadratic function is least.
 
     Attributes
     ----------
     place : (n,) float
     active : (k,) int
-        Inequalities that hold it back.
+        Indices of the inequalities that hold with equality.
     """
 
     place: Array
@@ -66,15 +62,18 @@ class Constrained:
 
 
 def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) -> Constrained:
-    """The vector x for which x·form·x / 2 + slope·x is least while rows·x ≥ least.
+    """Find the vector x with the least x·form·x / 2 + slope·x while rows·x ≥ least.
 
     Parameters
     ----------
     form : (n, n) float
         Symmetric, positive definite.
     slope : (n,) float
+        The linear part of the function.
     rows : (m, n) float
+        The left sides of the inequalities.
     least : (m,) float
+        The right sides of the inequalities.
 
     Returns
     -------
@@ -95,11 +94,11 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
     factor = np.linalg.cholesky(form)
     free = -cho_solve((factor, True), slope)
     sizes = np.linalg.norm(rows, axis=1)
-    silent = sizes <= NOUGHT * sizes.max(initial=0.0)
+    silent = sizes <= NEGLIGIBLE * sizes.max(initial=0.0)
     impossible = silent & (least > KEPT * np.abs(least).max(initial=1.0))
     if impossible.any():
         raise Contradiction(np.flatnonzero(impossible))
-    rows, least, told = rows[~silent], least[~silent], np.flatnonzero(~silent)
+    rows, least, numbers = rows[~silent], least[~silent], np.flatnonzero(~silent)
     lacking = least - rows @ free
     if not len(lacking) or lacking.max() <= 0.0:
         return Constrained(free, np.empty(0, np.intp))
@@ -120,10 +119,12 @@ def constrained_minimum(form: Array, slope: Array, rows: Array, least: Array) ->
         ) from problem
     active = np.flatnonzero(weights)
     if residual < CONTRADICTORY:
-        raise Contradiction(told[active])
+        raise Contradiction(numbers[active])
     step = np.linalg.lstsq(turned[:, active].T, lacking[active], rcond=None)[0]
     if (turned.T @ step - lacking).min() < -KEPT * worst:
         # Active inequalities that depend on each other: the residual itself is the answer.
         gap = dual @ weights - goal
         step = -gap[:-1] / gap[-1] * worst
-    return Constrained(free + solve_triangular(factor, step, lower=True, trans="T"), told[active])
+    return Constrained(
+        free + solve_triangular(factor, step, lower=True, trans="T"), numbers[active]
+    )

@@ -1,32 +1,30 @@
 """How well each node is known, and which further sketch would tell most.
 
-The inverse of the normal matrix is the covariance of the car as the marks, the hand and the
-template have it. Where the car stands, how large it is and how it is tilted no sketch can tell;
-these four numbers would hide everything else, so the covariance is taken of the car after it
-has been laid over the true one as well as can be (the S-transformation of geodesy: Baarda
-1973; Triggs et al. 2000, section 9). As an error bar it trusts the template too much, for real
-cars do not differ from it by chance. In comparison with what was known before any mark it
-tells the places that were seen from those that were guessed.
+The inverse of the normal matrix is the covariance of the car, given the marks, the hand and the
+template. No sketch can tell where the car stands, how large it is and how it is tilted; these
+four numbers would hide everything else, so the covariance is that of the car after the best
+alignment with the true one (the S-transformation of geodesy: Baarda 1973; Triggs et al. 2000,
+section 9). As an error bar it trusts the template too much, for real cars do not differ from it
+by chance. Compared with the covariance before any mark, it separates the places that were seen
+from those that were guessed.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.view import Camera
-from bozzetto_car.camera.marked_view import MarkedView, Sight
+from bozzetto.view.rotations import triple
+from bozzetto_car.array_types import Array
+from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.camera.visibility import facing
-from bozzetto_car.solver.bundle_adjustment import Joint, without_cameras
+from bozzetto_car.solver.bundle_adjustment import JointSolution, without_cameras
 from bozzetto_car.solver.prior import Cost, Prior, extent
-from bozzetto_car.template.model import Picture, Template
+from bozzetto_car.template.model import Template, ViewHint
 
-__all__ = ["FURTHER_VIEWS", "Certainty", "FurtherView", "Source", "certainty", "further_views"]
-
-Array = NDArray[np.float64]
 Source = Literal["seen", "mirrored", "guessed"]
 
 FURTHER_VIEWS: Final = {
@@ -43,7 +41,7 @@ AWAY: Final = 1.8
 """Distance of the camera of such a sketch from the car, in diagonals of its box."""
 
 FILLED: Final = 0.75
-"""Part of the width or height of the picture that the car fills in it."""
+"""Part of the width or height of the picture that the car fills in such a sketch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +51,11 @@ class Certainty:
     Attributes
     ----------
     sources : tuple of {"seen", "mirrored", "guessed"}, length n
-        A node has a mark in a sketch, or only its mirror image has one, or neither.
+        Whether a node has a mark in a sketch, or only its mirror image has one, or neither.
     deviations : (n,) float
         Standard deviation, root of the sum over the axes, mm.
     shares : (n,) float
-        The same in comparison with the template alone, 0 … 1: 0 is known, 1 is a guess.
+        The deviation relative to that of the template alone: 0 is known, 1 is a guess.
     """
 
     sources: tuple[Source, ...]
@@ -82,15 +80,17 @@ class FurtherView:
     after: float
 
 
-def certainty(template: Template, cost: Cost, joint: Joint) -> Certainty:
-    """How well each node is known after a solve.
+def certainty(template: Template, cost: Cost, joint: JointSolution) -> Certainty:
+    """Return how well each node is known after a solve.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     cost : Cost
-        That of the solve.
-    joint : Joint
+        The cost that the solve used.
+    joint : JointSolution
+        The result of the solve.
     """
     marked = np.zeros(len(template.names), bool)
     for view in joint.views:
@@ -107,19 +107,20 @@ def certainty(template: Template, cost: Cost, joint: Joint) -> Certainty:
     return Certainty(tuple(sources), np.sqrt(known), shares)
 
 
-def further_views(template: Template, cost: Cost, joint: Joint) -> tuple[FurtherView, ...]:
-    """Sketches that could be added, the most telling first.
+def further_views(template: Template, cost: Cost, joint: JointSolution) -> tuple[FurtherView, ...]:
+    """Return sketches that could be added, the most telling first.
 
-    By how much a sketch helps does not depend on where its marks will be, only on which nodes
-    it shows, so that it can be said beforehand (A-optimal design). Its camera counts as
-    unknown.
+    The benefit of a sketch depends only on the nodes that it shows, not on the places of their
+    marks, so that it is known beforehand (A-optimal design). Its camera counts as unknown.
 
     Parameters
     ----------
     template : Template
+        The template of the car.
     cost : Cost
-        That of the solve.
-    joint : Joint
+        The cost that the solve used.
+    joint : JointSolution
+        The result of the solve.
     """
     positions = template.whole(joint.variables)
     follow = (template.basis @ joint.span).reshape(-1, 3, joint.span.shape[1])
@@ -129,19 +130,19 @@ def further_views(template: Template, cost: Cost, joint: Joint) -> tuple[Further
         camera = _camera(template, positions, azimuth, elevation, joint.views[0].camera.viewport)
         nodes = np.flatnonzero(facing(template, positions, camera))
         view = MarkedView(camera, nodes, camera.project(positions[nodes])[0])
-        sight, pose = Sight.of(template, view, held=False)
+        sight, pose = Reprojection.of(template, view, held=False)
         seen = sight.residuals(pose, positions)
         if seen is None:
             continue
         rows = sight.rows(seen, follow) / cost.hand
-        told = without_cameras(rows.T @ rows, follow.shape[2])
-        after = np.sqrt(_variances(template, joint, joint.information + told).mean())
+        information = without_cameras(rows.T @ rows, follow.shape[2])
+        after = np.sqrt(_variances(template, joint, joint.information + information).mean())
         found.append(FurtherView(name, now, float(after)))
     return tuple(sorted(found, key=lambda view: view.after))
 
 
-def _variances(template: Template, joint: Joint, information: Array) -> Array:
-    """Variance of each node, summed over its axes, mm², (n,)."""
+def _variances(template: Template, joint: JointSolution, information: Array) -> Array:
+    """Return the variance of each node, summed over its axes, mm², (n,)."""
     spread = template.basis @ joint.span
     positions = template.whole(joint.variables)
     middle = positions - positions.mean(axis=0)
@@ -162,13 +163,11 @@ def _camera(
     elevation: float,
     viewport: tuple[float, float],
 ) -> Camera:
-    """A camera of a sketch that shows the whole car from a side."""
+    """Return a camera of a sketch that shows the whole car from a side."""
     middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
-    eye = middle + AWAY * extent(template) * Picture(azimuth, elevation).toward_eye
-    (x, y, z), (tx, ty, tz) = eye.tolist(), middle.tolist()
-    wide = Camera("perspective", (x, y, z), (tx, ty, tz), fov_y=60.0, viewport=viewport)
+    eye = middle + AWAY * extent(template) * ViewHint(azimuth, elevation).toward_eye
+    wide = Camera("perspective", triple(eye), triple(middle), fov_y=60.0, viewport=viewport)
     places = wide.project(positions)[0]
     size = np.abs(places - 0.5 * np.array(viewport)).max(axis=0) / (0.5 * np.array(viewport))
     half = np.tan(np.radians(30.0)) * size.max() / FILLED
-    opening = float(np.degrees(2.0 * np.arctan(half)))
-    return Camera("perspective", (x, y, z), (tx, ty, tz), fov_y=opening, viewport=viewport)
+    return replace(wide, fov_y=float(np.degrees(2.0 * np.arctan(half))))

@@ -1,4 +1,4 @@
-"""What can be done to the chosen styling curve at one word."""
+"""Commands for the chosen styling curve."""
 
 from __future__ import annotations
 
@@ -9,17 +9,15 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
 from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import mirrored, stem_of
-from bozzetto_car.styling.oversketch import smoothed
-
-__all__ = ["styling_commands"]
+from bozzetto_car.styling.curve import mirror_curve, stem_of
+from bozzetto_car.styling.oversketch import smooth_curve
 
 SHARE: Final = 0.02
-"""By how much a curve is smoothed at a time; see `smoothed`."""
+"""Share by which one command smooths a curve; see `smooth_curve`."""
 
 
 def styling_commands() -> tuple[Command, ...]:
-    """The commands, in the order of the menu."""
+    """Return the commands, in the order of the menu."""
     return (
         Command(
             id="smooth-styling",
@@ -50,12 +48,12 @@ def _chosen(state: CarState) -> StylingCurve:
 
 
 def _smoothed(state: CarState, context: Context) -> CarState:
-    return state.with_node(smoothed(_chosen(state), body_of(state), SHARE))
+    return state.with_node(smooth_curve(_chosen(state), body_of(state), SHARE))
 
 
 def _mirrored(state: CarState, context: Context) -> CarState:
-    """Two curves, each on one side only, so that they can be changed apart from one another."""
+    """Return the state with two curves, each on one side only, that can be changed separately."""
     curve = _chosen(state)
     name = state.unused_name(stem_of(curve.name))
-    image = replace(mirrored(curve), id=state.unused_id(), name=name, both=False)
+    image = replace(mirror_curve(curve), id=state.unused_id(), name=name, both=False)
     return state.with_node(replace(curve, both=False)).with_node(image)

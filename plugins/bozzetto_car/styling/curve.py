@@ -1,7 +1,7 @@
-"""Styling curves: lines drawn on the body from any side, which stay on it whatever it becomes.
+"""Styling curves: lines drawn on the body from any side, which follow its changes.
 
-A stroke is smoothed in the image, every place of it goes along its ray to the body, and what is
-kept is the patch, u and v (Kara & Shimada, CAD 2008).
+A stroke is smoothed in the image, and every place of it goes along its ray to the body. A curve
+keeps the patch, u and v of these places (Kara & Shimada, CAD 2008).
 """
 
 from __future__ import annotations
@@ -16,75 +16,68 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
-from bozzetto_car.styling.project_on_body import laid_paths
-from bozzetto_car.styling.stroke_line import smoothed_line
-from bozzetto_car.styling.surface_path import joined, unbroken
+from bozzetto_car.styling.project_on_body import project_line
+from bozzetto_car.styling.stroke_line import smooth_line
+from bozzetto_car.styling.surface_path import join_paths, split_at_gaps
 from bozzetto_car.template.model import Template, twin
 
-__all__ = [
-    "Laid",
-    "curve_paths",
-    "curve_points",
-    "laid",
-    "mirrored",
-    "stem_of",
-    "with_paths",
-]
 
-Array = NDArray[np.float64]
-
-
-class Laid(NamedTuple):
-    """What a styling curve keeps of a line on the body; see `StylingCurve`."""
+class CurvePlaces(NamedTuple):
+    """The places of a line on the body as a styling curve keeps them; see `StylingCurve`."""
 
     patches: tuple[str, ...]
     on: NDArray[np.int32]
     places: Array
 
 
-def laid(body: Body, strokes_px: ArrayLike, camera: Camera) -> Laid:
-    """Lay a stroke on the visible side of the body.
+def project_stroke(body: Body, strokes_px: ArrayLike, camera: Camera) -> CurvePlaces:
+    """Project a stroke onto the visible side of the body.
 
     Parameters
     ----------
     body : Body
+        The body to draw on.
     strokes_px : (n, 2) array_like
         A stroke as drawn, px; it is smoothed first.
     camera : Camera
+        The view that the stroke was drawn in.
 
     Returns
     -------
-    Laid
-        Of the longest stretch, where the stroke misses the body or leads to parts behind others.
+    CurvePlaces
+        The longest stretch, where the stroke misses the body or leads to parts behind others.
 
     Raises
     ------
     UserError
         If the stroke is a dot or misses the body.
     """
-    paths = laid_paths(body.template, body.nets, smoothed_line(strokes_px), camera)
+    paths = project_line(body.template, body.nets, smooth_line(strokes_px), camera)
     lengths = [arc_length(camera.project(points_at(body.nets, path))[0])[-1] for path in paths]
     return _kept(body.template, paths[int(np.argmax(lengths))])
 
 
-def _kept(template: Template, path: Places) -> Laid:
-    """The form in which a styling curve keeps a path."""
+def _kept(template: Template, path: Places) -> CurvePlaces:
+    """Return a path in the form that a styling curve keeps."""
     numbers, on = np.unique(path.patches, return_inverse=True)
     names = tuple(template.patches[number].name for number in numbers.tolist())
-    return Laid(names, on.astype(np.int32), path.parameters)
+    return CurvePlaces(names, on.astype(np.int32), path.parameters)
 
 
 def curve_paths(curve: StylingCurve, nets: Array, template: Template) -> list[Places]:
-    """Where a styling curve runs on a body: one path, if the body has all of its patches.
+    """Return the paths of a styling curve on a body: one, if the body has all of its patches.
 
     Parameters
     ----------
     curve : StylingCurve
+        The styling curve.
     nets : (k, 4, 4, 3) float
-        Of the body, mm.
+        Control nets of the body, mm.
     template : Template
+        The template of the body.
     """
     known = {patch.name: number for number, patch in enumerate(template.patches)}
     numbers = np.array([known.get(name, -1) for name in curve.patches], np.intp)
@@ -92,29 +85,23 @@ def curve_paths(curve: StylingCurve, nets: Array, template: Template) -> list[Pl
     paths: list[Places] = []
     for run in np.split(np.arange(len(patches)), np.flatnonzero(np.diff(patches >= 0)) + 1):
         if len(run) and patches[run[0]] >= 0:
-            paths += unbroken(nets, Places(patches[run], curve.places[run]))
+            paths += split_at_gaps(nets, Places(patches[run], curve.places[run]))
     return paths
 
 
-def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
-    """The places of a styling curve on a body, (n, 3) mm, without those on patches it has not."""
-    path = joined(curve_paths(curve, nets, template))
-    return points_at(nets, path) if len(path) else np.zeros((0, 3))
-
-
 def with_paths(curve: StylingCurve, body: Body, paths: Sequence[Places]) -> StylingCurve:
-    """A curve that runs on other paths of a body."""
-    new = _kept(body.template, joined(paths))
+    """Return a curve that runs on other paths of a body."""
+    new = _kept(body.template, join_paths(paths))
     return replace(curve, patches=new.patches, on=new.on, places=new.places)
 
 
-def mirrored(curve: StylingCurve) -> StylingCurve:
-    """The mirror image of a curve: on patches of the other side u and v are exchanged."""
+def mirror_curve(curve: StylingCurve) -> StylingCurve:
+    """Return the mirror image of a curve: on the other side's patches u and v are exchanged."""
     return replace(
         curve, patches=tuple(map(twin, curve.patches)), places=curve.places[:, ::-1].copy()
     )
 
 
 def stem_of(name: str) -> str:
-    """A name without its number: what a curve that comes of another one is called."""
+    """Return a name without its number, as a stem for the name of a derived curve."""
     return name.rstrip(" 0123456789") or name

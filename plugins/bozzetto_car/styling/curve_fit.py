@@ -1,46 +1,44 @@
-"""The smooth way of a line on the body between its places, and the spline that other programs get.
+"""The smooth course of a line on the body, and the spline that other programs get.
 
 Between two places the line is a cubic spline in u and v over its length, patch by patch: it is on
-the surface everywhere, and passes through its places. A spline in space can be so at its knots
-only; between them it gets as near as is asked for.
+the surface everywhere and passes through its places. A spline in space is on the surface only at
+its knots; between them it is within a tolerance.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.geometry import Curve
 from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.geometry.spline import DEGREE, Spline
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_car.array_types import Array
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths
-from bozzetto_car.styling.surface_path import SAME, joined
-from bozzetto_car.template.model import Template
+from bozzetto_car.styling.surface_path import SAME, is_closed, join_paths
+from bozzetto_car.template.model import MIRROR, Template
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-__all__ = ["Course", "courses_on", "spline_of"]
-
-Array = NDArray[np.float64]
 
 TOLERANCE: Final = 0.005
-"""Distance, mm, between a spline that is handed over and the line on the body."""
+"""Largest distance, mm, between an exported spline and the line on the body."""
 
 LOOKS: Final = (0.25, 0.5, 0.75)
 """Shares of a span at which that distance is measured."""
 
 BEGUN: Final = 4
-"""Spans of a run over one patch that a spline begins with."""
+"""Number of spans over one patch that the fit of a spline starts with."""
 
 ROUNDS: Final = 12
-"""Times that spans are halved at most."""
+"""Most times that spans are halved."""
 
 CORNER: Final = 2.0
 """Angle, degrees, from which the line has a corner where it crosses an edge of the body."""
@@ -51,15 +49,15 @@ CLOSE: Final = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A line on the body by its length.
+    """A line on the body, parametrized by its length.
 
     Attributes
     ----------
     along : (n,) float
-        Length of the way from place to place up to each place, mm; twice the same at crossings.
+        Length of the polygon up to each place, mm; crossings are there twice.
     path : Places
     borders : (r + 1,) float
-        Where runs over one patch begin and end, mm.
+        Lengths at which the runs over one patch begin and end, mm.
     """
 
     along: Array
@@ -69,36 +67,38 @@ class Course:
 
     @property
     def length(self) -> float:
-        """Of the whole line, mm."""
+        """The length of the whole line, mm."""
         return float(self.borders[-1])
 
     def places(self, along: Array) -> Places:
-        """Places on the body at lengths (m,) that do not decrease, mm."""
+        """Return the places on the body at lengths (m,), mm, that do not decrease."""
         number = np.searchsorted(self.borders[1:-1], along, "right")
         made = []
         for run in np.unique(number).tolist():
             patch, spline = self._runs[run]
             at = np.clip(spline(along[number == run]), 0.0, 1.0)
             made.append(Places(np.full(len(at), patch), at))
-        return joined(made)
+        return join_paths(made)
 
 
 def courses_on(curve: StylingCurve, nets: Array, template: Template) -> list[Course]:
-    """A styling curve on a body: one line, if the body has all of its patches.
+    """Return the courses of a styling curve on a body: one, if the body has all of its patches.
 
     Parameters
     ----------
     curve : StylingCurve
+        The styling curve.
     nets : (k, 4, 4, 3) float
-        Of the body, mm.
+        Control nets of the body, mm.
     template : Template
+        The template of the body.
     """
     found = (_course(nets, path) for path in curve_paths(curve, nets, template))
     return [course for course in found if course is not None]
 
 
 def _course(nets: Array, path: Places) -> Course | None:
-    """The smooth way along a path; None where it has no length."""
+    """Return the smooth course along a path; None where it has no length."""
     from scipy.interpolate import CubicSpline
 
     along = arc_length(points_at(nets, path))
@@ -114,11 +114,11 @@ def _course(nets: Array, path: Places) -> Course | None:
 
 
 def spline_of(nets: Array, course: Course) -> Spline:
-    """A cubic spline through places of a line on the body.
+    """Return a cubic spline through places of a line on the body.
 
     Its knots are as far apart as `TOLERANCE` allows. Where the line has a corner on an edge of
-    the body, so has the spline (a knot of multiplicity three); elsewhere its curvature is
-    continuous.
+    the body, the spline has one, too (a knot of multiplicity three); elsewhere its curvature
+    is continuous.
     """
     corners = _corners(nets, course)
     knots, points = [np.repeat(corners[0], DEGREE + 1)], []
@@ -129,8 +129,42 @@ def spline_of(nets: Array, course: Course) -> Spline:
     return Spline(np.append(np.concatenate(knots), corners[-1]), np.vstack(points))
 
 
+def as_curves(curve: StylingCurve, nets: Array, template: Template) -> tuple[Curve, ...]:
+    """Return a styling curve on a body, with its mirror image where it is on both sides.
+
+    Parameters
+    ----------
+    curve : StylingCurve
+        The styling curve.
+    nets : (k, 4, 4, 3) float
+        Control nets of the body, mm.
+    template : Template
+        The template of the body.
+
+    Returns
+    -------
+    tuple of Curve
+        Cubic splines; one for each part, if the body lacks some of the curve's patches. Mirror
+        images have the same numbers but for the sign of y.
+    """
+    made = [
+        replace(
+            spline_of(nets, course).to_curve(curve.name, curve.color),
+            closed=is_closed(nets, course.path),
+        )
+        for course in courses_on(curve, nets, template)
+    ]
+    if not curve.both:
+        return tuple(made)
+    images = (
+        replace(one, name=f"{one.name} mirrored", control_points=one.control_points * MIRROR)
+        for one in made
+    )
+    return (*made, *images)
+
+
 def _interpolated(nets: Array, course: Course, begin: float, end: float) -> BSpline:
-    """A spline with continuous curvature along a part of the line without corners."""
+    """Return a spline with continuous curvature along a part of the line without corners."""
     from scipy.interpolate import make_interp_spline
 
     inner = course.borders[(course.borders > begin) & (course.borders < end)]
@@ -152,7 +186,7 @@ def _interpolated(nets: Array, course: Course, begin: float, end: float) -> BSpl
 
 
 def _corners(nets: Array, course: Course) -> list[float]:
-    """Both ends of a line, and where it has a corner, mm along it."""
+    """Return both ends of a line and its corners, mm along it."""
     found = [0.0, course.length]
     for before, border, after in zip(
         course.borders[:-2], course.borders[1:-1], course.borders[2:], strict=True

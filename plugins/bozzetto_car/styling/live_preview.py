@@ -1,38 +1,35 @@
-"""A line on the body while it is being drawn: every move of the pen adds a few rays."""
+"""A line on the body while it is drawn: every move of the pen adds a few rays."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.ink.curves.resample import steps_along
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.styling.project_on_body import Seen, runs_of, seen_on_body
 from bozzetto_car.styling.stroke_line import STEP
-
-__all__ = ["Growing"]
-
-Array = NDArray[np.float64]
 
 MOST_AT_ONCE: Final = 24
 """Most rays between two samples; after a leap of the pen they are farther apart."""
 
 BLOCK: Final = 8
-"""Places that are looked at together and remembered. How many are looked at together tells in the
-last digits, so it must not depend on how often the line was asked for."""
+"""Places that are projected together and remembered. The number changes the last digits of the
+result, so it must not depend on how often the line was asked for."""
 
 
 class Growing:
-    """Finds what is seen under ink, and does not look again where it looked for shorter ink.
+    """The projection of ink that grows; it projects each place only once.
 
-    What it answers depends on the ink alone.
+    Its answers depend only on the ink.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
-        Of the body, mm.
+        Control nets of the body, mm.
     camera : Camera
     """
 
@@ -43,7 +40,7 @@ class Growing:
         self._seen: Seen | None = None
 
     def lines(self, ink: Array) -> list[Array]:
-        """The ink (n, 2) px, all of it so far, as polylines (m, 3) on the body, mm."""
+        """Return the ink (n, 2) px, all of it so far, as polylines (m, 3) on the body, mm."""
         places = steps_along(ink, STEP, MOST_AT_ONCE)
         whole = len(places) - len(places) % BLOCK
         known = len(self._places)

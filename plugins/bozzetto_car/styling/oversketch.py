@@ -1,4 +1,4 @@
-"""Styling curves changed: drawn over, and smoothed."""
+"""Change styling curves: draw over them, or smooth them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.closest_points import foot_points
@@ -16,38 +16,35 @@ from bozzetto.ink.curves.resample import arc_length, resample
 from bozzetto.ink.curves.smooth import smooth
 from bozzetto.ink.oversketch.snake import modified
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths, with_paths
 from bozzetto_car.styling.curve_fit import Course, courses_on
 from bozzetto_car.styling.picking import seen_parts, sight_of
-from bozzetto_car.styling.project_on_body import laid_paths
-from bozzetto_car.styling.stroke_line import STEP, smoothed_line
-from bozzetto_car.styling.surface_path import connected, is_closed, joined
-
-__all__ = ["begun_away", "oversketched", "smoothed"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from bozzetto_car.styling.project_on_body import project_line
+from bozzetto_car.styling.stroke_line import STEP, smooth_line
+from bozzetto_car.styling.surface_path import connect_places, is_closed, join_paths
 
 NODES: Final = 3.0
 """Distance of the nodes of the picture of a curve that is drawn over, px."""
 
 JUMP: Final = 20.0
-"""Farthest, mm, that a changed stretch may begin or end from the curve that it is a part of: what
-is farther is another part of the body in front of it."""
+"""Farthest, mm, that a changed stretch may begin or end from its curve. What is farther lies on
+another part of the body in front of it."""
 
 TURNED_AWAY: Final = 60.0
-"""Length, mm, of what turns away from the eye at the end of a curve and goes with the end."""
+"""Length, mm, of the part at the end of a curve that faces away from the eye and moves with the
+end."""
 
 CLOSE: Final = 0.5
-"""Distance from the joint within which a place of the old curve is left out, per usual step."""
+"""Distance from the join within which a place of the old curve is left out, per usual step."""
 
 SMOOTHED: Final = 24.0
 """Distance of the places of a smoothed curve, mm."""
 
 FEWEST, MOST = 24, 400
-"""Least and greatest number of its places."""
+"""Least and greatest number of places of a smoothed curve."""
 
 UNCHANGED: Final = 0.1
 """Distance, px, by which a stroke must bend a curve to change it."""
@@ -58,18 +55,20 @@ OFF: Final = (
 )
 
 HALVINGS: Final = 3
-"""Times that they are taken half as far apart, where the way from patch to patch is not found."""
+"""Times that the distance of places is halved where no way from patch to patch is found."""
 
 
-def smoothed(curve: StylingCurve, body: Body, share: float) -> StylingCurve:
-    """A curve without its small bends; its ends stay.
+def smooth_curve(curve: StylingCurve, body: Body, share: float) -> StylingCurve:
+    """Smooth a curve; its ends stay.
 
-    It is convolved with a Gaussian in space, and goes back to the nearest places of the body.
+    The curve is convolved with a Gaussian in space and goes back to the nearest places of the body.
 
     Parameters
     ----------
     curve : StylingCurve
+        The curve.
     body : Body
+        The body that it is on.
     share : float
         Standard deviation of the Gaussian per length of the curve, above 0.
 
@@ -91,8 +90,8 @@ def _smooth(body: Body, course: Course, share: float) -> Places:
         points = smooth(points_at(body.nets, course.places(along)), share * course.length)
         feet = foot_points(body.nets, points)
         ends = course.places(along[[0, -1]])
-        whole = joined([ends[:1], feet[1:-1], ends[1:]])
-        paths = connected(body.template, body.nets, whole, normals_at(body.nets, whole))
+        whole = join_paths([ends[:1], feet[1:-1], ends[1:]])
+        paths = connect_places(body.template, body.nets, whole, normals_at(body.nets, whole))
         if len(paths) == 1:
             return paths[0]
         count *= 2
@@ -104,7 +103,7 @@ def _smooth(body: Body, course: Course, share: float) -> Places:
 
 @dataclass(frozen=True, eq=False)
 class _Picture:
-    """The part of a curve that is seen: lengths along it, mm, and where these are seen, px."""
+    """The part of a curve that is seen: lengths along it, mm, and their places in the view, px."""
 
     number: int
     course: Course
@@ -112,23 +111,24 @@ class _Picture:
     pixels: Array
 
 
-def oversketched(
-    curve: StylingCurve, body: Body, stroke: ArrayLike, camera: Camera
-) -> StylingCurve:
-    """A curve that runs where a stroke was drawn over it.
+def oversketch(curve: StylingCurve, body: Body, stroke: ArrayLike, camera: Camera) -> StylingCurve:
+    """Move a curve to where a stroke was drawn over it.
 
     The picture of the curve gives way to the stroke as a contour that resists bending
-    (`bozzetto.ink.oversketch.snake`), so it leaves its old way and comes back to it
-    smoothly, and a stroke that runs on beyond an end takes the end along. What was changed is
-    laid on the body anew.
+    (`bozzetto.ink.oversketch.snake`), so it leaves its old course and returns to it smoothly.
+    A stroke that runs on beyond an end moves the end. The changed stretch is projected onto
+    the body again.
 
     Parameters
     ----------
     curve : StylingCurve
+        The curve.
     body : Body
+        The body that it is on.
     stroke : (n, 2) array_like
-        px; along the curve or against it.
+        Samples of the stroke, px, along the curve or against it.
     camera : Camera
+        The view that the stroke was drawn in.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def oversketched(
         If the curve is not seen near the stroke, or the stroke leads off the body or behind a
         part of it.
     """
-    line = smoothed_line(stroke)
+    line = smooth_line(stroke)
     curve, given = begun_away(curve, body, line, camera), curve
     courses = courses_on(curve, body.nets, body.template)
     picture = _picture_near(body, courses, line, camera)
@@ -156,10 +156,10 @@ def oversketched(
     ends = max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, len(nodes) - 1)
     stretch = resample(bent.points[ends[0] : ends[1] + 1], spacing=STEP)
     way = np.interp(along[-1] * np.array(ends) / (len(nodes) - 1), along, picture.along)
-    # An end of the curve that moves has nothing beyond it to be joined to.
+    # Beyond an end of the curve that moves there is nothing to join.
     unseen = picture.along[0], picture.course.length - picture.along[-1]
     free = bent.moved[[0, -1]] & (np.array(unseen) < TURNED_AWAY)
-    laid = laid_paths(body.template, body.nets, stretch, camera)
+    laid = project_line(body.template, body.nets, stretch, camera)
     if len(laid) > 1 and not free.any():
         raise UserError(OFF)
     new = laid[-1] if free[0] and not free[1] else laid[0]
@@ -168,9 +168,9 @@ def oversketched(
         parts.insert(0, _rest(body.nets, picture.course, way[0], new[:1], before=True))
     if not free[1]:
         parts.append(_rest(body.nets, picture.course, way[1], new[-1:], before=False))
-    whole = joined(parts)
+    whole = join_paths(parts)
     sight = sight_of(points_at(body.nets, whole), camera)
-    changed = connected(body.template, body.nets, whole, sight)
+    changed = connect_places(body.template, body.nets, whole, sight)
     if len(changed) > 1:
         raise UserError(OFF)
     paths = [course.path for course in courses]
@@ -179,9 +179,9 @@ def oversketched(
 
 
 def begun_away(curve: StylingCurve, body: Body, line: ArrayLike, camera: Camera) -> StylingCurve:
-    """A closed curve with its ends, where it does not change, as far as can be from a line.
+    """Return a closed curve with its ends where it does not change, far from a line.
 
-    An open one as it is.
+    An open curve is returned as it is.
     """
     paths = curve_paths(curve, body.nets, body.template)
     if len(paths) != 1 or not is_closed(body.nets, paths[0]):
@@ -193,13 +193,13 @@ def begun_away(curve: StylingCurve, body: Body, line: ArrayLike, camera: Camera)
     begin = int(np.argmax(away))
     if not begin:
         return curve
-    return with_paths(curve, body, [joined([path[begin:], path[1 : begin + 1]])])
+    return with_paths(curve, body, [join_paths([path[begin:], path[1 : begin + 1]])])
 
 
 def _picture_near(
     body: Body, courses: list[Course], line: Array, camera: Camera
 ) -> _Picture | None:
-    """The part that is seen of a path to which a line is nearest."""
+    """Return the visible part of a path to which a line is nearest."""
     best, found = np.inf, None
     for number, course in enumerate(courses):
         for part in seen_parts(body, course, camera):
@@ -210,8 +210,8 @@ def _picture_near(
 
 
 def _rest(nets: Array, course: Course, at: float, joint: Places, *, before: bool) -> Places:
-    """The places of a curve before or behind a length at which a changed stretch joins it."""
-    there = points_at(nets, joined([course.places(np.array([at])), joint]))
+    """Return the places of a curve before or after the length at which a changed stretch joins."""
+    there = points_at(nets, join_paths([course.places(np.array([at])), joint]))
     if np.linalg.norm(there[1] - there[0]) > JUMP:
         raise UserError(OFF)
     steps = np.diff(course.along)

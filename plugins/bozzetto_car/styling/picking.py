@@ -1,4 +1,4 @@
-"""Styling curves as they are seen in one view, and which of them a stroke is drawn over."""
+"""Styling curves as seen in one view, and the curve that a stroke is drawn over."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import normals_at, points_at
 from bozzetto.geometry.patches.ray_intersections import ray_hits
@@ -15,18 +14,14 @@ from bozzetto.ink.checked_points import FARTHEST
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
-from bozzetto_car.styling.curve import mirrored
+from bozzetto_car.styling.curve import mirror_curve
 from bozzetto_car.styling.curve_fit import Course, courses_on
 
-__all__ = ["SeenPart", "Target", "seen_parts", "sight_of", "target_of"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
 LOOKS: Final = 1024
-"""Places by which the picture of a curve is measured."""
+"""Number of places of a curve that are projected into the view."""
 
 FACING: Final = 0.02
 """Least cosine between the normal and the line of sight of a place of a curve that is seen."""
@@ -35,16 +30,16 @@ REACH: Final = 14.0
 """Distance, px, within which a stroke is beside a curve."""
 
 MOST: Final = 0.6
-"""Share of a stroke that is beside a curve and goes its way, to be drawn over it."""
+"""Share of a stroke that must run beside a curve, in its direction, to be drawn over it."""
 
 ALONG: Final = 0.8
-"""Least cosine between the ways of a stroke and a curve that it goes along with."""
+"""Least cosine between the directions of a stroke and of a curve that it runs along."""
 
 FAITHFUL: Final = 0.6
-"""The chosen curve seems nearer than it is by this factor: a person goes on with it."""
+"""Factor on the distance of the chosen curve: a person tends to go on with it."""
 
 SAMPLES: Final = 48
-"""Places of a stroke that are looked at."""
+"""Number of places of a stroke that are compared with curves."""
 
 BEHIND: Final = 20.0
 """Distance, mm, behind what is seen from which a place of a curve is hidden."""
@@ -59,13 +54,13 @@ class SeenPart(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """What a stroke is drawn over.
+    """The curve that a stroke is drawn over.
 
     Attributes
     ----------
     curve : StylingCurve
     mirrored : bool
-        It is the curve's mirror image that is drawn over.
+        Whether the stroke is drawn over the curve's mirror image.
     """
 
     curve: StylingCurve
@@ -73,7 +68,7 @@ class Target:
 
 
 def seen_parts(body: Body, course: Course, camera: Camera) -> list[SeenPart]:
-    """The parts of a curve that face the eye, whether or not something is before them."""
+    """Return the parts of a curve that face the eye, whether or not something hides them."""
     along = np.linspace(0.0, course.length, LOOKS)
     places = course.places(along)
     points = points_at(body.nets, places)
@@ -86,7 +81,7 @@ def seen_parts(body: Body, course: Course, camera: Camera) -> list[SeenPart]:
 
 
 def sight_of(points: Array, camera: Camera) -> Array:
-    """Unit vectors from the eye to points, (n, 3)."""
+    """Return unit vectors from the eye to points, (n, 3)."""
     if camera.kind == "orthographic":
         return np.broadcast_to(camera.axes[2], points.shape)
     ways = points - camera.eye
@@ -96,24 +91,26 @@ def sight_of(points: Array, camera: Camera) -> Array:
 def target_of(
     curves: Sequence[StylingCurve], body: Body, stroke: Array, camera: Camera, chosen: str = ""
 ) -> Target | None:
-    """The curve that most of a stroke runs along, near by; None if there is none.
+    """Return the curve that most of a stroke runs along; None if there is none near by.
 
     Parameters
     ----------
     curves : sequence of StylingCurve
-        Those that are shown.
+        The curves that are shown.
     body : Body
+        The body that the curves are on.
     stroke : (n, 2) float
-        px.
+        Samples of the stroke, px.
     camera : Camera
+        The view that the stroke was drawn in.
     chosen : str
-        Id of the curve that is preferred to others about as near.
+        Id of the curve that is preferred to others at a similar distance.
     """
     ink = resample(stroke, count=SAMPLES)
     found: list[tuple[float, Target]] = []
     for curve in curves:
         for image in (False, True) if curve.both else (False,):
-            side = mirrored(curve) if image else curve
+            side = mirror_curve(curve) if image else curve
             distance = _distance(side, body, ink, camera)
             if distance is not None:
                 factor = FAITHFUL if curve.id == chosen else 1.0
@@ -122,7 +119,7 @@ def target_of(
 
 
 def _distance(curve: StylingCurve, body: Body, ink: Array, camera: Camera) -> float | None:
-    """Mean distance, px, of a stroke from a curve that it is drawn over; else None."""
+    """Return the mean distance, px, of a stroke from a curve that it runs along; else None."""
     best = None
     way = _directions(ink)
     for course in courses_on(curve, body.nets, body.template):
@@ -145,7 +142,7 @@ def _distance(curve: StylingCurve, body: Body, ink: Array, camera: Camera) -> fl
 
 
 def _directions(line: Array) -> Array:
-    """Unit vectors along a line, (n, 2); 0 where it stands still."""
+    """Return unit vectors along a line, (n, 2); 0 where it stands still."""
     ways = np.gradient(line, axis=0)
     length = np.linalg.norm(ways, axis=1, keepdims=True)
     return np.asarray(ways / np.where(length > 0.0, length, 1.0))

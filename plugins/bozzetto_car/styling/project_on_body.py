@@ -1,8 +1,8 @@
-"""Lines of the sheet laid on the body: what is seen under them, without gaps that are none.
+"""Project lines of the sheet onto the body, and bridge small gaps.
 
 Every place of a line goes along its ray to the patch that is seen there. The line is cut where
-the body ends, and where one part of it hides another. A line that runs along the outline of the
-body leaves it by a pixel now and then: such gaps are bridged on the body.
+the body ends, and where one part of it hides another. A line along the outline of the body
+sometimes leaves it by a pixel: such gaps are bridged on the body.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.closest_points import foot_points
@@ -20,49 +19,44 @@ from bozzetto.geometry.patches.ray_intersections import ray_hits
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
-from bozzetto_car.styling.surface_path import connected, joined
+from bozzetto_car.array_types import Array, Flags, Index
+from bozzetto_car.styling.surface_path import connect_places, join_paths
 from bozzetto_car.template.model import Template
 
-__all__ = ["Seen", "laid_paths", "runs_of", "seen_on_body"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Index = NDArray[np.intp]
-
 FINEST: Final = 0.25
-"""Way, px, down to which the rim of the body and its breaks are located."""
+"""Distance, px, to which the rim of the body and its breaks are located."""
 
 BROKEN: Final = 5.0
-"""Run in depth over the way across the line of sight, by which the step between neighbours must
-differ from what the slopes of the body at both allow, for one to lie behind the other."""
+"""Difference in depth per distance across the line of sight by which the step between neighbours
+must differ from the slopes of the body at both, for one to lie behind the other."""
 
 EDGE_ON: Final = 1e-6
-"""Least cosine between normal and line of sight at which the body is taken to be seen."""
+"""Least cosine between normal and line of sight at which the body counts as seen."""
 
 FAR: Final = 60.0
-"""Distance, mm, from which places get others between them. Where the body is seen nearly edge-on
-a few px are half a metre of it."""
+"""Distance of neighbours, mm, from which places are added between them. Where the body is seen
+nearly edge-on, a few px are half a metre of it."""
 
 COARSE: Final = 0.04
-"""Step in u or v from which they do, too: where patches are narrow or sheared, as in the corner
+"""Step in u or v from which places are added, too: on narrow or sheared patches, as in the corner
 of a window, a straight line is a hairpin in u and v."""
 
 NEAR_MISS: Final = 4.0
-"""Distance, px, from the line that a gap may take when it is bridged."""
+"""Largest distance, px, of a bridge over a gap from the line."""
 
 STEEPEST: Final = 4.0
-"""Run in depth over the way across the line of sight from one end of a gap to the other, beyond
-which its ends belong to different parts of the body."""
+"""Difference in depth per distance across the line of sight, from one end of a gap to the other,
+beyond which its ends belong to different parts of the body."""
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What is seen of the body at places on the sheet.
+    """The places of the body that are seen at places on the sheet.
 
     Attributes
     ----------
     places : Places
-        Patch −1 where there is nothing, or the inside.
+        Patch −1 where the view shows nothing, or the inside.
     points, normals, sight : (n, 3) float
         mm; 0 where there is nothing. Sight is the unit direction of each ray.
     """
@@ -74,13 +68,13 @@ class Seen:
 
     @property
     def hit(self) -> Flags:
-        """Where there is something, (n,)."""
+        """Whether the body is seen, (n,)."""
         return self.places.patches >= 0
 
     def extended(self, other: Seen) -> Seen:
-        """What is seen at the places of both, one after the other."""
+        """Return these places followed by those of another."""
         return Seen(
-            joined([self.places, other.places]),
+            join_paths([self.places, other.places]),
             np.concatenate((self.points, other.points)),
             np.concatenate((self.normals, other.normals)),
             np.concatenate((self.sight, other.sight)),
@@ -91,7 +85,7 @@ class Seen:
 
 
 class Part(NamedTuple):
-    """A part of a line that is on the body: where on the line, px; places; lines of sight."""
+    """A part of a line that is on the body: where on the line, px; its places; lines of sight."""
 
     way: Array
     places: Places
@@ -101,11 +95,11 @@ class Part(NamedTuple):
     def of(cls, *parts: Part) -> Part:
         """Parts one after the other."""
         way, sight = (np.concatenate([part[k] for part in parts]) for k in (0, 2))
-        return cls(way, joined([part.places for part in parts]), sight)
+        return cls(way, join_paths([part.places for part in parts]), sight)
 
 
 def seen_on_body(nets: Array, pixels: Array, camera: Camera) -> Seen:
-    """What is seen of the body, (k, 4, 4, 3) mm, at places (n, 2) px."""
+    """Return the places of the body, (k, 4, 4, 3) mm, that are seen at places (n, 2) px."""
     origins, sight = camera.rays(pixels)
     places = ray_hits(nets, origins, sight)[0]
     points, normals = np.zeros((2, len(sight), 3))
@@ -118,17 +112,19 @@ def seen_on_body(nets: Array, pixels: Array, camera: Camera) -> Seen:
     return Seen(kept, points, normals, sight)
 
 
-def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> list[Places]:
-    """Lay a line on the visible side of the body.
+def project_line(template: Template, nets: Array, line: Array, camera: Camera) -> list[Places]:
+    """Project a line onto the visible side of the body.
 
     Parameters
     ----------
     template : Template
+        The template of the body.
     nets : (k, 4, 4, 3) float
-        Of the body, mm.
+        Control nets of the body, mm.
     line : (n, 2) float
         Places that differ, a few px apart.
     camera : Camera
+        The view.
 
     Returns
     -------
@@ -138,7 +134,7 @@ def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> 
     Raises
     ------
     UserError
-        If there is none.
+        If the line misses the body.
     """
     from scipy.interpolate import CubicSpline
 
@@ -158,7 +154,7 @@ def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> 
     paths: list[Places] = []
     for part in _bridged(nets, seen, way, line, camera):
         passing = ~np.isin(part.way, own)
-        paths += connected(template, nets, part.places, part.sight, passing)
+        paths += connect_places(template, nets, part.places, part.sight, passing)
     paths = [path for path in paths if len(path) > 1]
     if not paths:
         raise UserError("The stroke misses the body. Draw on the car.")
@@ -166,13 +162,13 @@ def laid_paths(template: Template, nets: Array, line: Array, camera: Camera) -> 
 
 
 def _unclear(seen: Seen) -> Flags:
-    """Between which neighbours something happens that has to be located."""
+    """Whether a break or a rim must be located between neighbours, (n − 1,)."""
     patches = seen.places.patches
     return np.asarray((patches[1:] != patches[:-1]) | _breaks(seen))
 
 
 def _far(seen: Seen) -> Flags:
-    """Which neighbours are far from one another on the body, or on their patch."""
+    """Whether neighbours are far from each other on the body or on their patch, (n − 1,)."""
     patches, both = seen.places.patches, seen.hit[1:] & seen.hit[:-1]
     far = np.linalg.norm(np.diff(seen.points, axis=0), axis=1) > FAR
     step = np.abs(np.diff(seen.places.parameters, axis=0)).max(axis=1)
@@ -180,9 +176,9 @@ def _far(seen: Seen) -> Flags:
 
 
 def _breaks(seen: Seen) -> Flags:
-    """Between which neighbours the body cannot reach from the one to the other.
+    """Whether the body cannot lead from one neighbour to the next, (n − 1,).
 
-    The way in depth between them lies between those on the tangent planes of both.
+    On one surface, the step in depth lies between those on the tangent planes of both.
     """
     step = np.diff(seen.points, axis=0)
     sight = seen.sight[:-1]
@@ -198,14 +194,14 @@ def _breaks(seen: Seen) -> Flags:
 
 
 def runs_of(seen: Seen) -> list[Index]:
-    """Neighbours that are seen on one unbroken surface."""
+    """Return runs of neighbours that are seen on one unbroken surface."""
     hits = np.flatnonzero(seen.hit)
     cut = (np.diff(hits) > 1) | _breaks(seen)[hits[:-1]]
     return [run for run in np.split(hits, np.flatnonzero(cut) + 1) if len(run)]
 
 
 def _bridged(nets: Array, seen: Seen, way: Array, line: Array, camera: Camera) -> list[Part]:
-    """The unbroken parts of a line, put together over gaps that are none."""
+    """Return the unbroken parts of a line, joined over gaps that the body can bridge."""
     parts: list[Part] = []
     last = -1
     for run in runs_of(seen):
@@ -222,7 +218,7 @@ def _bridged(nets: Array, seen: Seen, way: Array, line: Array, camera: Camera) -
 def _bridge(
     nets: Array, seen: Seen, ends: tuple[int, int], way: Array, line: Array, camera: Camera
 ) -> Part | None:
-    """The body along a gap between two places, if the line hardly leaves it there."""
+    """Return the body along a gap between two places, if the line hardly leaves it there."""
     first, last = ends
     if last - first < 2:
         return None  # a part of the body behind another one

@@ -1,50 +1,49 @@
-"""What is shown of the styling curves."""
+"""The styling curves as scene items."""
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.patch import points_at
 from bozzetto.plugin import Memory, switched_on
 from bozzetto.scene import Item, Lines, Paint
+from bozzetto_car.array_types import Array, Index
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve_fit import courses_on
 from bozzetto_car.template.model import MIRROR
 
-__all__ = ["shown_styling", "styling_items"]
-
-Array = NDArray[np.float64]
-
 WIDTH: Final = 2.0
-"""Of a curve, px."""
+"""Width of a curve, px."""
 
 CHOSEN_WIDTH: Final = 3.0
-"""Of the chosen one."""
+"""Width of the chosen curve, px."""
 
 SPACING: Final = 4.0
-"""Distance of the places that are shown, mm: from how near one ever looks at a car, straight
-pieces so short look round."""
+"""Distance of the vertices of a line that is shown, mm: straight pieces so short look round from
+any usual distance."""
 
-_lines: Memory[tuple[Array, ...]] = Memory(limit=64)
+REMEMBERED: Final = 16
+"""Number of bodies whose styling lines are remembered."""
+
+_lines: Memory[tuple[tuple[Array, ...], ...]] = Memory(REMEMBERED)
 
 
 def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
-    """Those that are not switched off, nor a group of theirs, in the order of the list."""
+    """Return the styling curves that are visible, in the order of the list."""
     return tuple(node for node in switched_on(state.nodes) if isinstance(node, StylingCurve))
 
 
 def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
-    """The styling curves that are shown; mirror images in the second colour."""
+    """Return the items of the visible styling curves; mirror images in the second colour."""
     made: list[Item] = []
-    for curve in shown_styling(state):
+    curves = shown_styling(state)
+    row = _lines.recall((curves, body), lambda: tuple(_laid_out(own, body) for own in curves))
+    for curve, lines in zip(curves, row, strict=True):
         chosen = curve.id == state.selected
         paint: Paint = "accent" if chosen else curve.color or "ink"
-        lines = _lines.recall((curve, body), partial(_laid_out, curve, body))
         if not lines:
             continue
         points = np.concatenate(lines)
@@ -56,12 +55,12 @@ def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
     return tuple(made)
 
 
-def _line(points: Array, starts: NDArray[np.intp], paint: Paint, width: float) -> Lines:
+def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:
     return Lines(points.astype(np.float32), starts.astype(np.int32), color=paint, width=width)
 
 
 def _laid_out(curve: StylingCurve, body: Body) -> tuple[Array, ...]:
-    """The parts of a curve on a body as polylines."""
+    """Return the parts of a curve on a body as polylines."""
     lines = []
     for course in courses_on(curve, body.nets, body.template):
         count = max(2, round(course.length / SPACING))

@@ -1,8 +1,8 @@
-"""The line that a person meant by strokes on the sheet: smooth, and with its ends where they were.
+"""The smooth line that a person meant by strokes on the sheet.
 
-Kara & Shimada (CAD 2008) smooth styling strokes in the image before they are laid on the body, by
-Savitzky and Golay's filter (1964): each place becomes that of the cubic that fits its
-neighbourhood best, so bends keep their form where a mean would cut them short.
+Kara & Shimada (CAD 2008) smooth styling strokes in the image before they project them, by the
+filter of Savitzky and Golay (1964): each place moves to the cubic that fits its neighbourhood
+best, so bends keep their form where a mean would flatten them. The ends of the stroke stay.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
@@ -19,10 +19,7 @@ from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.merge import fading, settle
-
-__all__ = ["STEP", "one_stroke", "smoothed_line"]
-
-Array = NDArray[np.float64]
+from bozzetto_car.array_types import Array
 
 STEP: Final = 6.0
 """Distance of the places of a line, px."""
@@ -31,27 +28,27 @@ FINE: Final = 1.0
 """Distance of the places on which a stroke is smoothed, px."""
 
 MOST: Final = 6000
-"""Most places on which a stroke is smoothed; they are farther apart on a longer one."""
+"""Most places on which a stroke is smoothed; on a longer stroke they are farther apart."""
 
 MOST_PLACES: Final = 1000
-"""Most places of a line: a sheet or two."""
+"""Most places of a line: enough for two widths of the sheet."""
 
 DEGREE: Final = 3
-"""Of the polynomials that smooth."""
+"""Degree of the polynomials that smooth."""
 
 SHARE: Final = 0.07
-"""Half of the window that smooths, per length of the stroke."""
+"""Half width of the smoothing window, per length of the stroke."""
 
 WINDOW: Final = (8.0, 40.0)
-"""Least and greatest half of the window, px."""
+"""Least and greatest half width of the window, px."""
 
 PASSES: Final = 2
-"""Times that it is smoothed: the second pass takes the ripples that the first one leaves of a
-tremor, and with them half of the knots of the curve in space."""
+"""Passes of the filter: the second removes the ripples that the first leaves of a tremor, and with
+them half of the knots of the curve in space."""
 
 CLOSING: Final = 0.06
-"""Widest gap of a loop as a share of the diagonal of its box. Of an arch that makes 95 % of a
-turn it is 0.11, and that is open."""
+"""Widest gap of a closed loop, as a share of the diagonal of its box. An arch over 95 % of a turn
+has 0.11, and it is open."""
 
 SHORTEST: Final = 6.0
 """Length, px, below which a stroke is a dot."""
@@ -60,17 +57,17 @@ DOT: Final = "The stroke is a dot. Draw the whole line on the body."
 
 
 def one_stroke(strokes: Sequence[Stroke]) -> Array:
-    """The strokes of a gesture as one; several are settled, older ones fading.
+    """Return the strokes of a gesture as one; several are merged, older ones count less.
 
     Parameters
     ----------
     strokes : sequence of Stroke
-        Of one view; at least one.
+        Strokes of one view, at least one.
 
     Returns
     -------
     (n, 2) float
-        Places, px, in the sense of the first stroke that is no dot.
+        Places, px, in the direction of the first stroke that is no dot.
     """
     ink = [stroke for stroke in strokes if arc_length(stroke.points)[-1] >= SHORTEST]
     if len(ink) < 2:
@@ -81,8 +78,8 @@ def one_stroke(strokes: Sequence[Stroke]) -> Array:
     return np.asarray(line[::-1] if against else line)
 
 
-def smoothed_line(points: ArrayLike) -> Array:
-    """A stroke without the tremor of the hand; a loop is closed.
+def smooth_line(points: ArrayLike) -> Array:
+    """Return a stroke without the tremor of the hand; a loop is closed.
 
     The window is a share of the arc length, whatever the sampling rate. Beyond its ends an
     open stroke is continued by its point reflection, which keeps the ends where they are.
@@ -90,7 +87,7 @@ def smoothed_line(points: ArrayLike) -> Array:
     Parameters
     ----------
     points : (n, 2) array_like
-        px.
+        Samples of the stroke, px.
 
     Returns
     -------
@@ -127,7 +124,7 @@ def smoothed_line(points: ArrayLike) -> Array:
 
 
 def _ring(points: Array) -> Array | None:
-    """The loop that a stroke closes, without its first place at the end; None if it is open."""
+    """Return the loop that a stroke closes, without its first place again; None if it is open."""
     if not is_closed_gesture(points):
         return None
     ring = close_stroke(points)
@@ -135,12 +132,12 @@ def _ring(points: Array) -> Array | None:
 
 
 def _closed(ring: Array, spacing: float) -> Array:
-    """Places at equal steps round a loop, the first one at the end, too."""
+    """Return places at equal steps around a loop, with the first one again at the end."""
     places = resample(ring, spacing=spacing, closed=True)
     return np.vstack((places, places[:1]))
 
 
 def _weights(half: int) -> Array:
-    """What a window of places weighs in the value of its cubic in the middle, (2 half + 1,)."""
+    """Return the weights of a window for the middle value of its cubic, (2 half + 1,)."""
     powers = np.vander(np.linspace(-1.0, 1.0, 2 * half + 1), DEGREE + 1, increasing=True)
     return np.asarray(np.linalg.pinv(powers)[0])

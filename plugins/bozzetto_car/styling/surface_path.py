@@ -1,9 +1,9 @@
-"""A line on the body as places on its patches: how it goes from one patch on to the next.
+"""A line on the body as places on its patches, with crossings from patch to patch.
 
-A *path* is `Places` in order. Between two of one patch it runs smoothly in u and v, so it never
-leaves the surface. Where it goes on to another patch, one point is in it twice: as a place on the
-shared edge of the one patch and of the other. Shared edges have the same parameter on both sides,
-so both stay one point whatever becomes of the body.
+A *path* is `Places` in order. Between two places of one patch it runs smoothly in u and v, so it
+never leaves the surface. Where it goes on to another patch, one point is in it twice: as a place on
+the shared edge of either patch. Shared edges have the same parameter on both sides, so both places
+stay one point when the body changes.
 """
 
 from __future__ import annotations
@@ -12,16 +12,11 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.coons import sides_of
 from bozzetto.geometry.patches.patch import Places, bernstein, points_at
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
-
-__all__ = ["SAME", "connected", "is_closed", "joined", "unbroken"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 SAME: Final = 1e-6
 """Distance, mm, below which two places are one point."""
@@ -33,26 +28,26 @@ up to `SAME` may be twice as far apart on a larger body."""
 CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 """u and v of the nodes of a patch, in their order; side k leads from the k-th to the next."""
 
-ASTRAY: Final = 1.0
-"""Farthest from the straight way between two places that their path goes over an edge, per length
-of that way."""
+LARGEST_DETOUR: Final = 1.0
+"""Largest distance of a crossing from the straight line between two places, per length of that
+line."""
 
 EDGE_PLACES: Final = 65
-"""Places of an edge that are tried where the way between two places passes it by."""
+"""Places of an edge that are tried where the line between two places misses it."""
 
 CROWDED: Final = 0.3
-"""Distance of a place from a crossing, per step beyond it, below which it is left out: a smooth
-line through places that crowd together would take their rounding for its form."""
+"""Distance of a place from a crossing, per step beyond it, below which it is left out: the rounding
+of places that are too close would show in a smooth line through them."""
 
 FEWEST: Final = 4
-"""Places on a patch, ends and crossings with them, that a cubic needs."""
+"""Fewest places on a patch, with ends and crossings, that a cubic needs."""
 
 REAL: Final = 1e-7
-"""Imaginary part of a root that is rounding."""
+"""Imaginary part of a root that counts as rounding."""
 
 
-def joined(paths: Sequence[Places]) -> Places:
-    """Paths one after the other as one."""
+def join_paths(paths: Sequence[Places]) -> Places:
+    """Return paths one after the other as one."""
     if not paths:
         return Places(np.zeros(0, np.intp), np.zeros((0, 2)))
     return Places(
@@ -61,7 +56,7 @@ def joined(paths: Sequence[Places]) -> Places:
     )
 
 
-def unbroken(nets: Array, places: Places) -> list[Places]:
+def split_at_gaps(nets: Array, places: Places) -> list[Places]:
     """Cut a line where two places of different patches are not one point."""
     if not len(places):
         return []
@@ -79,7 +74,7 @@ def is_closed(nets: Array, path: Places) -> bool:
 # -- from patch to patch ---------------------------------------------------------------------------
 
 
-def connected(
+def connect_places(
     template: Template, nets: Array, places: Places, sight: Array, passing: Flags | None = None
 ) -> list[Places]:
     """Make paths of places that lie close together along a line.
@@ -87,21 +82,22 @@ def connected(
     Parameters
     ----------
     template : Template
+        The template of the body.
     nets : (k, 4, 4, 3) float
-        mm.
+        Control nets of the body, mm.
     places : Places
         All of them on patches.
     sight : (n, 3) float
-        At each place a direction along which the way to the next one looks straight: that in
-        which it is seen, or across the surface. Of any length above 0.
+        At each place a direction along which the way to the next place looks straight: the line
+        of sight, or the normal of the surface. Of any length above 0.
     passing : (n,) bool, optional
-        Places that only tell where edges are crossed, and do not stay unless a path begins or
-        ends there.
+        Places that only help to find crossings of edges. They are left out unless a path begins
+        or ends there.
 
     Returns
     -------
     list of Places
-        With the crossings of edges; cut where none leads from one patch to the next.
+        The paths with the crossings of edges; cut where no edge leads to the next patch.
     """
     if not len(places):
         return []
@@ -119,7 +115,7 @@ def connected(
             pair = slice(cut - 1, cut + 1)
             between = _crossing(template, nets, places[pair], points[pair], sight[cut - 1])
         if between is None:
-            paths.append(_thinned(nets, joined(made), np.concatenate(flags)))
+            paths.append(_thinned(nets, join_paths(made), np.concatenate(flags)))
             made, flags = [], []
         else:
             made.append(between)
@@ -130,15 +126,15 @@ def connected(
 def _crossing(
     template: Template, nets: Array, pair: Places, ends: Array, sight: Array
 ) -> Places | None:
-    """Where the way between two places leaves the one patch, and the same point on the other.
+    """Return where the line between two places leaves one patch, and that point on the other.
 
-    No place if both are one point already; None if there is no such way.
+    Returns no place if both are one point already, and None if there is no such crossing.
     """
     one, other = (template.patches[number] for number in pair.patches)
     length = float(np.linalg.norm(ends[1] - ends[0]))
     if length <= SAME:
         return pair[:0]
-    limit = ASTRAY * length + SAME
+    limit = LARGEST_DETOUR * length + SAME
     across = np.cross(ends[1] - ends[0], sight)
     found: list[tuple[float, Array, Array]] = []
     for side, edge in enumerate(one.edges):
@@ -149,13 +145,13 @@ def _crossing(
         beyond = other.edges.index(~edge)
         points = bernstein(tried) @ curve
         found += [
-            (_astray(point, ends), _on_side(side, at), _on_side(beyond, 1.0 - at))
+            (_detour(point, ends), _on_side(side, at), _on_side(beyond, 1.0 - at))
             for at, point in zip(tried, points, strict=True)
         ]
     for node in {*one.nodes} & {*other.nodes} if not found else ():
         here, there = one.nodes.index(node), other.nodes.index(node)
         point = nets[pair.patches[0], -int(CORNERS[here, 0]), -int(CORNERS[here, 1])]
-        found.append((_astray(point, ends), CORNERS[here], CORNERS[there]))
+        found.append((_detour(point, ends), CORNERS[here], CORNERS[there]))
     best = min(found, key=lambda crossing: crossing[0], default=None)
     if best is None or best[0] > limit:
         return None
@@ -163,7 +159,7 @@ def _crossing(
 
 
 def _roots(heights: Array) -> Iterator[float]:
-    """Parameters in 0 … 1 at which a cubic with these Bernstein coefficients is 0."""
+    """Yield parameters in 0 … 1 at which a cubic with these Bernstein coefficients is 0."""
     b0, b1, b2, b3 = heights
     powers = [b3 - 3.0 * b2 + 3.0 * b1 - b0, 3.0 * (b2 - 2.0 * b1 + b0), 3.0 * (b1 - b0), b0]
     for root in np.roots(powers):
@@ -172,13 +168,13 @@ def _roots(heights: Array) -> Iterator[float]:
 
 
 def _on_side(side: int, at: float) -> Array:
-    """The place at a share of the way along a side of a patch."""
+    """Return the place at a share of the way along a side of a patch."""
     begin, end = CORNERS[side], CORNERS[(side + 1) % len(CORNERS)]
     return np.asarray((1.0 - at) * begin + at * end)
 
 
-def _astray(point: Array, ends: Array) -> float:
-    """Distance from a straight way, mm."""
+def _detour(point: Array, ends: Array) -> float:
+    """Return the distance of a point from a straight line, mm."""
     way = ends[1] - ends[0]
     square = float(way @ way)
     share = float(np.clip((point - ends[0]) @ way / square, 0.0, 1.0)) if square > 0.0 else 0.0
@@ -186,9 +182,9 @@ def _astray(point: Array, ends: Array) -> float:
 
 
 def _thinned(nets: Array, path: Places, passing: Flags) -> Places:
-    """Without passing places, and without those that crowd about crossings and ends.
+    """Return a path without passing places, and without places too close to crossings and ends.
 
-    A short way over a patch keeps all: a few places tell its bend.
+    A short run over a patch keeps all places, for they give its bend.
     """
     staying = _fixed(path) | ~passing
     run = np.cumsum(np.append(False, path.patches[1:] != path.patches[:-1]))
@@ -203,6 +199,6 @@ def _thinned(nets: Array, path: Places, passing: Flags) -> Places:
 
 
 def _fixed(path: Places) -> Flags:
-    """Ends of a path, and its crossings."""
+    """Whether places are ends of a path or crossings, (n,)."""
     change = path.patches[1:] != path.patches[:-1]
     return np.asarray(np.append(True, change) | np.append(change, True))

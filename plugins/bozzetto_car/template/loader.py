@@ -1,9 +1,8 @@
-"""Templates from files, with both halves, and the three that come along.
+"""Read templates from files, complete both halves, and provide the three bundled ones.
 
-A file (``bozzetto-car-template/1``, see `docs/car.md`) tells the right half of a car and its
-middle. The left half is its mirror image, made here by changing the sign of y, so a template
-read from a file is symmetric to the last bit. Nothing is built on it before
-`validation.check` has found it sound.
+A file (``bozzetto-car-template/1``, see `docs/car.md`) holds the right half of a car and its
+middle. The left half is made here by changing the sign of y, so a template from a file is symmetric
+to the last bit. No template is used before `validation.check` has found it sound.
 """
 
 from __future__ import annotations
@@ -18,8 +17,8 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from bozzetto.errors import FormatError
-from bozzetto_car.template.model import MIRROR, Chain, Patch, Picture, Rule, Template, twin
-from bozzetto_car.template.rules import parsed
+from bozzetto_car.template.model import MIRROR, Chain, Patch, Rule, Template, ViewHint, twin
+from bozzetto_car.template.rules import parse_rule
 from bozzetto_car.template.schema import (
     LARGEST_FILE,
     PictureRecord,
@@ -29,52 +28,31 @@ from bozzetto_car.template.schema import (
 )
 from bozzetto_car.template.validation import check
 
-__all__ = [
-    "TEMPLATES",
-    "Bundled",
-    "bundled",
-    "faults_in",
-    "is_template",
-    "load_template",
-    "read_template",
-]
-
 Bundled = Literal["sedan", "hatchback", "minivan"]
 
 TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
 """The templates that come with the modeler."""
 
 FORMAT_WORD: Final = b'"bozzetto-car-template/'
-"""What stands in every template."""
+"""A text that stands in every template file."""
 
 MOST_FAULTS: Final = 3
-"""Faults of the network that a message tells; the rest follow from them as a rule."""
+"""Number of faults of the network that a message names; the others mostly follow from them."""
 
 
 @lru_cache
 def bundled(name: str) -> Template:
-    """One of the templates that come along: sedan, hatchback or minivan.
+    """Return one of the bundled templates: sedan, hatchback or minivan.
 
     Raises
     ------
     FormatError
-        If there is none of that name.
+        If there is no template of that name.
     """
     if name not in TEMPLATES:
         there = ", ".join(TEMPLATES)
         raise FormatError(f"There is no template “{name[:40]}”. Choose one of: {there}.")
     return read_template(files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes())
-
-
-def load_template(path: Path) -> Template:
-    """Read a template from a file; see `read_template`.
-
-    Raises
-    ------
-    FormatError
-        Also if there is no such file.
-    """
-    return read_template(_content(path))
 
 
 def read_template(data: bytes) -> Template:
@@ -88,27 +66,27 @@ def read_template(data: bytes) -> Template:
     Raises
     ------
     FormatError
-        Names the key that is wrong, or says what is wrong with the network.
+        If a key is wrong, or the network is not that of a car; the message says which or why.
     """
     template = _Whole(read_records(data)).template()
     faults = check(template)
     if faults:
-        told = " ".join(faults[:MOST_FAULTS])
+        first = " ".join(faults[:MOST_FAULTS])
         more = len(faults) - MOST_FAULTS
         raise FormatError(
-            f"The template “{template.title}” cannot be used. {told}"
+            f"The template “{template.title}” cannot be used. {first}"
             + (f" There are {more} more faults." if more > 0 else "")
         )
     return template
 
 
 def is_template(path: Path) -> bool:
-    """Whether a file says that it is a template, or a template of a later version."""
+    """Whether a file declares itself a template, of this version or a later one."""
     return FORMAT_WORD in _content(path)
 
 
 def faults_in(path: Path) -> list[str]:
-    """Everything that is wrong with a template's file, for its author.
+    """Return everything that is wrong with a template's file, for its author.
 
     Returns
     -------
@@ -123,7 +101,7 @@ def faults_in(path: Path) -> list[str]:
 
 
 def _content(path: Path) -> bytes:
-    """What is in a file, and no more of it than shows that it is too large."""
+    """Return the content of a file; of one that is too large only so much that this shows."""
     try:
         with path.open("rb") as file:
             return file.read(LARGEST_FILE + 1)
@@ -132,7 +110,7 @@ def _content(path: Path) -> bytes:
 
 
 class _Whole:
-    """Both halves of the car that a file tells one of."""
+    """Both halves of the car of which a file holds one."""
 
     def __init__(self, records: Records) -> None:
         self.records = records
@@ -152,12 +130,12 @@ class _Whole:
         self.between: dict[tuple[int, int], int] = {}
 
     def template(self) -> Template:
-        """Put everything together.
+        """Assemble the template.
 
         Raises
         ------
         FormatError
-            If something is named that there is none of.
+            If the file refers to something that it does not define.
         """
         given = self.records
         nodes = {**given.centre, **given.pairs, **given.wheels}
@@ -171,7 +149,7 @@ class _Whole:
             ]
         )
         self._read_edges()
-        told = {name: records.get(name) or records[twin(name)] for name in self.names}
+        records_by_name = {name: records.get(name) or records[twin(name)] for name in self.names}
         right = [self.node[name] for name in self.names if name.endswith(".R")]
         left = [self.node[twin(self.names[number])] for number in right]
         return Template(
@@ -191,13 +169,13 @@ class _Whole:
             chains=self._chains(),
             rules=self._rules(),
             order=tuple(self._order()),
-            titles={name: record.title for name, record in told.items()},
-            prompts={name: record.prompt for name, record in told.items()},
-            pictures={name: _picture(told[name].picture, name) for name in self.names},
+            titles={name: record.title for name, record in records_by_name.items()},
+            prompts={name: record.prompt for name, record in records_by_name.items()},
+            pictures={name: _view_hint(records_by_name[name].picture, name) for name in self.names},
         )
 
     def _number(self, name: str, place: str) -> int:
-        """Index of a node of the right half or the centre."""
+        """Return the index of a node of the right half or the centre."""
         if name not in self.halves:
             raise FormatError(f"{place}: there is no node {name}.")
         return self.node[self.halves[name]]
@@ -243,7 +221,7 @@ class _Whole:
             place = f"patches, {key}"
             loop = [self._number(name, place) for name in corners]
             made.append(self._patch(f"{key}.R", loop, place))
-            # Turned round, so that the image, too, runs anticlockwise seen from outside.
+            # Reversed, so that the image, too, runs anticlockwise seen from outside.
             image = [self._image(number) for number in (loop[0], *loop[:0:-1])]
             mirrored.append(self._patch(f"{key}.L", image, place))
         return (*made, *mirrored)
@@ -262,7 +240,7 @@ class _Whole:
             smooth = [self._number(name, place) for name in record.smooth]
             image = [self._image(number) for number in nodes]
             if nodes[0] in smooth and nodes[0] == image[0]:
-                # Smooth in the middle of the car: the line goes over to the other side.
+                # Smooth in the middle of the car: the line crosses to the other side.
                 made.append(self._chain(key, [*image[:0:-1], *nodes], smooth, place))
             elif image == nodes:
                 made.append(self._chain(key, nodes, smooth, place))
@@ -278,8 +256,8 @@ class _Whole:
 
     def _rules(self) -> tuple[Rule, ...]:
         nodes = {half: self.node[name] for half, name in self.halves.items()}
-        told = self.records.soundness.items()
-        return tuple(parsed(name, text, nodes) for name, text in told)
+        texts = self.records.soundness.items()
+        return tuple(parse_rule(name, text, nodes) for name, text in texts)
 
     def _order(self) -> list[str]:
         for word in self.records.order:
@@ -296,13 +274,13 @@ class _Whole:
 
 
 def _reflected(vector: Vector) -> Vector:
-    """The mirror image of a vector; -0.0 becomes 0.0, so that equal halves compare equal."""
+    """Return the mirror image of a vector; -0.0 becomes 0.0, so that equal halves compare equal."""
     return vector[0], 0.0 - vector[1], vector[2]
 
 
-def _picture(record: PictureRecord, name: str) -> Picture:
-    """The picture of a node: its own side of the car, or both halves of what is in the middle."""
+def _view_hint(record: PictureRecord, name: str) -> ViewHint:
+    """Return the view hint of a node: for its own side of the car, or for both halves."""
     sides = (name[-2:],) if name.endswith((".R", ".L")) else (".R", ".L")
     turn = -record.azimuth if sides == (".L",) else record.azimuth
     tinted = tuple(f"{patch}{side}" for patch in record.patches for side in sides)
-    return Picture(turn, record.elevation, tinted)
+    return ViewHint(turn, record.elevation, tinted)

@@ -1,9 +1,9 @@
-"""A template: a car as nodes, cubic edges and four-sided patches, and what one may ask of it.
+"""A template: a car as nodes, cubic edges and four-sided patches, with rules and prompts.
 
 Kara & Shimada (2008) start every car from a template: a symmetric network of curves whose
 nodes are *fiducial* points, which a person can find again in a sketch. A `Template` is such a
-network as data. It holds no rules of its own: `loader` reads it, `validation` says
-what is wrong with it, `shape_constraints` makes inequalities of its rules.
+network as data: `loader` reads it, `validation` finds its faults, `shape_constraints` turns its
+rules into inequalities.
 
 World: x rearward from the nose, y to the right, z up from the ground, mm; the plane of
 symmetry is y = 0.
@@ -18,14 +18,9 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import frozen
-
-__all__ = ["AXES", "MIRROR", "Chain", "Patch", "Picture", "Rule", "Template", "twin"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from bozzetto_car.array_types import Array, Index
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in the plane of symmetry, as factors of the coordinates."""
@@ -35,15 +30,15 @@ AXES: Final = "xyz"
 
 
 def twin(name: str) -> str:
-    """Name of the mirror image of a node, patch or chain: ``S1.R`` and ``S1.L``."""
+    """Return the name of the mirror image of a node, patch or chain: ``S1.R`` and ``S1.L``."""
     if name.endswith(".R"):
         return name[:-2] + ".L"
     return name[:-2] + ".R" if name.endswith(".L") else name
 
 
 @dataclass(frozen=True)
-class Picture:
-    """From where a node is seen best on the small car that shows what is asked for.
+class ViewHint:
+    """The direction from which a node is seen best on the small car of the guide panel.
 
     Attributes
     ----------
@@ -61,7 +56,7 @@ class Picture:
 
     @property
     def toward_eye(self) -> Array:
-        """Unit vector from the car to the eye, (3,)."""
+        """The unit vector from the car to the eye, (3,)."""
         turn, rise = np.radians(self.azimuth), np.radians(self.elevation)
         flat = np.cos(rise)
         return np.array([-flat * np.cos(turn), flat * np.sin(turn), np.sin(rise)])
@@ -75,7 +70,7 @@ class Patch:
     ----------
     name : str
     edges : (int, int, int, int)
-        Round the patch. An edge that is run through from its end to its start is ``~edge``.
+        Edges around the patch; ``~edge`` where one runs against the direction around it.
     nodes : (int, int, int, int)
         The edge ``edges[i]`` leads from ``nodes[i]`` to the next. With u from ``nodes[0]``
         to ``nodes[1]`` and v from ``nodes[0]`` to ``nodes[3]``, x_u × x_v points outward.
@@ -95,7 +90,7 @@ class Chain:
     name : str
     nodes : tuple of int
     edges : tuple of int
-        ``edges[i]`` leads from ``nodes[i]`` to ``nodes[i + 1]``; ``~edge`` where against it.
+        ``edges[i]`` leads from ``nodes[i]`` to ``nodes[i + 1]``; ``~edge`` for the other sense.
     smooth : tuple of int
         The nodes, none of them an end, at which the line has one tangent direction (G1).
     """
@@ -113,9 +108,9 @@ class Rule:
     Attributes
     ----------
     name : str
-        In a designer's words; by it the rule is switched off and reported.
+        Name in a designer's words; the rule is switched off and reported by it.
     text : str
-        As it stands in the file, for example ``C3.x >= C2.x + 50``.
+        Text of the rule in the file, for example ``C3.x >= C2.x + 50``.
     terms : tuple of (node, axis, factor)
     constant : float
     """
@@ -128,16 +123,16 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Template:
-    """A car before anybody has drawn it.
+    """The network of a car before any sketch has shaped it.
 
     Attributes
     ----------
     id, title, about : str
-        The word for it in files; its name for people; a sentence or two on what it is.
+        Identifier in files; name for people; a description in a sentence or two.
     names : tuple of str, length n
-        Of the nodes: ``C2`` on the plane of symmetry, ``S1.R`` and ``S1.L`` off it.
+        Names of the nodes: ``C2`` on the plane of symmetry, ``S1.R`` and ``S1.L`` off it.
     positions : (n, 3) float
-        mm.
+        Places of the nodes, mm.
     pairs : (p, 2) int
         Nodes off the plane: right, left. The wheels are among them.
     centre : (c,) int
@@ -152,11 +147,11 @@ class Template:
     chains : tuple of Chain
     rules : tuple of Rule
     order : tuple of str
-        In which marks are asked for. Of a pair ``S1.near`` is the one on the side that the
-        sketch shows, ``S1.far`` the other; `asked` gives the nodes.
+        Order in which marks are asked for. Of a pair, ``S1.near`` is the node on the side that
+        the sketch shows, ``S1.far`` the other; `asked` gives the nodes.
     titles, prompts : mapping of str to str
-        By name of the node: what it is, and how to ask for it.
-    pictures : mapping of str to Picture
+        By name of the node: its title, and how to ask for it.
+    pictures : mapping of str to ViewHint
     """
 
     id: str
@@ -175,7 +170,7 @@ class Template:
     order: tuple[str, ...]
     titles: Mapping[str, str]
     prompts: Mapping[str, str]
-    pictures: Mapping[str, Picture]
+    pictures: Mapping[str, ViewHint]
 
     def __post_init__(self) -> None:
         for name, columns in (("positions", 3), ("pairs", 2), ("wheels", 2), ("edges", 2)):
@@ -190,7 +185,7 @@ class Template:
 
     @cached_property
     def node(self) -> Mapping[str, int]:
-        """Index of each node by its name."""
+        """The index of each node by its name."""
         return MappingProxyType({name: number for number, name in enumerate(self.names)})
 
     @cached_property
@@ -199,7 +194,7 @@ class Template:
         return tuple(f"{self.names[a]}-{self.names[b]}" for a, b in self.edges)
 
     def asked(self, near: str = "R") -> tuple[int, ...]:
-        """Nodes in the order in which their marks are asked for.
+        """Return the nodes in the order in which their marks are asked for.
 
         Parameters
         ----------
@@ -224,7 +219,7 @@ class Template:
 
     @cached_property
     def edge_between(self) -> Mapping[tuple[int, int], int]:
-        """The edge that leads from one node to another; ``~edge`` for the way back."""
+        """The edge that leads from one node to another; ``~edge`` for the opposite direction."""
         found: dict[tuple[int, int], int] = {}
         for number, (start, end) in enumerate(self.edges.tolist()):
             found[start, end], found[end, start] = number, ~number
@@ -232,7 +227,7 @@ class Template:
 
     @cached_property
     def sides(self) -> Index:
-        """The edges round each patch, (k, 4); ``~edge`` where one is run through backwards."""
+        """The edges around each patch, (k, 4); ``~edge`` where one is run through backwards."""
         return np.array([patch.edges for patch in self.patches], np.intp)
 
     @cached_property
@@ -244,7 +239,7 @@ class Template:
         Raises
         ------
         KeyError
-            If there is none; `validation.check` says so in words.
+            If an edge has no image; `validation.check` reports that in words.
         """
         image = self.mirrored
         return np.array([self.edge_between[image[a], image[b]] for a, b in self.edges], np.intp)
@@ -261,9 +256,9 @@ class Template:
         """Symmetric cars as a linear space: positions = basis @ variables, (3 n, q).
 
         The variables are x and z of every node on the plane and x, y, z of every right node
-        off it, mm, in the order of the nodes; the left nodes follow exactly, for the rows
-        hold nothing but 0, 1 and -1. (The reduced variables of the deformation: 63 for the
-        sedan.)
+        off it, mm, in the order of the nodes; the left nodes follow exactly, because the
+        rows hold only 0, 1 and -1. These are the reduced variables of the deformation: 63 for
+        the sedan.
         """
         columns = []
         image = self.mirrored
@@ -284,9 +279,9 @@ class Template:
         return self.reduced(self.positions)
 
     def reduced(self, positions: Array) -> Array:
-        """Variables (q,) of a symmetric car with the given positions (n, 3), mm."""
+        """Return the variables (q,) of a symmetric car with the given positions (n, 3), mm."""
         return np.asarray(np.ravel(positions)[np.argmax(self.basis == 1.0, axis=0)])
 
     def whole(self, variables: Array) -> Array:
-        """Positions (n, 3), mm, of the car with the given variables (q,)."""
+        """Return the positions (n, 3), mm, of the car with the given variables (q,)."""
         return np.asarray((self.basis @ variables).reshape(-1, 3))

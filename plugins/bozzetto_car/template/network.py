@@ -1,9 +1,9 @@
-"""The edges of a car that is being shaped: its template's network in places of its own.
+"""The network of a car that is being shaped: its template's edges at places of its own.
 
-An edge is a cubic, told in two ways that say the same: as two ends with the derivatives there
-(Hermite's form), or as four Bézier points, whose inner ones, the *handles*, lie a third of a
-tangent from the ends. A `Network` keeps the first form, for nodes then move without taking
-another thought of tangents; `Network.control_points` is the second.
+An edge is a cubic in one of two equivalent forms: two ends with the derivatives there (Hermite's
+form), or four Bézier points, whose inner ones, the *handles*, lie a third of a tangent from the
+ends. A `Network` keeps the first form, in which nodes move independently of tangents;
+`Network.control_points` is the second.
 
 Symmetry is kept wherever tangents change: `with_tangents` lets the mirror image follow bit for
 bit, holds edges of the middle in their plane, and those that cross it at a right angle to it.
@@ -17,40 +17,27 @@ from functools import cached_property, lru_cache
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
+from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import MIRROR, Template
 
-__all__ = [
-    "Joint",
-    "Network",
-    "as_bezier",
-    "as_hermite",
-    "edge_called",
-    "joints",
-    "node_called",
-    "with_positions",
-    "with_tangents",
-]
-
-Array = NDArray[np.float64]
-
 HANDLE: Final = 1.0 / 3.0
-"""Length of a handle, the leg of a cubic's Bézier polygon at its end, per length of the tangent."""
+"""Length of a handle, the end leg of a cubic's Bézier polygon, per length of the tangent."""
 
 KNOWN: Final = 16
-"""Templates whose joints are remembered."""
+"""Number of templates whose junctions are remembered."""
 
 
 def as_bezier(ends: ArrayLike, tangents: ArrayLike) -> Array:
-    """The four Bézier points of cubics from their ends and the derivatives there.
+    """Return the four Bézier points of cubics from their ends and the derivatives there.
 
     Parameters
     ----------
     ends, tangents : (…, 2, 3) array_like
-        mm.
+        Ends of the cubics and the derivatives there, mm.
 
     Returns
     -------
@@ -64,12 +51,12 @@ def as_bezier(ends: ArrayLike, tangents: ArrayLike) -> Array:
 
 
 def as_hermite(control_points: ArrayLike) -> tuple[Array, Array]:
-    """The ends of cubics and the derivatives there, from four Bézier points.
+    """Return the ends of cubics and the derivatives there from four Bézier points.
 
     Parameters
     ----------
     control_points : (…, 4, 3) array_like
-        mm.
+        Bézier points, mm.
 
     Returns
     -------
@@ -82,20 +69,20 @@ def as_hermite(control_points: ArrayLike) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """A car's nodes and edges. Anything else about them, such as names, is its template's.
+    """The nodes and edges of a car; names and everything else are its template's.
 
     Parameters
     ----------
     template : Template
     positions : (n, 3) float
-        Of the nodes, mm.
+        Places of the nodes, mm.
     tangents : (m, 2, 3) float
         Derivatives of each edge by its parameter 0 … 1 at its start and at its end, mm.
 
     Raises
     ------
     ValueError
-        If the arrays do not fit the template, or hold what is not finite.
+        If the arrays do not fit the template, or are not finite.
     """
 
     template: Template
@@ -110,30 +97,13 @@ class Network:
 
     @classmethod
     def of(cls, template: Template, positions: ArrayLike | None = None) -> Self:
-        """The edges of a template, with its tangents, through nodes that may have moved."""
+        """Return the edges of a template, with its tangents, through nodes that may have moved."""
         places = template.positions if positions is None else np.asarray(positions, float)
         return cls(template, places, template.tangents)
 
-    @classmethod
-    def from_control_points(
-        cls, template: Template, positions: ArrayLike, control_points: ArrayLike
-    ) -> Self:
-        """A network from nodes (n, 3) and Bézier points (m, 4, 3), mm.
-
-        Raises
-        ------
-        ValueError
-            If an edge does not begin and end in its nodes, to the last bit.
-        """
-        ends, tangents = as_hermite(control_points)
-        places = np.asarray(positions, float)
-        if not np.array_equal(places[template.edges], ends):
-            raise ValueError("an edge must begin and end in its nodes")
-        return cls(template, places, tangents)
-
     @cached_property
     def ends(self) -> Array:
-        """Start and end of each edge, (m, 2, 3) mm."""
+        """The start and end of each edge, (m, 2, 3) mm."""
         return np.asarray(self.positions[self.template.edges])
 
     @cached_property
@@ -142,16 +112,15 @@ class Network:
         return as_bezier(self.ends, self.tangents)
 
     @cached_property
-    def free_axes(self) -> NDArray[np.bool_]:
-        """Coordinates that the tangents of a symmetric car may have, (m, 2, 3).
+    def free_axes(self) -> Flags:
+        """Which coordinates the tangents of a symmetric car may have, (m, 2, 3).
 
-        An edge in the middle has no y; one that goes over to the other side smoothly has
-        nothing but y where it leaves the middle.
+        An edge in the middle has no y; an edge that crosses the middle smoothly has only y there.
         """
         template = self.template
         free = np.ones(template.tangents.shape, bool)
         free[np.isin(template.edges, template.centre).all(axis=1), :, 1] = False
-        for joint in joints(template):
+        for joint in junctions(template):
             if joint.crosses:
                 for edge, end in (joint.before, joint.after):
                     free[edge, end] = (False, True, False)
@@ -159,7 +128,7 @@ class Network:
 
 
 @dataclass(frozen=True)
-class Joint:
+class EdgeJunction:
     """A node at which a chain is smooth, with the ends of the two edges that meet there.
 
     Attributes
@@ -170,7 +139,7 @@ class Joint:
     senses : (int, int)
         1 where an edge runs along with the chain, -1 where it runs against it.
     crosses : bool
-        The chain goes over to the other side of the car here: each edge is the other's image.
+        Whether the chain crosses the middle here: each edge is the other's mirror image.
     neighbours : (int, int)
         The chain's nodes before and after this one.
     """
@@ -184,19 +153,19 @@ class Joint:
 
 
 @lru_cache(maxsize=KNOWN)
-def joints(template: Template) -> tuple[Joint, ...]:
-    """All smooth nodes of all chains."""
-    return tuple(_joints(template))
+def junctions(template: Template) -> tuple[EdgeJunction, ...]:
+    """Return all smooth nodes of all chains."""
+    return tuple(_junctions(template))
 
 
-def _joints(template: Template) -> Iterator[Joint]:
+def _junctions(template: Template) -> Iterator[EdgeJunction]:
     image = template.mirrored_edges
     for chain in template.chains:
         for node in chain.smooth:
             at = chain.nodes.index(node)
             before, after = chain.edges[at - 1], chain.edges[at]
             one, other = max(before, ~before), max(after, ~after)
-            yield Joint(
+            yield EdgeJunction(
                 node,
                 (one, 1 if before >= 0 else 0),
                 (other, 0 if after >= 0 else 1),
@@ -210,7 +179,7 @@ def _joints(template: Template) -> Iterator[Joint]:
 
 
 def edge_called(template: Template, name: str) -> int:
-    """Index of an edge by the names of its ends in either order, ``C1-S1.R`` or ``S1.R-C1``.
+    """Return the index of an edge by its ends in either order, ``C1-S1.R`` or ``S1.R-C1``.
 
     Raises
     ------
@@ -228,7 +197,7 @@ def edge_called(template: Template, name: str) -> int:
 
 
 def node_called(template: Template, name: str) -> int:
-    """Index of a node by its name.
+    """Return the index of a node by its name.
 
     Raises
     ------
@@ -247,14 +216,16 @@ def node_called(template: Template, name: str) -> int:
 
 
 def with_tangents(network: Network, tangents: Mapping[tuple[int, int], ArrayLike]) -> Network:
-    """A network with other tangents at some ends of edges, and at their mirror images.
+    """Return a network with other tangents at some ends of edges and at their mirror images.
 
     Parameters
     ----------
     network : Network
+        The network to change.
     tangents : mapping of (edge, end) to (3,) array_like
-        mm; end 0 is the start of an edge, 1 its end. What `Network.free_axes` does not allow
-        is left out. Of an end and its mirror image the later one counts.
+        Tangents, mm; end 0 is the start of an edge, 1 its end. Coordinates that
+        `Network.free_axes` does not allow become 0. Of an end and its mirror image the later
+        one counts.
     """
     image, free = network.template.mirrored_edges, network.free_axes
     made = np.array(network.tangents)
@@ -270,11 +241,12 @@ def with_tangents(network: Network, tangents: Mapping[tuple[int, int], ArrayLike
 
 
 def with_positions(network: Network, positions: Mapping[int, ArrayLike]) -> Network:
-    """A network with some nodes, and their mirror images, elsewhere, and the same tangents.
+    """Return a network with some nodes and their mirror images elsewhere, and the same tangents.
 
     Parameters
     ----------
     network : Network
+        The network to change.
     positions : mapping of int to (3,) array_like
         By node, mm. Nodes in the middle stay there. Of a node and its mirror image the later
         one counts.

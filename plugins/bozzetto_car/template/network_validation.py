@@ -1,4 +1,4 @@
-"""Whether the edges, patches and chains of a template make the shell of a car.
+"""Check that the edges, patches and chains of a template make the shell of a car.
 
 The shell is a disc of quadrangles: closed all round, open at the bottom, one rim. Its Euler
 characteristic V - E + F is 1 then, and as every patch has four sides, 4 F = 2 E - 12 where the
@@ -14,21 +14,17 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR, Chain, Template
 
-__all__ = ["RIM_EDGES", "SMOOTH_ANGLE", "chain_faults", "edge_faults", "patch_faults"]
-
-Array = NDArray[np.float64]
-
 RIM_EDGES: Final = 12
-"""Edges round the open bottom: on either side one along the front bumper, one below the front
+"""Edges around the open bottom: on either side one along the front bumper, one below the front
 wing, two along the sill, one below the rear wing and one along the rear bumper."""
 
 SMOOTH_ANGLE: Final = 1e-6
-"""Largest angle between the tangents of a smooth chain at a node, radians. A file tells them
-with a few decimals; what is meant to be parallel can be written so that it is."""
+"""Largest angle between the tangents of a smooth chain at a node, radians. A file gives them
+with a few decimals, and parallel tangents can be written exactly."""
 
 NARROWEST_CORNER: Final = 5.0
 """Least angle, degrees, of the two edges at a corner of a patch, and of each to the other's
@@ -36,7 +32,7 @@ continuation. Where they run in one line the surface has no normal."""
 
 
 def edge_faults(template: Template) -> Iterator[str]:
-    """What is wrong with the edges by themselves."""
+    """Yield what is wrong with single edges."""
     wheels = set(template.wheels.ravel().tolist())
     known = {frozenset(ends) for ends in template.edges.tolist()}
     if len(known) < len(template.edges):
@@ -55,7 +51,7 @@ def edge_faults(template: Template) -> Iterator[str]:
 
 
 def _tangents(template: Template, start: int, end: int) -> Array:
-    """Derivatives at both ends of the edge from one node to another, (2, 3) mm."""
+    """Return the derivatives at both ends of the edge from one node to another, (2, 3) mm."""
     edge = template.edge_between[start, end]
     return np.asarray(template.tangents[edge] if edge >= 0 else -template.tangents[~edge][::-1])
 
@@ -65,7 +61,7 @@ def _same(one: Array, other: Array) -> bool:
 
 
 def patch_faults(template: Template) -> Iterator[str]:
-    """What is wrong with the patches and the shell that they make."""
+    """Yield what is wrong with the patches and with the shell that they make."""
     broken = False
     for patch in template.patches:
         if len(set(patch.nodes)) < 4:
@@ -101,7 +97,7 @@ def _corner_faults(template: Template) -> Iterator[str]:
 
 
 def _angle(one: Array, other: Array) -> float:
-    """Angle of two vectors, radians; 0 where one of them is nought."""
+    """Return the angle of two vectors, radians; 0 where one of them is zero."""
     return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))
 
 
@@ -136,7 +132,7 @@ def _shell_faults(template: Template) -> Iterator[str]:
 
 
 def _rings(template: Template, rim: list[int]) -> int:
-    """How many connected parts the edges of the rim have."""
+    """Return the number of connected parts of the rim."""
     part = {int(node): int(node) for node in template.edges[rim].ravel()}
 
     def root(node: int) -> int:
@@ -150,7 +146,7 @@ def _rings(template: Template, rim: list[int]) -> int:
 
 
 def _volume(template: Template, rim: list[int]) -> float:
-    """Six times the volume between the patches and the middle of the rim, mm³."""
+    """Return six times the volume between the patches and the middle of the rim, mm³."""
     places = template.positions - template.positions[template.edges[rim]].mean(axis=(0, 1))
     a, b, c, d = (places[[patch.nodes[i] for patch in template.patches]] for i in range(4))
     triple = np.cross(a, b) * c + np.cross(a, c) * d
@@ -158,7 +154,7 @@ def _volume(template: Template, rim: list[int]) -> float:
 
 
 def chain_faults(template: Template) -> Iterator[str]:
-    """What is wrong with the chains: gaps, kinks, and ends of edges claimed twice."""
+    """Yield what is wrong with the chains: gaps, kinks, and ends of edges in two chains."""
     claimed: dict[tuple[int, int], str] = {}
     sides = [{max(edge, ~edge) for edge in patch.edges} for patch in template.patches]
     for chain in template.chains:
@@ -193,7 +189,7 @@ def chain_faults(template: Template) -> Iterator[str]:
 
 
 def _around(chain: Chain, node: int) -> tuple[int, int]:
-    """The edges of a chain before and after a node, whichever way they run."""
+    """Return the edges of a chain before and after a node, without their direction."""
     at = chain.nodes.index(node)
     before, after = chain.edges[at - 1 : at + 1]
     return max(before, ~before), max(after, ~after)
@@ -205,7 +201,7 @@ def _kinks(template: Template, chain: Chain, node: int) -> Iterator[str]:
     out = _tangents(template, node, chain.nodes[at + 1])[0]
     name = template.names[node]
     if not (into.any() and out.any()):
-        yield f"The chain {chain.name} has no direction at {name}: a tangent is nought."
+        yield f"The chain {chain.name} has no direction at {name}: a tangent is zero."
         return
     angle = _angle(into, out)
     if angle > SMOOTH_ANGLE:

@@ -1,8 +1,8 @@
-"""Rules of a template in words: ``C3.x >= C2.x + 50`` becomes a row of numbers.
+"""Parse the rules of a template: ``C3.x >= C2.x + 50`` becomes a row of numbers.
 
 A rule compares two sums. A term is a number of mm, or a node and a letter of a coordinate with
-or without a factor before it. A node off the plane of symmetry is meant on the right side, so
-``2 S3.y`` is the width there.
+or without a factor before it. A node off the plane of symmetry stands for the one on the right
+side, so ``2 S3.y`` is the width there.
 """
 
 from __future__ import annotations
@@ -14,13 +14,11 @@ from typing import Final
 from bozzetto.errors import FormatError
 from bozzetto_car.template.model import AXES, Rule
 
-__all__ = ["parsed"]
-
 LARGEST_NUMBER: Final = 1e6
 """Largest factor or number of mm in a rule: a car is shorter than a kilometre."""
 
 MOST_TERMS: Final = 20
-"""Terms of one rule; one that says more cannot be told in a sentence."""
+"""Most terms on one side of a rule; a longer rule cannot be explained in a sentence."""
 
 TERM: Final = re.compile(
     r"\s*(?P<sign>[+-]?)\s*"
@@ -29,13 +27,13 @@ TERM: Final = re.compile(
 )
 
 
-def parsed(name: str, text: str, nodes: Mapping[str, int]) -> Rule:
-    """Read one rule.
+def parse_rule(name: str, text: str, nodes: Mapping[str, int]) -> Rule:
+    """Parse one rule.
 
     Parameters
     ----------
     name : str
-        In a designer's words.
+        Name in a designer's words.
     text : str
         Two sums with ``>=`` or ``<=`` between them.
     nodes : mapping of str to int
@@ -44,7 +42,7 @@ def parsed(name: str, text: str, nodes: Mapping[str, int]) -> Rule:
     Raises
     ------
     FormatError
-        If it cannot be read, or speaks of a node that there is none of.
+        If the rule cannot be read, or names a node that does not exist.
     """
     place = f"soundness, “{name}”"
     sign = ">=" if ">=" in text else "<="
@@ -70,7 +68,7 @@ def parsed(name: str, text: str, nodes: Mapping[str, int]) -> Rule:
 
 
 def _terms(text: str, place: str) -> list[tuple[str, str, float]]:
-    """The terms of one sum: node, axis and factor; no node where it is a number of mm."""
+    """Return the terms of one sum: node, axis and factor; the node of a plain number is ""."""
     terms: list[tuple[str, str, float]] = []
     at = 0
     while at < len(text) or not terms:

@@ -1,8 +1,8 @@
-"""What a template's file says, before anything is built of it: strict JSON, with limits.
+"""The schema of a template's file: strict JSON, with limits.
 
-A file is not trusted. Unknown and doubled keys are refused, numbers are finite and of a sane
-size, texts are short, and there are no more entries than a big template needs. A message names
-the key.
+A file is not trusted. Unknown and repeated keys are refused, numbers are finite and within limits,
+texts are short, and there are no more entries than a large template needs. Every message names the
+key.
 """
 
 from __future__ import annotations
@@ -16,24 +16,13 @@ from msgspec import Meta
 
 from bozzetto.errors import FormatError, words_of
 
-__all__ = [
-    "FORMAT",
-    "LARGEST_FILE",
-    "ChainRecord",
-    "NodeRecord",
-    "PictureRecord",
-    "Records",
-    "Vector",
-    "read_records",
-]
-
 FORMAT: Final = "bozzetto-car-template/1"
 
 LARGEST_FILE: Final = 1 << 20
-"""Bytes; a template is some pages of text."""
+"""Largest file, bytes; a template is some pages of text."""
 
 MOST_ITEMS: Final = 400
-"""Nodes, edges, patches, chains or rules of one half: ten times what a sedan has."""
+"""Most nodes, edges, patches, chains or rules of one half: ten times those of a sedan."""
 
 FARTHEST: Final = 100_000.0
 """Largest coordinate or tangent, mm: a hundred metres hold any vehicle on a road."""
@@ -48,7 +37,7 @@ _IN_WORDS: Final = {
     _NAME: "a name such as S1 (a capital letter, then capital letters and digits, up to eight)",
     _LABEL: "a word such as roof_rail (lower-case letters, digits and “_”, up to forty)",
 }
-"""What the patterns ask for, for people."""
+"""The meaning of the patterns in words, for messages."""
 
 Name = Annotated[str, Meta(pattern=_NAME)]
 Label = Annotated[str, Meta(pattern=_LABEL)]
@@ -56,7 +45,7 @@ Names = Annotated[list[Name], Meta(min_length=2, max_length=MOST_ITEMS)]
 
 
 class PictureRecord(msgspec.Struct, forbid_unknown_fields=True):
-    """From where a node is seen best; `template.Picture` of the right half."""
+    """The direction from which a node is seen best; a `ViewHint` of the right half."""
 
     azimuth: Annotated[float, Meta(ge=-180, le=180)]
     elevation: Annotated[float, Meta(ge=-90, le=90)]
@@ -80,7 +69,7 @@ class ChainRecord(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class Records(msgspec.Struct, forbid_unknown_fields=True):
-    """All that a file says."""
+    """All records of a file."""
 
     format: str
     id: Label
@@ -109,7 +98,7 @@ _SECTIONS: Final[Mapping[str, tuple[Any, Any]]] = {
 
 
 def read_records(data: bytes) -> Records:
-    """Read what a file says.
+    """Read the records of a file.
 
     Parameters
     ----------
@@ -119,7 +108,7 @@ def read_records(data: bytes) -> Records:
     Raises
     ------
     FormatError
-        Names the key that is wrong.
+        If a key is wrong; the message names it.
     """
     top = _parsed(data)
     if top.get("format") != FORMAT:
@@ -161,11 +150,11 @@ def _unique(members: Sequence[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _no_number(word: str) -> float:
-    raise FormatError(f"{word} is no number in JSON. Write a finite one.")
+    raise FormatError(f"{word} is not a number in JSON. Write a finite number.")
 
 
 def _check_section(value: Any, key: str, names: Any, values: Any) -> None:
-    """Refuse a section, naming the entry; msgspec by itself would not tell which it was."""
+    """Refuse a section and name the entry, which msgspec by itself does not."""
     if not isinstance(value, dict):
         raise FormatError(f"{key}: an object belongs here.")
     if len(value) > MOST_ITEMS:

@@ -1,4 +1,4 @@
-"""What is wrong with a template, in sentences: for whoever writes one.
+"""Report what is wrong with a template, in sentences for its author.
 
 A template that passes is symmetric to the last bit, one open shell, smooth where it says so,
 keeps its own rules, and can ask for every mark. `loader.read_template` takes no other.
@@ -11,30 +11,29 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network_validation import chain_faults, edge_faults, patch_faults
 from bozzetto_car.template.shape_constraints import Soundness
 
-__all__ = ["check"]
-
 NEAREST_NODES: Final = 1.0
-"""Least distance of two nodes, mm; nearer ones could not be told apart in a sketch."""
+"""Least distance of two nodes, mm; nearer nodes could not be told apart in a sketch."""
 
 
 def check(template: Template) -> list[str]:
-    """Say what is wrong with a template.
+    """Return what is wrong with a template, in sentences.
 
     Parameters
     ----------
     template : Template
+        The template.
 
     Returns
     -------
     list of str
-        A sentence for each fault; empty for a template that can be used. Where the nodes
-        are wrong, nothing else is looked at, for all else is built on them.
+        A sentence for each fault; empty for a template that can be used. Where the nodes are
+        wrong, nothing else is checked, because all else depends on them.
     """
     faults = list(_node_faults(template))
     if faults:
@@ -100,7 +99,7 @@ def _marking_faults(template: Template) -> Iterator[str]:
             yield f"The picture of {name} looks at the car from where it cannot be seen."
 
 
-def _faces(template: Template, number: int, eye: NDArray[np.float64]) -> bool:
+def _faces(template: Template, number: int, eye: Array) -> bool:
     """Whether a patch at the node faces the eye; of a wheel, whether its side of the car does."""
     around = [patch for patch in template.patches if number in patch.nodes]
     if not around:

@@ -1,4 +1,4 @@
-"""What the pen can do to a car."""
+"""The tools of the pen for a car."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from bozzetto_car.tools.mark_points import MarkPoints
 from bozzetto_car.tools.shape_nodes import ShapeNodes
 from bozzetto_car.tools.trace_edges import TraceEdges
 
-__all__ = ["all_tools"]
-
 
 def all_tools() -> Sequence[Tool[CarState]]:
-    """All tools, most used first."""
+    """Return all tools, most used first."""
     return (MarkPoints(), TraceEdges(), ShapeNodes(), Style())

@@ -12,24 +12,22 @@ from bozzetto.plugin import Context, Gesture, Ink, Memory
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import laid, mirrored
-from bozzetto_car.styling.erase import erased
+from bozzetto_car.styling.curve import mirror_curve, project_stroke
+from bozzetto_car.styling.erase import erase
 from bozzetto_car.styling.live_preview import Growing
-from bozzetto_car.styling.oversketch import oversketched
+from bozzetto_car.styling.oversketch import oversketch
 from bozzetto_car.styling.picking import target_of
 from bozzetto_car.styling.scene import CHOSEN_WIDTH, shown_styling
 from bozzetto_car.styling.stroke_line import one_stroke
 
-__all__ = ["Style"]
-
 NAME: Final = "Styling"
-"""What new curves are called, with a number."""
+"""Name of new curves; a number follows."""
 
 _growing: Memory[Growing] = Memory(limit=4)
 
 
 class Style:
-    """A stroke beside a styling curve bends it; any other stroke is a new one."""
+    """The tool for styling curves: a stroke along a curve bends it, any other is a new curve."""
 
     id = "style"
     title = "Style"
@@ -38,7 +36,7 @@ class Style:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The line on the body as it is drawn."""
+        """Show the line on the body as it is drawn."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
@@ -67,13 +65,13 @@ class Style:
             raise UserError("Draw a line on the body with the pen.")
         body = body_of(state)
         if gesture.strokes[-1].tool == "eraser":
-            return erased(state, body, gesture.strokes[-1])
+            return erase(state, body, gesture.strokes[-1])
         camera, stroke = gesture.camera, one_stroke(gesture.strokes)
         target = target_of(shown_styling(state), body, stroke, camera, state.selected)
         if target is None:
-            new = laid(body, stroke, camera)
+            new = project_stroke(body, stroke, camera)
             name, number = state.unused_name(NAME), state.unused_id()
             return state.with_node(StylingCurve(number, name, True, "", *new))
-        side = mirrored(target.curve) if target.mirrored else target.curve
-        bent = oversketched(side, body, stroke, camera)
-        return state.with_node(mirrored(bent) if target.mirrored else bent)
+        side = mirror_curve(target.curve) if target.mirrored else target.curve
+        bent = oversketch(side, body, stroke, camera)
+        return state.with_node(mirror_curve(bent) if target.mirrored else bent)

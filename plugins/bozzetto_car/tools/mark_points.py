@@ -1,4 +1,4 @@
-"""Mark the points that are asked for on the sketch; drag marks that are not right."""
+"""Mark the points that are asked for on the sketch; drag marks to correct them."""
 
 from __future__ import annotations
 
@@ -6,33 +6,30 @@ from collections.abc import Sequence
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
-from bozzetto_car.marking.edit_marks import marked, sketch_in_work, without_marks
+from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
-from bozzetto_car.solver.pipeline import solved, template_of
+from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarState, Mark
-from bozzetto_car.view.mark_items import MARK, MARK_TOOL, preview_of
-from bozzetto_car.view.view_advice import stand_seen
+from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
+from bozzetto_car.view.view_advice import camera_looked_through
 
-__all__ = ["MarkPoints"]
-
-Array = NDArray[np.float64]
 Seen = tuple[CarState, ...]
 
 FARTHEST: Final = 5.0
 """Farthest place beside the picture that can be marked, in its diagonals from its middle."""
 
 REACH: Final = 2.0
-"""Distance from a mark, in tolerances of the pen, at which an eraser meets it."""
+"""Distance from a mark, in tolerances of the pen, at which an eraser touches it."""
 
 TOUCH: Final = 2.0
-"""Farthest way of a pen that only touches a mark, px."""
+"""Farthest movement of a pen that only touches a mark, px."""
 
 NOT_THROUGH: Final = (
     "Marks are set where the sketch is seen as it was drawn. Go back to it with T, then touch "
@@ -41,7 +38,7 @@ NOT_THROUGH: Final = (
 
 
 class MarkPoints:
-    """A tap marks the node that is asked for; a drag moves a mark; the eraser takes marks away."""
+    """The tool for marks: a tap marks the node that is asked for, drags move, erasers remove."""
 
     id = MARK_TOOL
     title = "Mark points"
@@ -51,24 +48,24 @@ class MarkPoints:
     aims = True
 
     def next_hint(self, state: CarState) -> str:
-        """Which point to touch, in the template's words."""
-        return hint_of(state, solved(state))
+        """Return which point to touch, in the template's words."""
+        return hint_of(state, solve_car(state))
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The car as the mark would have it, on the picture."""
+        """Show the car with the mark, on the picture."""
         if isinstance(gesture, Ink):
             return Scene()
         try:
             before = body_of(state)
             mark = _mark(state, before, gesture, _seen(context))
-            moved = marked(state, mark.node, (mark.u, mark.v), before.template)
+            moved = set_mark(state, mark.node, (mark.u, mark.v), before.template)
             after = body_of(moved, before=state)
         except UserError:
             return Scene()
-        return preview_of(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
+        return mark_preview(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
 
     def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
-        """Set, move or take away marks.
+        """Set, move or remove marks.
 
         Raises
         ------
@@ -76,18 +73,18 @@ class MarkPoints:
             If there is nothing to mark, or the sketch is not seen as it was drawn.
         """
         body = body_of(state)
-        if sketch_in_work(state).id not in body.stands:
+        if sketch_in_work(state).id not in body.sketch_cameras:
             raise UserError(HIDDEN)
         if isinstance(gesture, Ink):
             return _erased(state, body, gesture, context.pen.tolerance)
         if isinstance(gesture, Drag) and _is_touch(gesture):
             return state
         mark = _mark(state, body, gesture, _seen(context))
-        return marked(state, mark.node, (mark.u, mark.v), template_of(state))
+        return set_mark(state, mark.node, (mark.u, mark.v), template_of(state))
 
 
 def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
-    """The mark that a gesture sets."""
+    """Return the mark that a gesture sets."""
     sketch = sketch_in_work(state)
     if isinstance(gesture, Drag):
         node = gesture.handle.removeprefix(MARK)
@@ -104,7 +101,7 @@ def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
 
 
 def _seen(context: Context) -> Seen:
-    """The car as it was when the hand saw it."""
+    """Return the car as it was when the person saw it, newest first."""
     return tuple(state for state in context.seen if isinstance(state, CarState))
 
 
@@ -117,7 +114,7 @@ def _is_touch(gesture: Drag) -> bool:
 def _pixels(
     state: CarState, body: Body, camera: Camera, places: Sequence[Array], seen: Seen
 ) -> Array:
-    """Pixels of the picture at places of a view through it.
+    """Return pixels of the picture at places of a view through it.
 
     Raises
     ------
@@ -125,10 +122,10 @@ def _pixels(
         If the view is from elsewhere, or a place is far beside the picture.
     """
     sketch = sketch_in_work(state)
-    stand = stand_seen(sketch, body, camera, seen)
-    if stand is None:
+    sketch_camera = camera_looked_through(sketch, body, camera, seen)
+    if sketch_camera is None:
         raise UserError(NOT_THROUGH)
-    pixels = stand.seen_at(camera, places)
+    pixels = sketch_camera.seen_at(camera, places)
     off = np.abs(pixels - 0.5 * np.array(sketch.size)).max(initial=0.0)
     if not off <= FARTHEST * np.hypot(*sketch.size):
         raise UserError("That is far beside the picture. Touch a place on it or next to it.")
@@ -136,17 +133,19 @@ def _pixels(
 
 
 def _same_mark(mark: Mark, marks: tuple[Mark, ...]) -> Mark:
-    """A mark as it is called once it is set: sides may have been exchanged by it."""
+    """Return a mark with its node after it is set: that may have exchanged the sides."""
     return next(one for one in marks if (one.u, one.v) == (mark.u, mark.v))
 
 
 def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarState:
-    """Without the marks that an eraser ran over."""
+    """Return the state without the marks that an eraser ran over."""
     sketch = sketch_in_work(state)
     if any(stroke.tool != "eraser" for stroke in gesture.strokes):
         raise UserError("Touch the point that is asked for.")
-    stand = body.stands[sketch.id]
-    places = stand.lifted(np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2))
+    sketch_camera = body.sketch_cameras[sketch.id]
+    places = sketch_camera.lifted(
+        np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2)
+    )
     met = set()
     for stroke in gesture.strokes:
         seen = stroke.camera.project(places)[0]

@@ -1,4 +1,4 @@
-"""Nodes and tangents by hand: nodes are dragged, and show their tangents where touched."""
+"""Shape nodes and tangents by hand: drag nodes, touch them to show their tangents."""
 
 from __future__ import annotations
 
@@ -6,33 +6,30 @@ from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Tap
 from bozzetto.scene import Scene
+from bozzetto.view.rotations import triple
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
-from bozzetto_car.body.drag import handle_dragged, node_dragged
-from bozzetto_car.body.edit_list import dragged
+from bozzetto_car.body.drag import drag_handle, drag_node
+from bozzetto_car.body.edit_list import add_drag
 from bozzetto_car.state import BentEdge, CarState, MovedNode
 from bozzetto_car.template.network import edge_called, node_called
 from bozzetto_car.view.edge_items import NODE, SHAPE_TOOL, TANGENT
 from bozzetto_car.view.picking import touched
 from bozzetto_car.view.scene import body_in_work, body_layers
 
-__all__ = ["ShapeNodes"]
-
-Array = NDArray[np.float64]
-
 STILL: Final = 3.0
-"""Way of the pen, px, below which a handle is touched and not dragged."""
+"""Movement of the pen, px, below which a handle is touched and not dragged."""
 
 
 class ShapeNodes:
-    """Nodes move parallel to the picture; handles bend edges, and smooth neighbours follow.
+    """The tool for nodes and tangents: nodes move parallel to the picture, handles bend edges.
 
-    Nodes and edges that are touched reveal the tangents that they have. Drags of one handle, one
-    after the other, are one edit.
+    Smooth neighbours follow. A touch on a node or an edge reveals its tangents. Successive drags
+    of one handle are one edit.
     """
 
     id = SHAPE_TOOL
@@ -42,13 +39,13 @@ class ShapeNodes:
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
     def next_hint(self, state: CarState) -> str:
-        """What the handles that are there do."""
+        """Return what the visible handles do."""
         if not state.revealed:
             return self.hint
         return f"Drag the tangents of {state.revealed}, or touch another node or edge."
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The body as it would be."""
+        """Show the body after the drag."""
         if not isinstance(gesture, Drag):
             return Scene()
         try:
@@ -63,7 +60,7 @@ class ShapeNodes:
         Raises
         ------
         UserError
-            If there is no body yet, or the handle is none of it or behind the eye.
+            If there is no body yet, or the handle does not belong to it or is behind the eye.
         """
         body = body_in_work(state)
         if isinstance(gesture, Tap):
@@ -74,39 +71,39 @@ class ShapeNodes:
         if np.ptp(gesture.path.points, axis=0).max() < STILL:
             return replace(state, revealed=_touched_handle(state, gesture.handle))
         edit = _edit_of(state, body, gesture)
-        return replace(state, edits=dragged(state.edits, edit))
+        return replace(state, edits=add_drag(state.edits, edit))
 
 
 def _touched_handle(state: CarState, handle: str) -> str:
-    """What is revealed after a handle was touched: its node's tangents; those that are, stay."""
+    """Return what is revealed after a touch: the node's tangents; revealed tangents stay."""
     return handle.removeprefix(NODE) if handle.startswith(NODE) else state.revealed
 
 
 def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
-    """What a drag does. Of mirror images one is named, so that drags of both add up."""
+    """Return the edit of a drag; of mirror images it names one, so that drags of both add up."""
     template, network = body.template, body.network
     if drag.handle.startswith(NODE):
         node = node_called(template, drag.handle.removeprefix(NODE))
         goal = _pen(drag, network.positions[node])
         own = min(node, int(template.mirrored[node]))
-        moved = node_dragged(network, node, goal, drag.camera).positions[own]
-        x, y, z = (moved - network.positions[own]).tolist()
-        return MovedNode(state.dimensions, template.names[own], (x, y, z))
+        moved = drag_node(network, node, goal, drag.camera).positions[own]
+        way = triple(moved - network.positions[own])
+        return MovedNode(state.dimensions, template.names[own], way)
     name, _, last = drag.handle.removeprefix(TANGENT).rpartition(" ")
     if not drag.handle.startswith(TANGENT) or last not in ("0", "1"):
-        raise UserError("This handle is none of the body. Drag a node or the end of a tangent.")
+        raise UserError("This handle is not of this body. Drag a node or the end of a tangent.")
     edge, end = edge_called(template, name), int(last)
     goal = _pen(drag, network.control_points[edge, 1 + end])
-    bent = handle_dragged(network, edge, end, goal, drag.camera)
+    bent = drag_handle(network, edge, end, goal, drag.camera)
     image = int(template.mirrored_edges[edge])
     if max(image, ~image) < edge:
         edge, end = (image, end) if image >= 0 else (~image, 1 - end)
-    x, y, z = bent.tangents[edge, end].tolist()
-    return BentEdge(state.dimensions, template.edge_names[edge], end, (x, y, z))
+    tangent = triple(bent.tangents[edge, end])
+    return BentEdge(state.dimensions, template.edge_names[edge], end, tangent)
 
 
 def _pen(drag: Drag, held: Array) -> Array:
-    """Where on the sheet the held place is taken to: the pen need not have met it exactly."""
+    """Return where on the sheet the held place goes: the pen may hold it a little beside."""
     seen, _ = drag.camera.project(held)
     points = drag.path.points
     return np.asarray(seen[0] + points[-1] - points[0])

@@ -12,25 +12,23 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Scene
 from bozzetto_car.body.build import Body, body_of, drawn_through, in_world_of, unstretched_body_of
-from bozzetto_car.body.edge_runs import run_along
+from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
-from bozzetto_car.camera.sketch_camera import Stand, flat_stand
+from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
 from bozzetto_car.view.scene import body_in_work
 
-__all__ = ["TraceEdges"]
-
 NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
 
 
 class TraceEdges:
-    """The edges that a stroke runs along are seen where it is, and the other side follows.
+    """The tool that bends edges to strokes; the other side of the car follows.
 
     A stroke on the sketch is kept in the pixels of its picture: it stays on the line that it
-    traces, whatever becomes of the camera. The other end of the pen takes the last stroke or
-    drag back that bent the edge under it.
+    traces when the camera changes. The eraser takes back the last stroke or drag that bent the
+    edge under it.
     """
 
     id = "trace"
@@ -40,7 +38,7 @@ class TraceEdges:
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """The edges as they would run."""
+        """Show the edges after the stroke."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         try:
@@ -75,34 +73,34 @@ class TraceEdges:
 
 
 def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
-    """The car after a stroke, and the edit that it is, with the edges that were found."""
+    """Return the car after a stroke, and the edit with the edges that were found."""
     body = body_in_work(state)
     edit = _edit_of(state, body, stroke)
     unstretched = unstretched_body_of(state)
     points, camera = drawn_through(unstretched, edit)
-    run = run_along(in_world_of(unstretched, edit), points, camera)
+    run = find_run(in_world_of(unstretched, edit), points, camera)
     names = tuple(body.template.edge_names[max(edge, ~edge)] for edge in run.edges)
     edit = replace(edit, edges=names)
     return replace(state, edits=(*state.edits, edit)), edit
 
 
 def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
-    """A stroke as it is kept: in pixels of the sketch if that is looked through."""
+    """Return a stroke as an edit: in pixels of the sketch if the view is through it."""
     sketch = state.sketch
-    stand = None if sketch is None else body.stands.get(sketch.id)
-    if sketch is None or stand is None or not stand.is_seen_through(stroke.camera):
+    sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
+    if sketch is None or sketch_camera is None or not sketch_camera.is_seen_through(stroke.camera):
         return TracedEdges(
             dimensions=state.dimensions, strokes=Strokes((stroke,)), nodes_follow=state.nodes_follow
         )
-    own = _on_picture(stroke, stand, sketch.size)
+    own = _on_picture(stroke, sketch_camera, sketch.size)
     return TracedEdges(strokes=Strokes((own,)), sketch=sketch.id, nodes_follow=state.nodes_follow)
 
 
-def _on_picture(stroke: Stroke, stand: Stand, size: tuple[float, float]) -> Stroke:
-    """A stroke in pixels of the picture that is seen behind it."""
-    u, v = stand.seen_at(stroke.camera, stroke.points).T
+def _on_picture(stroke: Stroke, sketch_camera: SketchCamera, size: tuple[float, float]) -> Stroke:
+    """Return a stroke in pixels of the picture that is seen behind it."""
+    u, v = sketch_camera.seen_at(stroke.camera, stroke.points).T
     return Stroke(
-        u, v, flat_stand(size).camera,
+        u, v, upright_camera(size).camera,
         pressure=stroke.pressure if stroke.has_pressure else None,
         t=stroke.t if stroke.has_time else None,
         tool=stroke.tool,
@@ -110,7 +108,7 @@ def _on_picture(stroke: Stroke, stand: Stand, size: tuple[float, float]) -> Stro
 
 
 def _erased(state: CarState, eraser: Stroke) -> CarState:
-    """Without the last stroke or drag that bent an edge under the eraser."""
+    """Return the state without the last stroke or drag that bent an edge under the eraser."""
     body = body_in_work(state)
     template = body.template
     under = edges_under(body.network, eraser.points, eraser.camera)

@@ -1,1 +1,1 @@
-"""What is shown, and advice on the view. Imports styling, marking and below."""
+"""The scene of a car, and advice on the view. Imports styling, marking and below."""

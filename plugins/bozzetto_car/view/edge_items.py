@@ -1,4 +1,4 @@
-"""The edges and nodes of a body as they are shown: lines, creases, dots, and handles to drag."""
+"""Edges and nodes of a body as scene items: lines, creases, dots, and handles to drag."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry.patches.crease import SMOOTH
 from bozzetto.geometry.patches.patch import bernstein
@@ -15,69 +14,55 @@ from bozzetto.plugin import Memory
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.scene.display_list import Hidden
 from bozzetto.view import Camera
+from bozzetto.view.rotations import triple
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import Source, certainty
 from bozzetto_car.state import CarState
-from bozzetto_car.template.network import joints
+from bozzetto_car.template.network import junctions
 from bozzetto_car.view.surface_colors import SOURCE_COLORS
-
-__all__ = [
-    "NODE",
-    "ON_PAPER",
-    "SHAPE_TOOL",
-    "TANGENT",
-    "crease_labels",
-    "edge_items",
-    "handle_layer",
-    "network_lines",
-    "node_items",
-    "revealed_ends",
-    "sources_of",
-]
-
-Array = NDArray[np.float64]
 
 SHAPE_TOOL: Final = "shape"
 
 NODE: Final = "node "
-"""What the ids of nodes' handles begin with; the name of the node follows."""
+"""Prefix of the ids of nodes' handles; the name of the node follows."""
 
 TANGENT: Final = "tangent "
-"""The same of tangents; the name of the edge and the number of its end follow."""
+"""Prefix of the ids of tangents' handles; the name of the edge and the number of its end follow."""
 
 ALONG: Final = 24
-"""Pieces of an edge that is shown."""
+"""Pieces of the polyline that shows an edge."""
 
 EDGE_WIDTH: Final = 1.4
-"""Of the lines of a template, px."""
+"""Width of the lines of edges, px."""
 
 ON_PAPER: Final = (52, 49, 46)
-"""Of the same lines over a drawing: its paper is light in the dark theme, too."""
+"""Colour of edges over a drawing: its paper is light in the dark theme, too."""
 
 HELD_WIDTH: Final = 2.6
-"""Of an edge that is being drawn, px."""
+"""Width of an edge that is being drawn, px."""
 
 CREASE_COLORS: Final[dict[str, tuple[int, int, int]]] = {
     "smooth": (74, 148, 96),
     "creased": (214, 138, 30),
     "corner": (104, 118, 140),
 }
-"""Of edges over which the surface is smooth; those that smooth lines cross and that have a
-crease all the same; and those that are meant to be corners."""
+"""Colours of edges with a smooth surface across them; of those that smooth lines cross, but with a
+crease; and of those that are meant to be corners."""
 
 CREASE_WIDTHS: Final = {"smooth": 1.4, "creased": 3.0, "corner": 2.0}
-"""Of their lines, px."""
+"""Widths of these lines, px."""
 
 REMEMBERED: Final = 16
-"""Solved cars whose nodes' certainty is remembered."""
+"""Number of solved cars whose certainty is remembered."""
 
 LABEL_SIZE: Final = 11.0
-"""Of the letters of an angle, px."""
+"""Size of the letters of an angle, px."""
 
 LABEL_ROOM: Final = (46.0, 16.0)
-"""Width and height, px, that such a label has to itself."""
+"""Width and height, px, of the space that such a label keeps free."""
 
 
 _sources: Memory[tuple[Source, ...]] = Memory(REMEMBERED)
@@ -90,7 +75,7 @@ def network_lines(
     opacity: float = 1.0,
     hidden: Hidden = "faint",
 ) -> Lines:
-    """Cubic Bézier curves (m, 4, 3) as one item."""
+    """Return cubic Bézier curves (m, 4, 3) as one item."""
     points = bernstein(np.linspace(0.0, 1.0, ALONG + 1)) @ control_points
     starts = np.arange(0, points.shape[0] * points.shape[1], points.shape[1], dtype=np.int32)
     return Lines(
@@ -103,7 +88,7 @@ def network_lines(
 
 
 def edge_items(state: CarState, body: Body, held: Collection[int] = ()) -> Iterator[Item]:
-    """The edges as lines; those that are held, as by the pen that traces them, stand out."""
+    """Yield the edges as lines; edges that are held, as by the pen that traces them, stand out."""
     points = body.network.control_points
     if state.creases:
         for kind, edges in _creases(body).items():
@@ -117,7 +102,7 @@ def edge_items(state: CarState, body: Body, held: Collection[int] = ()) -> Itera
 
 
 def crease_labels(body: Body, camera: Camera) -> Iterator[Label]:
-    """The angles of creases that face a view, the sharpest first, none on top of another."""
+    """Yield the angles of creases that face a view, the sharpest first, without overlaps."""
     template, angles = body.template, np.nan_to_num(body.creases)
     shown = np.asarray(facing(template, body.network.positions, camera))
     toward = np.asarray(shown[template.edges].all(axis=1))
@@ -132,12 +117,11 @@ def crease_labels(body: Body, camera: Camera) -> Iterator[Label]:
         if any((np.abs(pixels[edge] - other) < LABEL_ROOM).all() for other in taken):
             continue
         taken.append(pixels[edge])
-        x, y, z = middles[edge].tolist()
-        yield Label((x, y, z), f"{angles[edge]:.1f}°", size=LABEL_SIZE)
+        yield Label(triple(middles[edge]), f"{angles[edge]:.1f}°", size=LABEL_SIZE)
 
 
 def _creases(body: Body) -> dict[str, list[int]]:
-    """Edges by how the surface goes over them; the rim, over which there is none, is a corner."""
+    """Return edges by how the surface crosses them; the rim counts as a corner."""
     angles = body.creases
     crossed = _crossed_smoothly(body)
     found: dict[str, list[int]] = {kind: [] for kind in CREASE_COLORS}
@@ -148,10 +132,10 @@ def _creases(body: Body) -> dict[str, list[int]]:
 
 
 def _crossed_smoothly(body: Body) -> set[int]:
-    """Edges that smooth lines cross at both ends: their patches should meet without a crease."""
+    """Return edges that smooth lines cross at both ends: they should have no crease."""
     template = body.template
     crossings: dict[int, set[int]] = {}
-    for joint in joints(template):
+    for joint in junctions(template):
         taken = {joint.before[0], joint.after[0]}
         for edge, ends in enumerate(template.edges.tolist()):
             if joint.node in ends and edge not in taken:
@@ -163,7 +147,7 @@ def _crossed_smoothly(body: Body) -> set[int]:
 
 
 def sources_of(body: Body) -> tuple[Source, ...]:
-    """Whether each node is seen in a sketch, mirrored, or guessed."""
+    """Return whether each node is seen in a sketch, mirrored, or guessed."""
     return _sources.recall(body.solved, partial(_found, body.solved))
 
 
@@ -175,7 +159,7 @@ def _found(solved: Solved) -> tuple[Source, ...]:
 
 
 def node_items(state: CarState, body: Body) -> Iterator[Points]:
-    """The nodes as dots in the colours of how well they are known."""
+    """Yield the nodes as dots in the colours of how well they are known."""
     if not state.network:
         return
     sources = sources_of(body)
@@ -190,14 +174,16 @@ def node_items(state: CarState, body: Body) -> Iterator[Points]:
 
 
 def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> Layer:
-    """Handles of nodes, in the colours of the nodes, and of the tangents that are revealed.
+    """Return the handles of nodes, in the nodes' colours, and of the revealed tangents.
 
     Parameters
     ----------
     state : CarState
+        The car.
     body : Body
+        Its body.
     camera : Camera, optional
-        Nodes on a side that this view does not see have no handle.
+        The view; nodes on a side that it does not see have no handle.
     """
     template, network = body.template, body.network
     shown = np.ones(len(template.names), bool)
@@ -207,21 +193,19 @@ def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> L
     items: list[Item] = []
     for edge, end in revealed_ends(state, body):
         pair = network.control_points[edge, [3 * end, 1 + end]]
-        x, y, z = pair[1].tolist()
         items.append(Lines(pair.astype(np.float32), color="second", width=1.4, hidden="show"))
         name = template.edge_names[edge]
-        items.append(Handle(f"{TANGENT}{name} {end}", (x, y, z), color="second", tip=name))
+        items.append(Handle(f"{TANGENT}{name} {end}", triple(pair[1]), color="second", tip=name))
     for node in np.flatnonzero(shown).tolist():
         name = template.names[node]
-        x, y, z = network.positions[node].tolist()
         color: Paint = "accent" if name == state.revealed else SOURCE_COLORS[sources[node]]
         tip = template.titles.get(name, name)
-        items.append(Handle(f"{NODE}{name}", (x, y, z), color=color, tip=tip))
+        items.append(Handle(f"{NODE}{name}", triple(network.positions[node]), color=color, tip=tip))
     return Layer("handles", tuple(items), tool=SHAPE_TOOL)
 
 
 def revealed_ends(state: CarState, body: Body) -> list[tuple[int, int]]:
-    """The ends of edges (edge, 0 or 1) whose tangents are revealed."""
+    """Return the ends of edges (edge, 0 or 1) whose tangents are revealed."""
     template = body.template
     if state.revealed in template.node:
         node = template.node[state.revealed]

@@ -1,8 +1,8 @@
-"""The marks on the sketch: handles to drag, what each is missed by, and what is asked for next.
+"""Marks on the sketch as scene items: handles, residuals, and what is asked for next.
 
-All of it lies on the plane of the picture. While a mark is dragged the camera changes with it,
-but the view on the sheet does not; so the car as it would be is shown where it would be seen in
-the picture, which is right from any camera that the picture is seen through.
+All items lie on the plane of the picture. While a mark is dragged, the camera changes with it, but
+the view on the sheet does not; so the new car is shown where the picture would show it, which is
+correct from any view through the picture.
 """
 
 from __future__ import annotations
@@ -11,40 +11,37 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view.calibration import direct_linear_transform
+from bozzetto.view.rotations import triple
+from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
-from bozzetto_car.camera.sketch_camera import Stand
+from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.camera.visibility import facing
-from bozzetto_car.marking.next_mark import Asked, asked_of, in_work, titled
-from bozzetto_car.solver.pipeline import Placed, counted_marks
+from bozzetto_car.marking.next_mark import Asked, asked_of, in_work, node_title
+from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.edge_items import ON_PAPER
-
-__all__ = ["MARK", "MARK_TOOL", "mark_layers", "preview_of"]
-
-Array = NDArray[np.float64]
 
 MARK_TOOL: Final = "mark"
 
 MARK: Final = "mark "
-"""What the ids of marks' handles begin with; the name of the node follows."""
+"""Prefix of the ids of marks' handles; the name of the node follows."""
 
-TOLD: Final = 1.0
+SHOWN_FROM: Final = 1.0
 """Distance of a mark from its node, px, from which a line between them is drawn."""
 
 ROUND: Final = 48
 """Corners of an ellipse."""
 
 LEAST_RING: Final = 6.0
-"""Least half axis of the ring round an expected place, px: a smaller one hides in the dot."""
+"""Least half axis of the ring around an expected place, px: a smaller one hides in the dot."""
 
 ALONG: Final = 16
-"""Pieces of an edge that is shown while a mark moves."""
+"""Pieces of the polyline that shows an edge while a mark moves."""
 
 CROSS: Final = 0.006
 """Half the width of a cross, in diagonals of the picture."""
@@ -54,22 +51,22 @@ HIDDEN_MEANWHILE: Final = ("body", "wheels", "nodes", "network", "handles", "ang
 
 
 def mark_layers(state: CarState, body: Body) -> tuple[Layer, ...]:
-    """The marks of the sketch in work, and where the next one is expected."""
+    """Return the layer with the marks of the sketch in work and the place of the next one."""
     placed = in_work(state, body.solved)
     if placed is None:
         return ()
-    stand = body.stands[placed.sketch.id]
-    items = [*_marks(placed, body, stand, stand)]
+    sketch_camera = body.sketch_cameras[placed.sketch.id]
+    items = [*_marks(placed, body, sketch_camera, sketch_camera)]
     if state.direct:
-        items += [*_direct(placed, body, stand)]
+        items += [*_direct(placed, body, sketch_camera)]
     asked = asked_of(state, body.solved)
     if asked is not None:
-        items += [*_expected(asked, placed, body, stand)]
+        items += [*_expected(asked, placed, body, sketch_camera)]
     return (Layer("marks", tuple(items), tool=MARK_TOOL),)
 
 
-def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene:
-    """The car as it would be, on the picture as it is seen now.
+def mark_preview(before: Body, after: Body, state: CarState, moved: Mark) -> Scene:
+    """Return the car with a moved mark, shown on the picture as it is seen now.
 
     Parameters
     ----------
@@ -78,14 +75,14 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
     after : Body
         The car with the mark.
     state : CarState
-        What it comes from.
+        The state with the mark.
     moved : Mark
         The mark under the pen.
     """
     placed = in_work(state, after.solved)
     if placed is None:
         return Scene()
-    on, now = before.stands[placed.sketch.id], after.stands[placed.sketch.id]
+    on, now = before.sketch_cameras[placed.sketch.id], after.sketch_cameras[placed.sketch.id]
     items = [*_marks(placed, after, now, on, moved.node)]
     if not placed.is_known:
         return Scene((Layer("marks", tuple(items), tool=MARK_TOOL),))
@@ -94,8 +91,8 @@ def preview_of(before: Body, after: Body, state: CarState, moved: Mark) -> Scene
     return Scene((*gone, shape, Layer("marks", tuple(items), tool=MARK_TOOL)))
 
 
-def _network(body: Body, now: Stand, on: Stand) -> Iterator[Lines]:
-    """The edges where the picture would show them, faint on the side that is not seen."""
+def _network(body: Body, now: SketchCamera, on: SketchCamera) -> Iterator[Lines]:
+    """Yield the edges where the picture would show them, faint on the side that is not seen."""
     curves = bernstein(np.linspace(0.0, 1.0, ALONG + 1)) @ body.network.control_points
     seen = now.pixels(curves.reshape(-1, 3)).reshape(*curves.shape[:2], 2)
     there = np.isfinite(seen).all(axis=(1, 2))
@@ -110,9 +107,9 @@ def _network(body: Body, now: Stand, on: Stand) -> Iterator[Lines]:
 
 
 def _marks(
-    placed: Placed, body: Body, seen_from: Stand, on: Stand, moved: str = ""
+    placed: Placed, body: Body, seen_from: SketchCamera, on: SketchCamera, moved: str = ""
 ) -> Iterator[Item]:
-    """Marks on one stand, with where another has their nodes."""
+    """Yield the marks on one sketch camera, with the places of their nodes through another."""
     template, sketch = body.template, placed.sketch
     marks = sketch.marks
     if not marks:
@@ -122,22 +119,20 @@ def _marks(
     others = placed.left_out or {}
     pairs = []
     for mark, place in zip(marks, places, strict=True):
-        x, y, z = place.tolist()
+        at = triple(place)
         wrong = mark.node in placed.disagreeing
         unknown = mark.node not in template.node
-        title = titled(mark.node, sketch, template)
+        title = node_title(mark.node, sketch, template)
         node, missed = off.get(mark.node, (None, 0.0))
         tip = title if node is None else f"{title}: {missed:.1f} px off"
         color = "ghost" if unknown else "warning" if wrong else "accent"
-        yield Handle(f"{MARK}{mark.node}", (x, y, z), color=color, tip=tip)
+        yield Handle(f"{MARK}{mark.node}", at, color=color, tip=tip)
         if wrong:
-            told = others.get(mark.node, missed)
-            yield Label(
-                (x, y, z), f"{title}: this mark disagrees by {told:.0f} px", color="warning"
-            )
+            expected = others.get(mark.node, missed)
+            yield Label(at, f"{title}: this mark disagrees by {expected:.0f} px", color="warning")
         elif mark.node == moved:
-            yield Label((x, y, z), tip)
-        if node is not None and missed > TOLD:
+            yield Label(at, tip)
+        if node is not None and missed > SHOWN_FROM:
             pairs.append(np.vstack((place, on.lifted(node[None]))))
     if pairs:
         points = np.concatenate(pairs).astype(np.float32)
@@ -145,31 +140,35 @@ def _marks(
         yield Lines(points, starts, color="second", width=1.2, hidden="show")
 
 
-def _missed(placed: Placed, body: Body, stand: Stand) -> dict[str, tuple[Array, float]]:
-    """By node that is marked: where it is seen, and how far from its mark, px."""
+def _missed(
+    placed: Placed, body: Body, sketch_camera: SketchCamera
+) -> dict[str, tuple[Array, float]]:
+    """Return, by marked node, where it is seen, and how far that is from its mark, px."""
     if not placed.is_known:
         return {}
     template = body.template
     marks = [mark for mark in placed.sketch.marks if mark.node in template.node]
     nodes = [template.node[mark.node] for mark in marks]
-    seen = stand.pixels(body.network.positions[nodes])
-    told = {}
+    seen = sketch_camera.pixels(body.network.positions[nodes])
+    offsets = {}
     for mark, place in zip(marks, seen, strict=True):
         if np.isfinite(place).all():
-            told[mark.node] = place, float(np.hypot(*(place - (mark.u, mark.v))))
-    return told
+            offsets[mark.node] = place, float(np.hypot(*(place - (mark.u, mark.v))))
+    return offsets
 
 
-def _expected(asked: Asked, placed: Placed, body: Body, stand: Stand) -> Iterator[Item]:
-    """A ring where the next mark is expected, and the region in which it lies."""
+def _expected(
+    asked: Asked, placed: Placed, body: Body, sketch_camera: SketchCamera
+) -> Iterator[Item]:
+    """Yield a ring where the next mark is expected, and the region in which it lies."""
     if asked.place is None or asked.ellipse is None:
         return
     color = "ghost" if asked.hidden else "second"
-    at = stand.lifted(asked.place[None])
+    at = sketch_camera.lifted(asked.place[None])
     yield Points(at.astype(np.float32), color=color, size=7.0, hidden="show")
-    x, y, z = at[0].tolist()
-    title = titled(asked.node, placed.sketch, body.template)
-    yield Label((x, y, z), f"{title}: not seen from here" if asked.hidden else title, color=color)
+    title = node_title(asked.node, placed.sketch, body.template)
+    text = f"{title}: not seen from here" if asked.hidden else title
+    yield Label(triple(at), text, color=color)
     axes = asked.ellipse
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
     if lengths.min() < LEAST_RING:
@@ -179,12 +178,16 @@ def _expected(asked: Asked, placed: Placed, body: Body, stand: Stand) -> Iterato
     turn = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
     ring = asked.place + np.stack((np.cos(turn), np.sin(turn)), axis=1) @ axes
     yield Lines(
-        stand.lifted(ring).astype(np.float32), color=color, width=1.4, opacity=0.8, hidden="show"
+        sketch_camera.lifted(ring).astype(np.float32),
+        color=color,
+        width=1.4,
+        opacity=0.8,
+        hidden="show",
     )
 
 
-def _direct(placed: Placed, body: Body, stand: Stand) -> Iterator[Lines]:
-    """Crosses where the direct linear transform has the marked nodes of the template."""
+def _direct(placed: Placed, body: Body, sketch_camera: SketchCamera) -> Iterator[Lines]:
+    """Yield crosses where the direct linear transform sees the marked nodes of the template."""
     nodes, marks = counted_marks(placed, body.template)
     points = body.template.positions[nodes]
     try:
@@ -193,8 +196,10 @@ def _direct(placed: Placed, body: Body, stand: Stand) -> Iterator[Lines]:
         return  # too few marks, or in one plane: the report says so
     seen = seen[np.isfinite(seen).all(axis=1)]
     if len(seen):
-        size = CROSS * float(np.hypot(*stand.camera.viewport))
+        size = CROSS * float(np.hypot(*sketch_camera.camera.viewport))
         strokes = np.array([[-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]])
         corners = (seen[:, None] + size * strokes).reshape(-1, 2)
         starts = np.arange(0, len(corners), 2, dtype=np.int32)
-        yield Lines(stand.lifted(corners).astype(np.float32), starts, color="ghost", hidden="show")
+        yield Lines(
+            sketch_camera.lifted(corners).astype(np.float32), starts, color="ghost", hidden="show"
+        )

@@ -1,54 +1,53 @@
-"""What is meant by a touch, or by a rub with the eraser: a node or edges of the body."""
+"""The node or the edges of the body that a touch or the eraser means."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bozzetto.geometry.patches.patch import bernstein
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_fit import seen
+from bozzetto_car.array_types import Array
+from bozzetto_car.body.edge_fit import edge_pictures, project_points
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.network import Network
 
-__all__ = ["edges_under", "touched"]
-
-Array = NDArray[np.float64]
-
 NEAR_NODE: Final = 16.0
-"""Farthest touch, px, that means a node; it goes before edges, which all end in one."""
+"""Farthest touch, px, that means a node. Nodes go before edges, which all end in nodes."""
 
 NEAR_EDGE: Final = 10.0
 """Farthest touch, px, that means an edge, and half the width of the eraser."""
 
 LOOKS: Final = 48
-"""Places of an eraser's path, and pieces of an edge, that are looked at."""
+"""Number of places of an eraser's path, and of pieces of an edge, that are compared."""
 
 ALONG: Final = 0.5
-"""Share of the path over the edge that it covers most, from which another is meant, too."""
+"""Share, of the most covered edge's places under the eraser, from which another is meant, too."""
 
 
 def touched(network: Network, place: ArrayLike, camera: Camera) -> str:
-    """Name of the node or the edge that is touched; "" if there is none.
+    """Return the name of the node or the edge that is touched; "" if there is none.
 
-    What is on the side that is seen goes before what is not.
+    The side that is seen goes before the side that is not.
 
     Parameters
     ----------
     network : Network
+        The car.
     place : (2,) array_like
-        px.
+        The touch on the sheet, px.
     camera : Camera
+        The view.
     """
     template, at = network.template, np.asarray(place, float)
     toward = np.asarray(facing(template, network.positions, camera))
     faces = np.asarray(toward[template.edges].all(axis=1))
-    away = np.linalg.norm(seen(camera, network.positions) - at, axis=1)
-    beside = np.array([_distances(path, at[None])[0] for path in _paths(network, camera)])
+    away = np.linalg.norm(project_points(camera, network.positions) - at, axis=1)
+    paths = edge_pictures(camera, network.control_points, LOOKS)
+    beside = np.array([_distances(path, at[None])[0] for path in paths])
     for nodes, edges in ((toward, faces), (~toward, ~faces)):
         found = np.flatnonzero(nodes & (away <= NEAR_NODE))
         if len(found):
@@ -60,25 +59,17 @@ def touched(network: Network, place: ArrayLike, camera: Camera) -> str:
 
 
 def edges_under(network: Network, path: ArrayLike, camera: Camera) -> list[int]:
-    """Edges that an eraser's path (k, 2), px, runs along; not those that it only crosses."""
+    """Return the edges that an eraser's path (k, 2), px, runs along, and not only crosses."""
     places = resample(np.asarray(path, float), count=LOOKS)
-    near = np.array(
-        [(_distances(own, places) <= NEAR_EDGE).sum() for own in _paths(network, camera)]
-    )
+    paths = edge_pictures(camera, network.control_points, LOOKS)
+    near = np.array([(_distances(own, places) <= NEAR_EDGE).sum() for own in paths])
     most = int(near.max(initial=0))
     found: list[int] = np.flatnonzero((near > 0) & (near >= ALONG * most)).tolist()
     return found
 
 
-def _paths(network: Network, camera: Camera) -> Array:
-    """The pictures of all edges, (m, k, 2) px; infinite where they are behind the eye."""
-    curves = bernstein(np.linspace(0.0, 1.0, LOOKS + 1)) @ network.control_points
-    pixels = seen(camera, curves.reshape(-1, 3))
-    return np.asarray(pixels.reshape(*curves.shape[:2], 2))
-
-
 def _distances(path: Array, places: Array) -> Array:
-    """Of places from the part of a picture that is in front of the eye."""
+    """Return the distances of places from the part of a picture in front of the eye."""
     front = path[np.isfinite(path).all(axis=1)]
     if not len(front):
         return np.full(len(places), np.inf)

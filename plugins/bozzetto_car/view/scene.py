@@ -1,4 +1,4 @@
-"""What is shown of a car: the sketch, the body, its edges and nodes, marks, wheels, styling."""
+"""The scene of a car: sketch, body, edges and nodes, marks, wheels, styling."""
 
 from __future__ import annotations
 
@@ -26,33 +26,24 @@ from bozzetto_car.view.edge_items import (
 from bozzetto_car.view.mark_items import mark_layers
 from bozzetto_car.view.surface_colors import certainty_colors, curvature_colors
 
-__all__ = [
-    "SKETCH_LAYERS",
-    "body_in_work",
-    "body_layers",
-    "hanging_on_view",
-    "is_shown",
-    "scene_of",
-]
-
 DIVISIONS: Final = 12
-"""Steps along each side of a patch that is shown."""
+"""Steps along each side of a patch in the mesh that is shown."""
 
 DRAFT: Final = 0.3
-"""Opacity of a body that is laid over its sketch."""
+"""Opacity of a body over its sketch."""
 
 SKETCH_LAYERS: Final = ("sketch", "marks")
-"""Layers that mean something only where one looks through a sketch's camera."""
+"""Layers that make sense only in a view through a sketch's camera."""
 
 
 REMEMBERED: Final = 16
-"""Layers of surfaces that are remembered, so that a viewport can keep what it has of them."""
+"""Number of layers of surfaces that are remembered, so that a viewport can keep its copies."""
 
 _surfaces: Memory[Layer] = Memory(REMEMBERED)
 
 
 def scene_of(state: CarState, body: Body | None) -> Scene:
-    """The car as it is solved; the sketch in work alone while its camera is not known."""
+    """Return the scene of a solved car; only the sketch while its camera is not known."""
     if body is None:
         return Scene()
     layers = [Layer("sketch", tuple(_picture(state.sketch, body)))]
@@ -64,17 +55,17 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
 
 
 def is_shown(state: CarState, body: Body) -> bool:
-    """Whether there is a body to look at, and not only a sketch whose camera is not known."""
+    """Whether the body is shown, and not only a sketch whose camera is not known."""
     return state.sketch is None or body.solved.joint is not None
 
 
 def body_in_work(state: CarState) -> Body:
-    """The body that is shown, to be worked on.
+    """Return the body that is shown, to be worked on.
 
     Raises
     ------
     UserError
-        If there is none yet.
+        If no body is shown yet.
     """
     body = body_of(state)
     if not is_shown(state, body):
@@ -86,7 +77,7 @@ def body_in_work(state: CarState) -> Body:
 
 
 def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
-    """The surfaces, the wheels, edges, nodes and their handles; see `handle_layer`."""
+    """Return the layers of surfaces, wheels, edges, nodes and handles; see `handle_layer`."""
     look = (body, state.body, state.shading)
     return [
         _surfaces.recall(("body", *look), partial(_body_layer, state, body)),
@@ -97,16 +88,16 @@ def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> li
     ]
 
 
-def hanging_on_view(state: CarState, body: Body, camera: Camera) -> Scene:
-    """Handles and angles of the side that is seen; no sketch where one looks past it."""
+def view_dependent_scene(state: CarState, body: Body, camera: Camera) -> Scene:
+    """Return handles and angles of the visible side; without the sketch in other views."""
     layers = []
     if is_shown(state, body):
         layers.append(handle_layer(state, body, camera))
         if state.creases:
             layers.append(Layer("angles", tuple(crease_labels(body, camera))))
     sketch = state.sketch
-    stand = None if sketch is None else body.stands.get(sketch.id)
-    if stand is not None and not stand.is_seen_through(camera):
+    sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
+    if sketch_camera is not None and not sketch_camera.is_seen_through(camera):
         layers += [Layer(name) for name in SKETCH_LAYERS]
     return Scene(tuple(layers))
 
@@ -114,9 +105,9 @@ def hanging_on_view(state: CarState, body: Body, camera: Camera) -> Scene:
 def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
     if sketch is None or sketch.picture is None or not sketch.visible or not sketch.opacity:
         return
-    stand = body.stands.get(sketch.id)
-    if stand is not None:
-        yield stand.image(sketch.picture, sketch.opacity)
+    sketch_camera = body.sketch_cameras.get(sketch.id)
+    if sketch_camera is not None:
+        yield sketch_camera.image(sketch.picture, sketch.opacity)
 
 
 def _body_layer(state: CarState, body: Body) -> Layer:
@@ -139,7 +130,7 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
 
 
 def _wheel_layer(state: CarState, body: Body) -> Layer:
-    """The wheels; none over a drawing, which has its own."""
+    """Return the layer of the wheels; empty over a drawing, which shows its own."""
     items: tuple[Item, ...] = ()
     if state.wheels and state.shading != "draft":
         meshes = wheel_meshes(body.network, body.nets)

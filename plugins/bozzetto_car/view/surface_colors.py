@@ -1,4 +1,4 @@
-"""Colours that a body is looked at with: how it bends, and how well it is known."""
+"""Colours that show how a body bends, and how well it is known."""
 
 from __future__ import annotations
 
@@ -10,23 +10,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry.patches.curvature import grid_curvatures
 from bozzetto.geometry.patches.tessellation import shaded_parameters
+from bozzetto_car.array_types import Array
 from bozzetto_car.solver.uncertainty import Source
 from bozzetto_car.template.model import Template
 
-__all__ = ["SOURCE_COLORS", "certainty_colors", "curvature_colors"]
-
-Array = NDArray[np.float64]
 Colors = NDArray[np.uint8]
 
 LOUDEST: Final = 95.0
-"""Percentile of the absolute curvatures of a body that gets the full colour. What bends more, as
-the corner of a bumper, would leave nothing but grey for the rest."""
+"""Percentile of the absolute curvatures of a body that gets the full colour. Scaled to the largest,
+such as that of the corner of a bumper, all the rest would be grey."""
 
 GENTLE: Final = 6.0
-"""The scale is even below a sixth of its end, and logarithmic above."""
+"""The scale is linear below a sixth of its end, and logarithmic above."""
 
 FLAT: Final = 1e-9
-"""Curvature, 1/mm, that is rounding: a radius of a thousand kilometres."""
+"""Curvature, 1/mm, that counts as rounding: a radius of a thousand kilometres."""
 
 BENDS: Final = np.array(
     [
@@ -36,8 +34,8 @@ BENDS: Final = np.array(
     ],
     float,
 )  # fmt: skip
-"""From hollow over flat to bulging: Brewer's RdBu, safe for all kinds of colour vision, with a
-middle that stands out from light paper. Both arms grow darker evenly, so that grey prints tell
+"""Colours from hollow over flat to bulging: Brewer's RdBu, safe for all kinds of colour vision,
+with a middle that stands out from light paper. Both arms darken evenly, so that grey prints show
 how much a place bends, though not to which side."""
 
 SOURCE_COLORS: Final[dict[Source, tuple[int, int, int]]] = {
@@ -50,17 +48,17 @@ and greyer the less is known."""
 
 
 def curvature_colors(nets: ArrayLike, divisions: int = 12) -> Colors:
-    """Mean curvature as a colour at every vertex of `patches.tessellation.shaded`.
+    """Return the mean curvature as a colour at every vertex of `patches.tessellation.shaded`.
 
-    Hollows are blue, what is flat grey, bulges red. The scale ends at the `LOUDEST` percentile
-    of the body's own curvatures; on the way there it is even first, and then logarithmic
+    Hollows are blue, flat places grey, bulges red. The scale ends at the `LOUDEST` percentile
+    of the body's own curvatures; on the way there it is linear first, and then logarithmic
     (inverse hyperbolic sine): between the crown of a door and the corner of a bumper lie three
     powers of ten.
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) array_like
-        mm.
+        Control nets of the body, mm.
     divisions : int
         As given to `shaded`.
 
@@ -79,15 +77,16 @@ def curvature_colors(nets: ArrayLike, divisions: int = 12) -> Colors:
 
 
 def certainty_colors(template: Template, sources: Sequence[Source], divisions: int = 12) -> Colors:
-    """How well a body is known, as a colour at every vertex of `shaded`.
+    """Return how well a body is known as a colour at every vertex of `shaded`.
 
     A patch blends the colours of its four nodes (bilinear).
 
     Parameters
     ----------
     template : Template
+        The template of the body.
     sources : sequence of {"seen", "mirrored", "guessed"}, length n
-        Of each node, as in `Certainty`.
+        Source of each node, as in `Certainty`.
     divisions : int
         As given to `shaded`.
 

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.body.chain_smoothing import annealed, smoothed
-from bozzetto_car.body.default_shape import pulled_out
+from bozzetto_car.body.chain_smoothing import anneal, smooth_chains
+from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.loader import bundled
@@ -125,7 +125,7 @@ def drawn(
 ) -> Drawn:
     """A styled car by chance, with its own tangents; marks on all nodes that face each view."""
     rng = np.random.default_rng(seed)
-    network = bent(annealed(Network.of(template, styled(template, seed))), rng)
+    network = bent(anneal(Network.of(template, styled(template, seed))), rng)
     pictures = []
     for view in views:
         camera = looking(network.positions, view, rng, kind)
@@ -149,7 +149,7 @@ def bent(network: Network, rng: np.random.Generator, share: float = 0.06) -> Net
     lengths = np.linalg.norm(network.tangents, axis=2, keepdims=True)
     moved = network.tangents + rng.normal(0.0, 1.0, network.tangents.shape) * share * lengths
     ends = {(e, k): moved[e, k] for e in range(len(moved)) for k in (0, 1)}
-    return pulled_out(smoothed(with_tangents(network, ends)))
+    return pull_out_panels(smooth_chains(with_tangents(network, ends)))
 
 
 def stroke(network: Network, camera: Camera, name: str, rng: np.random.Generator) -> Array:

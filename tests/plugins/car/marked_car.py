@@ -14,7 +14,7 @@ from bozzetto_car.body.build import Body
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import bundled
-from bozzetto_car.template.network import edge_called, joints
+from bozzetto_car.template.network import edge_called, junctions
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, View, looking, styled
 from tests.plugins.car.traced_car import drawn
 
@@ -73,7 +73,7 @@ def locked_creases(body: Body) -> Array:
     """Degrees along the edges that smooth lines cross at both ends."""
     template = body.template
     crossed: dict[int, set[int]] = {}
-    for joint in joints(template):
+    for joint in junctions(template):
         for edge in np.flatnonzero((template.edges == joint.node).any(axis=1)).tolist():
             if edge not in (joint.before[0], joint.after[0]):
                 crossed.setdefault(edge, set()).add(joint.node)

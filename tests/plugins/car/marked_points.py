@@ -43,12 +43,12 @@ class Marked:
         marked = {mark.node for mark in self.state.sketches[number].marks}
         template = solved.template
         rest = [n for n, name in enumerate(template.names) if name not in marked]
-        seen = solved.placed[f"s{number}"].stand.pixels(solved.positions[rest])
+        seen = solved.placed[f"s{number}"].sketch_camera.pixels(solved.positions[rest])
         return rms(np.linalg.norm(seen - self.places[number][rest], axis=1))
 
     def turned(self, solved: Solved, number: int = 0) -> float:
         """By how much the camera of a sketch is turned, degrees."""
-        axes = solved.placed[f"s{number}"].stand.camera.axes @ self.cameras[number].axes.T
+        axes = solved.placed[f"s{number}"].sketch_camera.camera.axes @ self.cameras[number].axes.T
         return float(np.degrees(np.arccos(np.clip((np.trace(axes) - 1.0) / 2.0, -1.0, 1.0))))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from bozzetto.ink import Stroke
@@ -42,13 +44,13 @@ def blank() -> CarState:
 
 def through(state: CarState) -> Camera:
     """The view with the whole sketch in work in it."""
-    return body_of(state).stands[state.sketch.id].view(CANVAS)
+    return body_of(state).sketch_cameras[state.sketch.id].view(CANVAS)
 
 
 def on_canvas(state: CarState, camera: Camera, pixel) -> tuple[float, float]:
     """Where a view shows a pixel of the sketch as it stands now."""
-    stand = body_of(state).stands[state.sketch.id]
-    ((x, y),) = camera.project(stand.lifted([pixel]))[0].tolist()
+    sketch_camera = body_of(state).sketch_cameras[state.sketch.id]
+    ((x, y),) = camera.project(sketch_camera.lifted([pixel]))[0].tolist()
     return x, y
 
 
@@ -73,25 +75,23 @@ def dragged(state: CarState, node: str, pixels) -> Drag:
     return Drag(f"mark {node}", stroke_on(state, through(state), pixels))
 
 
-def guided(camera: Camera, count: int, state: CarState | None = None) -> CarState:
-    """Do as one is told, `count` times, with a sketch that was drawn by a camera.
+@cache
+def guided(camera: Camera, count: int) -> CarState:
+    """Return a car that was marked as it asks, `count` times, on a sketch drawn by a camera.
 
     A person sees which wheel is the front one, and marks what is asked for on the near or far
-    side as the sketch shows it, whatever the program calls the sides.
+    side as the sketch shows it, whatever the program calls the sides. Tests share the steps.
     """
-    state = state or blank()
-    truth = places_of(camera)
+    if not count:
+        return blank()
+    state = guided(camera, count - 1)
     near = "R" if camera.eye[1] > 0.0 else "L"
-    while len(state.sketch.marks) < count:
-        asked = asked_of(state, body_of(state).solved)
-        stem, _, side = asked.node.partition(".")
-        if side:
-            meant = near if side == state.sketch.shows else {"L": "R", "R": "L"}[near]
-            node = f"{stem}.{meant}"
-        else:
-            node = stem
-        state = tapped(state, truth[node])
-    return state
+    node = asked_of(state, body_of(state).solved).node
+    stem, _, side = node.partition(".")
+    if side:
+        meant = near if side == state.sketch.shows else {"L": "R", "R": "L"}[near]
+        node = f"{stem}.{meant}"
+    return tapped(state, places_of(camera)[node])
 
 
 def followed(state: CarState, camera: Camera, *seen: CarState) -> Camera:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_car.dimensions import measured
-from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.dimensions import measure_dimensions
+from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import Sketched
 
 
-def assert_allowed(template: Template, joint: Joint, soundness: Soundness) -> None:
+def assert_allowed(template: Template, joint: JointSolution, soundness: Soundness) -> None:
     """What holds of every car that comes out, whatever went in."""
     car = template.whole(joint.variables)
     assert np.isfinite(car).all()
@@ -28,12 +28,12 @@ def assert_allowed(template: Template, joint: Joint, soundness: Soundness) -> No
         assert np.isfinite(seen).all()
 
 
-def joint_of(template: Template, sketch: Sketched, cost: Cost | None = None) -> Joint:
+def joint_of(template: Template, sketch: Sketched, cost: Cost | None = None) -> JointSolution:
     return solve(template, sketch.views, cost or Cost.balanced(), Soundness.of(template))
 
 
-def of_nodes(template: Template, joint: Joint) -> dict[str, float]:
+def of_nodes(template: Template, joint: JointSolution) -> dict[str, float]:
     car = template.whole(joint.variables)
     body = np.delete(car, template.wheels.ravel(), axis=0)
     front, rear = car[template.wheels[:, 0], 0]
-    return measured(np.array([body.min(axis=0), body.max(axis=0)]), front, rear).given()
+    return measure_dimensions(np.array([body.min(axis=0), body.max(axis=0)]), front, rear).given()

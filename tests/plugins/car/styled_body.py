@@ -12,8 +12,10 @@ from bozzetto.plugin import Ink
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import curve_paths, laid
+from bozzetto_car.styling.curve import curve_paths, project_stroke
 from bozzetto_car.styling.curve_fit import Course, courses_on
+from bozzetto_car.styling.surface_path import join_paths
+from bozzetto_car.template.model import Template
 from tests.plugins.car.traced_car import view
 
 Array = NDArray[np.float64]
@@ -23,6 +25,12 @@ SHOULDER = [[450.0, 850.0, 640.0], [2300.0, 890.0, 600.0], [4000.0, 850.0, 730.0
 
 QUARTER: Camera = view(50.0, 15.0)
 ABOVE: Camera = view(10.0, 45.0)
+
+
+def curve_points(curve: StylingCurve, nets: Array, template: Template) -> Array:
+    """The places of a styling curve on a body, (n, 3) mm, without those on patches it has not."""
+    path = join_paths(curve_paths(curve, nets, template))
+    return points_at(nets, path) if len(path) else np.zeros((0, 3))
 
 
 def template_body(name: str = "sedan") -> Body:
@@ -43,7 +51,7 @@ def styled(
 ) -> StylingCurve:
     """A curve along a stroke without tremor."""
     return StylingCurve(
-        number, f"Line {number}", True, "", *laid(body, through(camera, points), camera)
+        number, f"Line {number}", True, "", *project_stroke(body, through(camera, points), camera)
     )
 
 

@@ -24,7 +24,7 @@ from bozzetto_car.body.build import body_of
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.car_picture import Pose, between, pose_of, small_car
 from bozzetto_car.panel.guide_panel import GuidePanel
-from bozzetto_car.panel.node_chart import told
+from bozzetto_car.panel.node_chart import row_text
 from bozzetto_car.panel.turning_car import STILL
 from bozzetto_car.panel.view_model import chart_of, guide_of
 from bozzetto_car.state import CarState, Mark, Sketch
@@ -71,18 +71,18 @@ def test_every_node_has_its_status(astray):
     assert {node for node, status in found.items() if status == "set"} == marked
     row = next(row for row in guide.rows if row.node == "C3")
     assert row.off == pytest.approx(120.0, abs=3.0)
-    assert "disagrees by 1" in told(row)
+    assert "disagrees by 1" in row_text(row)
     assert guide.count == 20
 
 
 def test_a_sketch_in_a_few_words(astray, twelve):
     (row,) = guide_of(astray).sketches
     assert row.wrong
-    assert row.told.startswith("1 mark disagrees · 20 marks · ")
+    assert row.summary.startswith("1 mark disagrees · 20 marks · ")
     (row,) = guide_of(twelve).sketches
     assert not row.wrong
-    assert row.told.startswith("perspective · 12 marks · 0.0 px")
-    assert guide_of(blank()).sketches[0].told == "0 marks"
+    assert row.summary.startswith("perspective · 12 marks · 0.0 px")
+    assert guide_of(blank()).sketches[0].summary == "0 marks"
 
 
 def test_what_is_missing_is_said():
@@ -233,7 +233,7 @@ def test_the_asked_point_is_told(shown, twelve, qtbot):
     host.put(with_asked(twelve, "C8"))
     calm(qtbot, panel)
     assert panel.title.text() == "Rear bumper, lower edge"
-    assert "Not seen from here" in panel.note.text()
+    assert "Probably not visible here" in panel.note.text()
 
 
 def test_buttons_pass_points_over(shown, qtbot):

@@ -30,8 +30,8 @@ class TestCar(ModelerContract):
             body = body_of(shell.state)
             asked = asked_of(shell.state, body.solved)
             assert asked is not None
-            stand = body.stands[shell.state.sketch.id]
-            shell.camera = stand.view(PICTURE)
-            place = stand.lifted(seen[[TEMPLATE.node[asked.node]]])
+            sketch_camera = body.sketch_cameras[shell.state.sketch.id]
+            shell.camera = sketch_camera.view(PICTURE)
+            place = sketch_camera.lifted(seen[[TEMPLATE.node[asked.node]]])
             x, y = shell.camera.project(place)[0][0]
             shell.tap(float(x), float(y))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_car.dimensions import Dimensions, Locks, Overlap, measured
+from bozzetto_car.dimensions import Dimensions, Locks, Overlap, measure_dimensions
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
@@ -19,12 +19,14 @@ def template(request: pytest.FixtureRequest) -> Template:
 def of_nodes(template: Template, positions: np.ndarray) -> Dimensions:
     body = np.delete(positions, template.wheels.ravel(), axis=0)
     front, rear = positions[template.wheels[:, 0], 0]
-    return measured(np.array([body.min(axis=0), body.max(axis=0)]), front, rear)
+    return measure_dimensions(np.array([body.min(axis=0), body.max(axis=0)]), front, rear)
 
 
 def test_measures_of_a_box() -> None:
     box = np.array([[-20.0, -900.0, 150.0], [4480.0, 900.0, 1460.0]])
-    assert measured(box, 880.0, 3580.0) == Dimensions(4500.0, 1800.0, 1460.0, 900.0, 2700.0)
+    assert measure_dimensions(box, 880.0, 3580.0) == Dimensions(
+        4500.0, 1800.0, 1460.0, 900.0, 2700.0
+    )
 
 
 def test_locks_measure_the_nodes(template: Template) -> None:
@@ -66,7 +68,7 @@ def test_the_surface_may_bulge_beyond_the_nodes(template: Template) -> None:
     overlap = Overlap.of(template, template.positions, box)
     assert overlap == Overlap(40.0, 30.0, 12.0, 5.0)
     front, rear = template.positions[template.wheels[:, 0], 0]
-    wanted = measured(box, front, rear)
+    wanted = measure_dimensions(box, front, rear)
     locks = Locks.of(template, wanted, template.variables, overlap)
     assert locks.rows @ template.variables == pytest.approx(locks.values)
 

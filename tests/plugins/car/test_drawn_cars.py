@@ -15,9 +15,9 @@ from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.ray_intersections import ray_hits
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body.trace_edges import traced
+from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.dimensions import Dimensions
-from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.network import Network, edge_called
@@ -48,7 +48,7 @@ def name(request: pytest.FixtureRequest) -> str:
 
 
 @cache
-def solved(name: str) -> Joint:
+def solved(name: str) -> JointSolution:
     car = in_gallery(name)
     return solve(car.template, car.marked(), Cost.balanced(), Soundness.of(car.template))
 
@@ -193,7 +193,7 @@ def test_marks_of_the_gallery_are_met(name: str) -> None:
         assert rms(missed) <= 1.6
 
 
-def hidden_error(car: Drawn, joint: Joint, picture: int) -> float:
+def hidden_error(car: Drawn, joint: JointSolution, picture: int) -> float:
     """Root mean square distance of the nodes that are not marked from where they are, px."""
     view = joint.views[picture]
     hidden = np.setdiff1d(np.arange(len(car.positions)), view.nodes)
@@ -233,7 +233,7 @@ def test_strokes_of_the_gallery_bend_the_edges_that_they_name(name: str) -> None
     network = Network.of(car.template, car.template.whole(joint.variables))
     for picture, view in zip(car.pictures, joint.views, strict=True):
         for edge, line in picture.strokes.items():
-            made = traced(network, line, view.camera, nodes_follow=True)
+            made = trace(network, line, view.camera, nodes_follow=True)
             network = made.network
             assert edge in {car.template.edge_names[max(e, ~e)] for e in made.run.edges}
             assert max(made.deviations) <= 1.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_car.dimensions import Dimensions, Overlap, measured
+from bozzetto_car.dimensions import Dimensions, Overlap, measure_dimensions
 from bozzetto_car.solver.bundle_adjustment import solve
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.template.loader import TEMPLATES, bundled
@@ -31,7 +31,7 @@ def test_known_dimensions_are_met_and_help(template: Template, seed: int) -> Non
     car = styled(template, seed)
     body = np.delete(car, template.wheels.ravel(), axis=0)
     front, rear = car[template.wheels[:, 0], 0]
-    true = measured(np.array([body.min(axis=0), body.max(axis=0)]), front, rear)
+    true = measure_dimensions(np.array([body.min(axis=0), body.max(axis=0)]), front, rear)
     sketch = sketched(template, car, (FRONT_QUARTER,), seed)
     sound = Soundness.of(template)
     joint = solve(template, sketch.views, Cost.balanced(), sound, locked=true)

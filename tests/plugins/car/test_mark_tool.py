@@ -71,10 +71,10 @@ def test_zoom_and_pan_about_the_eye_change_nothing(marked_car):
 def test_a_view_that_has_not_gone_along_yet_shows_what_it_shows(marked_car):
     """The camera of the window is that of the solve before: marks are of the picture as seen."""
     before = through(marked_car)
-    old = body_of(marked_car).stands["one"]
+    old = body_of(marked_car).sketch_cameras["one"]
     asked = asked_of(marked_car, body_of(marked_car).solved)
     state = tapped(marked_car, asked.place + np.array([9.0, -6.0]), before)
-    now = body_of(state).stands["one"]
+    now = body_of(state).sketch_cameras["one"]
     assert not now.is_seen_through(before)
     x, y = before.project(old.lifted([(444.0, 222.0)]))[0][0].tolist()
     seen = replace(CONTEXT, seen=(marked_car,))
@@ -212,9 +212,9 @@ def test_the_car_moves_with_the_mark_where_the_picture_would_show_it(marked_car)
     lines = np.concatenate([item.points for item in shown["car"]])
     seen = drag.camera.project(lines)[0]
     after = body_of(TOOL.apply(marked_car, drag, CONTEXT))
-    stand = after.stands["one"]
-    nodes = stand.pixels(after.network.positions[after.template.edges.ravel()])
-    window = body_of(marked_car).stands["one"]
+    sketch_camera = after.sketch_cameras["one"]
+    nodes = sketch_camera.pixels(after.network.positions[after.template.edges.ravel()])
+    window = body_of(marked_car).sketch_cameras["one"]
     at = drag.camera.project(window.lifted(nodes))[0]
     gaps = np.linalg.norm(at[:, None] - seen, axis=2).min(axis=1)
     assert gaps.max() < 1.0, "every end of an edge is drawn, but for how the solve was begun"
@@ -276,10 +276,10 @@ def test_the_direct_transform_is_shown_for_teaching(marked_car):
         return [i for i in layer.items if isinstance(i, Lines) and i.color == "ghost"]
 
     (found,) = crosses(marked_car)
-    stand, camera = body_of(marked_car).stands["one"], through(marked_car)
+    sketch_camera, camera = body_of(marked_car).sketch_cameras["one"], through(marked_car)
     seen = camera.project(found.points.reshape(-1, 4, 3).mean(axis=1))[0]
     marks = [(mark.u, mark.v) for mark in marked_car.sketch.marks]
-    at = camera.project(stand.lifted(marks))[0]
+    at = camera.project(sketch_camera.lifted(marks))[0]
     assert np.abs(np.sort(seen, axis=0) - np.sort(at, axis=0)).max() < 0.05
     assert crosses(guided(FRONT_RIGHT, 5)) == []
 

@@ -15,7 +15,7 @@ from bozzetto.view import Camera
 from bozzetto_car.body.build import body_of
 from bozzetto_car.modeler import Car
 from bozzetto_car.state import BentEdge, CarState, Mark, MovedNode, Treatment
-from bozzetto_car.template.network import edge_called, joints
+from bozzetto_car.template.network import edge_called, junctions
 from bozzetto_car.tools.shape_nodes import ShapeNodes
 from bozzetto_car.view.scene import scene_of
 from tests.plugins.car.marked_car import locked_creases, marked
@@ -90,7 +90,7 @@ def test_a_handle_bends_its_edge_and_smooth_neighbours_follow(state: CarState, h
     assert symmetric(after.network)
     assert locked_creases(after).max() <= 0.1
     edge, tangents = edge_called(after.template, name), after.network.tangents
-    for joint in joints(after.template):
+    for joint in junctions(after.template):
         if joint.crosses or (edge, int(end)) not in (joint.before, joint.after):
             continue
         one, other = (

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_car.solver.pipeline import solved, template_of
+from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
@@ -86,7 +86,7 @@ def survive(name: Name, seed: int, count: int) -> int:
         )
         drags = rng.random() < 0.5
         try:
-            car = solved(dragged(state, rng), before=state) if drags else solved(state)
+            car = solve_car(dragged(state, rng), before=state) if drags else solve_car(state)
         except UserError:
             assert state.dimensions.given(), "nothing stood in the way"
             continue

@@ -17,7 +17,7 @@ from bozzetto.plugin import Context, Tap, Tool
 from bozzetto.scene import Lines
 from bozzetto_car.state import CarState, Group
 from bozzetto_car.styling.commands import styling_commands
-from bozzetto_car.styling.curve import mirrored
+from bozzetto_car.styling.curve import mirror_curve
 from bozzetto_car.styling.live_preview import Growing
 from bozzetto_car.styling.picking import target_of
 from bozzetto_car.styling.scene import shown_styling, styling_items
@@ -104,7 +104,7 @@ def test_what_is_on_one_side_only_is_not_meant_on_the_other() -> None:
     curve = replace(styled(body), both=False)
     left = bulge() * [-1.0, 1.0] + [1200.0, 0.0]
     assert target_of([curve], body, left, view(-50.0, 15.0)) is None
-    assert target_of([mirrored(curve)], body, left, view(-50.0, 15.0)) is not None
+    assert target_of([mirror_curve(curve)], body, left, view(-50.0, 15.0)) is not None
 
 
 def test_curves_that_are_switched_off_or_behind_the_body_are_not_meant() -> None:
@@ -112,7 +112,7 @@ def test_curves_that_are_switched_off_or_behind_the_body_are_not_meant() -> None
     hidden = replace(before, nodes=(replace(before.styling[0], visible=False),))
     assert len(drawn(bulge(), hidden).styling) == 2
     body = template_body()
-    far = mirrored(replace(styled(body), both=False))
+    far = mirror_curve(replace(styled(body), both=False))
     pixels = QUARTER.project(dense(far, body, 100))[0]
     assert target_of([far], body, pixels, QUARTER) is None
 

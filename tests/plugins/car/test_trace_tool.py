@@ -13,7 +13,7 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.plugin import Context, Ink
 from bozzetto_car.body.build import body_of
-from bozzetto_car.camera.sketch_camera import flat_stand
+from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.state import CarState, Mark, MovedNode, TracedEdges
 from bozzetto_car.template.network import edge_called
@@ -94,10 +94,12 @@ def test_a_row_of_edges_in_one_stroke_is_kept_by_name() -> None:
 
 def on_sketch(state: CarState, name: str, lift: float) -> tuple[CarState, np.ndarray]:
     """An edge traced on the sketch in a window of another size, higher than it is; and where."""
-    stand = body_of(state).stands["1"]
+    sketch_camera = body_of(state).sketch_cameras["1"]
     points = points_of(state, name).copy()
     points[1:3, 2] += lift
-    return traced(state, pen(stand.view((1700.0, 700.0)), points)), stand.pixels(curve(points))
+    return traced(state, pen(sketch_camera.view((1700.0, 700.0)), points)), sketch_camera.pixels(
+        curve(points)
+    )
 
 
 def near(state: CarState, stem: str) -> str:
@@ -107,7 +109,7 @@ def near(state: CarState, stem: str) -> str:
 
 
 def seen_in_picture(state: CarState, name: str) -> np.ndarray:
-    return body_of(state).stands["1"].pixels(curve(points_of(state, name), 300))
+    return body_of(state).sketch_cameras["1"].pixels(curve(points_of(state, name), 300))
 
 
 def test_a_stroke_on_the_sketch_is_kept_in_pixels_of_the_picture() -> None:
@@ -117,7 +119,7 @@ def test_a_stroke_on_the_sketch_is_kept_in_pixels_of_the_picture() -> None:
     assert isinstance(edit, TracedEdges)
     assert edit.sketch == "1"
     assert edit.dimensions == Dimensions()
-    assert edit.strokes[0].camera == flat_stand((1200.0, 800.0)).camera
+    assert edit.strokes[0].camera == upright_camera((1200.0, 800.0)).camera
     assert np.abs(edit.strokes[0].points - pixels).max() < 1e-3
 
 

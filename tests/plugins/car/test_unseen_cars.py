@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.marked_points import aside, marked
@@ -26,7 +26,7 @@ def figures(name: str, picture: str) -> dict[str, float]:
     found = []
     for seed in SEEDS:
         template, car, case = pictured(name, picture, seed)
-        answer = solved(case.state)
+        answer = solve_car(case.state)
         placed = answer.placed["s0"]
         assert placed.resection is not None
         hidden = np.setdiff1d(
@@ -64,7 +64,7 @@ def test_two_sketches_tell_the_shape_of_any_car(name: str) -> None:
     share = []
     for seed in SEEDS:
         car = unseen(kind, seed)
-        answer = solved(marked(template, car, (FRONT_QUARTER, REAR_QUARTER), seed).state)
+        answer = solve_car(marked(template, car, (FRONT_QUARTER, REAR_QUARTER), seed).state)
         assert not aside(answer)
         share.append(rms(apart(answer.positions, car)) / rms(apart(template.positions, car)))
     assert np.median(share) <= 0.25

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bozzetto_car.solver.pipeline import solved
+from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.state import Mark
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
@@ -29,7 +29,7 @@ def test_a_wrong_mark_is_named_every_time(template: Template, count: int) -> Non
     errors = []
     for seed in range(6):
         case = marked(template, template.positions, (FRONT_QUARTER,), seed, 3.0, count, wrong=1)
-        car = solved(case.state)
+        car = solve_car(case.state)
         assert aside(car) == set(case.wrong)
         told = car.placed["s0"].left_out
         assert told is not None
@@ -46,7 +46,7 @@ def test_a_wrong_mark_is_named_on_other_cars(
     for seed in range(3):
         true = CARS[cars](template, seed)
         case = marked(template, true, views, seed, wrong=1 + seed % 2)
-        assert aside(solved(case.state)) == set(case.wrong)
+        assert aside(solve_car(case.state)) == set(case.wrong)
 
 
 def test_two_marks_that_were_exchanged_are_both_named(template: Template) -> None:
@@ -57,7 +57,7 @@ def test_two_marks_that_were_exchanged_are_both_named(template: Template) -> Non
         swapped: dict[str, tuple[float, float]] = {
             name: places[other] for name, other in zip(wheels, reversed(wheels), strict=True)
         }
-        assert aside(solved(with_marks(case.state, swapped))) == set(wheels)
+        assert aside(solve_car(with_marks(case.state, swapped))) == set(wheels)
 
 
 def test_sides_that_were_exchanged_are_told(template: Template) -> None:
@@ -69,8 +69,8 @@ def test_sides_that_were_exchanged_are_told(template: Template) -> None:
             Mark(m.node[:-1] + other[m.node[-1]], m.u, m.v) if "." in m.node else m
             for m in sketch.marks
         )
-        assert not solved(case.state).placed["s0"].exchanged
-        assert solved(case.state.with_node(replace(sketch, marks=marks))).placed["s0"].exchanged
+        assert not solve_car(case.state).placed["s0"].exchanged
+        assert solve_car(case.state.with_node(replace(sketch, marks=marks))).placed["s0"].exchanged
 
 
 # -- dragging --------------------------------------------------------------------------------------
@@ -82,8 +82,8 @@ def test_a_drag_ends_where_a_fresh_solve_does() -> None:
         state = marked(template, styled(template, seed), (FRONT_QUARTER,), seed).state
         mark = state.sketches[0].marks[7]
         moved = with_marks(state, {mark.node: (mark.u + 6.0, mark.v - 4.0)})
-        after = solved(moved, before=state)  # first, for what is remembered is not solved again
-        fresh = solved(moved)
+        after = solve_car(moved, before=state)  # first, for what is remembered is not solved again
+        fresh = solve_car(moved)
         assert np.abs(after.positions - fresh.positions).max() < 1.0
 
 
@@ -95,7 +95,7 @@ def test_a_mark_that_is_dragged_away_is_named_once_and_for_all() -> None:
     told = []
     for off in (*np.linspace(0.0, 160.0, 17), *np.linspace(160.0, 0.0, 17)):
         state = with_marks(before, {mark.node: (mark.u + off, mark.v)})
-        told.append(aside(solved(state, before=before)))
+        told.append(aside(solve_car(state, before=before)))
         before = state
     assert all(names <= {mark.node} for names in told)
     flags = [bool(names) for names in told]

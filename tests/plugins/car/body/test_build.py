@@ -13,7 +13,7 @@ from bozzetto.plugin import Context, Ink
 from bozzetto_car.body import build as body_module
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
-from bozzetto_car.template.network import edge_called, joints
+from bozzetto_car.template.network import edge_called, junctions
 from bozzetto_car.tools.trace_edges import TraceEdges
 from bozzetto_car.view.scene import scene_of
 from tests.plugins.car.marked_car import (
@@ -64,7 +64,7 @@ def sampled(body: Body) -> dict[str, float]:
 def unsmooth(body: Body) -> float:
     """The largest angle, rad, between the tangents in a joint of a chain."""
     worst, tangents = 0.0, body.network.tangents
-    for joint in joints(body.template):
+    for joint in junctions(body.template):
         one, other = (
             sense * tangents[place]
             for sense, place in zip(joint.senses, (joint.before, joint.after), strict=True)
@@ -190,7 +190,7 @@ def test_traced_under_dimensions_an_edge_is_where_it_was_drawn(name: str) -> Non
     plain = replace(state, **dict.fromkeys(WISHES, 0.0))
     one, other = body_of(plain), body_of(replace(plain, edits=()))
     assert np.array_equal(one.network.positions, other.network.positions)
-    near = [joint.node for joint in joints(one.template)]
+    near = [joint.node for joint in junctions(one.template)]
     assert near
     same = (one.network.tangents == other.network.tangents).all(axis=(1, 2))
     assert same.mean() > 0.4
@@ -288,9 +288,8 @@ def test_a_look_computes_nothing_again(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("computed again")
 
-    for name in ("solved", "traced", "reshaping_of", "ratio_locked"):
-        if name != "solved":
-            monkeypatch.setattr(body_module, name, never)
+    for name in ("trace", "reshaping_of", "lock_ratios"):
+        monkeypatch.setattr(body_module, name, never)
     for look in (
         {"shading": "zebra"}, {"creases": True}, {"network": False}, {"revealed": "C3"},
         {"asked": "C4"}, {"wheels": False}, {"body": False},
@@ -306,7 +305,7 @@ def test_while_a_mark_is_dragged_edits_are_carried_along() -> None:
     side = "L" if state.sketches[0].mark_of("S1.L") else "R"
     for number, name in enumerate(("C1-C2", f"S3.{side}-S2.{side}", f"B3.{side}-B2.{side}")):
         body = body_of(state)
-        stroke = pen(body.stands["1"].view((1200.0, 800.0)), another(body, name, number))
+        stroke = pen(body.sketch_cameras["1"].view((1200.0, 800.0)), another(body, name, number))
         state = TraceEdges().apply(state, Ink((stroke,)), Context())
     later = with_mark_moved(state, f"S1.{side}", (2.0, 1.0))
     carried, exact = body_of(later, state), body_of(later)

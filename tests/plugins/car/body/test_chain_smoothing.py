@@ -11,14 +11,14 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.crease import SMOOTH, crease_angles
-from bozzetto_car.body.chain_smoothing import annealed, reduced, smoothed
+from bozzetto_car.body.chain_smoothing import anneal, shorten_tangents, smooth_chains
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import (
     Network,
     as_hermite,
     edge_called,
-    joints,
+    junctions,
     node_called,
     with_tangents,
 )
@@ -49,7 +49,7 @@ def disturbed(template: Template, by: float, seed: int = 0) -> Network:
 def kinks(network: Network) -> Array:
     """Angles at all joints, radians."""
     found = []
-    for joint in joints(network.template):
+    for joint in junctions(network.template):
         a = joint.senses[0] * network.tangents[joint.before]
         b = joint.senses[1] * network.tangents[joint.after]
         found.append(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
@@ -59,18 +59,18 @@ def kinks(network: Network) -> Array:
 @pytest.mark.parametrize("seed", range(5))
 def test_joints_take_one_direction_and_keep_their_lengths(template: Template, seed: int) -> None:
     rough = disturbed(template, 200.0, seed)
-    smooth = smoothed(rough)
+    smooth = smooth_chains(rough)
     assert kinks(rough).max() > 0.1
     assert kinks(smooth).max() < 1e-9
     before, after = (np.linalg.norm(n.tangents, axis=2) for n in (rough, smooth))
     assert np.abs(after - before).max() < 1e-9
     assert np.array_equal(smooth.positions, rough.positions)
     assert symmetric(smooth)
-    assert np.array_equal(smoothed(smooth).tangents, smooth.tangents)
+    assert np.array_equal(smooth_chains(smooth).tangents, smooth.tangents)
 
 
 def test_a_sound_template_is_smooth_already(template: Template) -> None:
-    assert np.array_equal(smoothed(Network.of(template)).tangents, template.tangents)
+    assert np.array_equal(smooth_chains(Network.of(template)).tangents, template.tangents)
 
 
 def test_the_longer_tangent_counts_for_more() -> None:
@@ -78,7 +78,7 @@ def test_the_longer_tangent_counts_for_more() -> None:
     network = Network.of(sedan)
     one, other = edge_called(sedan, "C2-C3"), edge_called(sedan, "C3-C4")
     long, short = np.array([300.0, 0.0, 0.0]), np.array([0.0, 0.0, 100.0])
-    made = smoothed(with_tangents(network, {(one, 1): long, (other, 0): short}))
+    made = smooth_chains(with_tangents(network, {(one, 1): long, (other, 0): short}))
     assert np.degrees(np.arctan2(made.tangents[one, 1, 2], made.tangents[one, 1, 0])) == (
         pytest.approx(18.434948822922)
     )
@@ -91,7 +91,7 @@ def test_a_cusp_takes_the_direction_of_the_longer_tangent() -> None:
         rough = with_tangents(
             Network.of(sedan), {(one, 1): [lengths[0], 0, 0], (other, 0): [-lengths[1], 0, 0]}
         )
-        made = smoothed(rough)
+        made = smooth_chains(rough)
         assert kinks(made).max() < 1e-9
         assert np.linalg.norm(made.tangents[one, 1]) == pytest.approx(300.0)
 
@@ -99,17 +99,17 @@ def test_a_cusp_takes_the_direction_of_the_longer_tangent() -> None:
 def test_tangents_without_a_length_do_no_harm() -> None:
     sedan = bundled("sedan")
     one, other = edge_called(sedan, "C2-C3"), edge_called(sedan, "C3-C4")
-    single = smoothed(with_tangents(Network.of(sedan), {(one, 1): np.zeros(3)}))
+    single = smooth_chains(with_tangents(Network.of(sedan), {(one, 1): np.zeros(3)}))
     assert np.array_equal(single.tangents, with_tangents(single, {(one, 1): np.zeros(3)}).tangents)
     both = with_tangents(Network.of(sedan), {(one, 1): np.zeros(3), (other, 0): np.zeros(3)})
-    assert np.array_equal(smoothed(both).tangents, both.tangents)
+    assert np.array_equal(smooth_chains(both).tangents, both.tangents)
 
 
 def test_who_leads_is_followed_and_does_not_turn(template: Template) -> None:
     rough = disturbed(template, 150.0)
     for name in ("C3-C4", "S3.L-S2.L"):
         edge = edge_called(template, name)
-        made = smoothed(rough, leading=(edge,))
+        made = smooth_chains(rough, leading=(edge,))
         assert np.array_equal(made.tangents[edge], rough.tangents[edge])
         assert kinks(made).max() < 1e-9
         assert symmetric(made)
@@ -119,7 +119,7 @@ def test_only_the_joints_asked_for_change() -> None:
     sedan = bundled("sedan")
     rough = disturbed(sedan, 150.0)
     node = node_called(sedan, "S3.L")
-    made = smoothed(rough, nodes=(node,))
+    made = smooth_chains(rough, nodes=(node,))
     changed = {
         sedan.names[sedan.edges[edge, end]]
         for edge, end in zip(
@@ -131,7 +131,7 @@ def test_only_the_joints_asked_for_change() -> None:
 
 def test_tangents_are_shortened_to_a_third_of_the_chord(template: Template) -> None:
     rough = disturbed(template, 400.0)
-    made = reduced(rough)
+    made = shorten_tangents(rough)
     chords = np.linalg.norm(rough.ends[:, 1] - rough.ends[:, 0], axis=1)
     lengths = np.linalg.norm(made.tangents, axis=2)
     assert (lengths <= chords[:, None] * (1 + 1e-9)).all()
@@ -140,7 +140,7 @@ def test_tangents_are_shortened_to_a_third_of_the_chord(template: Template) -> N
     cosines = (made.tangents * rough.tangents).sum(axis=2)
     cosines /= lengths * np.linalg.norm(rough.tangents, axis=2)
     assert np.abs(cosines - 1.0).max() < 1e-12
-    assert np.array_equal(reduced(made).tangents, made.tangents)
+    assert np.array_equal(shorten_tangents(made).tangents, made.tangents)
     assert np.array_equal(made.positions, rough.positions)
     assert symmetric(made)
 
@@ -159,7 +159,7 @@ def test_a_loop_is_gone_once_tangents_are_reduced() -> None:
         return bool(speed.min() < 0)
 
     assert goes_back(looped)
-    assert not goes_back(reduced(looped))
+    assert not goes_back(shorten_tangents(looped))
 
 
 def test_annealing_gives_the_natural_spline() -> None:
@@ -167,7 +167,7 @@ def test_annealing_gives_the_natural_spline() -> None:
     sedan = bundled("sedan")
     names = ["C2", "C3", "C4", "C5", "C6"]
     edges = [edge_called(sedan, f"{a}-{b}") for a, b in pairwise(names)]
-    made = annealed(disturbed(sedan, 200.0))
+    made = anneal(disturbed(sedan, 200.0))
     steps = [1.0]
     for one, other in pairwise(edges):
         arriving, leaving = sedan.tangents[one, 1], sedan.tangents[other, 0]
@@ -182,7 +182,7 @@ def test_annealing_gives_the_natural_spline() -> None:
 def test_no_other_tangents_bend_less() -> None:
     """By the integral of squared second derivatives, over random velocities at the nodes."""
     sedan = bundled("sedan")
-    made = annealed(disturbed(sedan, 200.0))
+    made = anneal(disturbed(sedan, 200.0))
     chain = next(chain for chain in sedan.chains if chain.name == "sill.R")
     points = [
         made.control_points[e] if e >= 0 else made.control_points[~e][::-1] for e in chain.edges
@@ -213,11 +213,11 @@ def test_no_other_tangents_bend_less() -> None:
 
 def test_annealing_moves_no_node_and_is_done_once(template: Template) -> None:
     rough = disturbed(template, 200.0)
-    made = annealed(rough)
+    made = anneal(rough)
     assert np.array_equal(made.positions, rough.positions)
     assert symmetric(made)
     assert kinks(made).max() < 1e-9
-    assert np.array_equal(annealed(made).tangents, made.tangents)
+    assert np.array_equal(anneal(made).tangents, made.tangents)
     # Posts and single edges between corners are in no smooth part: they are left alone.
     for name in ("S2.R-B2.R", "R1.R-S2.R", "C0-C1"):
         edge = edge_called(template, name)
@@ -227,7 +227,7 @@ def test_annealing_moves_no_node_and_is_done_once(template: Template) -> None:
 def test_only_the_chains_asked_for_are_annealed() -> None:
     sedan = bundled("sedan")
     rough = disturbed(sedan, 200.0)
-    made = annealed(rough, ("shoulder.R",))
+    made = anneal(rough, ("shoulder.R",))
     changed = (made.tangents != rough.tangents).any(axis=(1, 2))
     names = {sedan.edge_names[edge].replace(".L", ".R") for edge in np.flatnonzero(changed)}
     assert names == {"S2.R-S1.R", "S3.R-S2.R", "S4.R-S3.R", "S5.R-S4.R"}
@@ -242,4 +242,4 @@ def test_annealing_keeps_surfaces_smooth(template: Template) -> None:
     network = Network.of(template)
     smooth = creases(network) < SMOOTH
     assert smooth.sum() >= 15
-    assert creases(annealed(network))[smooth].max() < 1e-9
+    assert creases(anneal(network))[smooth].max() < 1e-9

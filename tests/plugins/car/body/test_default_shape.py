@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_car.body.default_shape import posts, pulled_out
+from bozzetto_car.body.default_shape import posts, pull_out_panels
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, with_tangents
@@ -32,7 +32,7 @@ def test_posts_rise_from_the_sill_to_the_waistline(flat: Network) -> None:
 
 
 def test_middles_stand_out_by_what_is_asked(flat: Network) -> None:
-    made = pulled_out(flat, panel=25.0, corner=70.0)
+    made = pull_out_panels(flat, panel=25.0, corner=70.0)
     for number, name in enumerate(names_of_posts(flat.template)):
         edge = edge_called(flat.template, name)
         before, after = (curve(n.control_points[edge], 3)[1] for n in (flat, made))
@@ -43,7 +43,7 @@ def test_middles_stand_out_by_what_is_asked(flat: Network) -> None:
         assert number >= 2 or out[0] * (before[0] - 2300.0) > 0  # and towards nose or tail
     assert np.array_equal(made.positions, flat.positions)
     assert symmetric(made)
-    assert np.array_equal(pulled_out(made, panel=25.0, corner=70.0).tangents, made.tangents)
+    assert np.array_equal(pull_out_panels(made, panel=25.0, corner=70.0).tangents, made.tangents)
     others = [flat.template.edge_names[e] for e in np.flatnonzero(
         (made.tangents != flat.tangents).any(axis=(1, 2)))]  # fmt: skip
     assert {name.replace(".L", ".R") for name in others} == set(names_of_posts(flat.template))
@@ -58,7 +58,7 @@ def test_what_stands_out_farther_stays() -> None:
         network,
         {(edge, 0): network.tangents[edge, 0] + way, (edge, 1): network.tangents[edge, 1] - way},
     )
-    assert np.array_equal(pulled_out(far).tangents[edge], far.tangents[edge])
+    assert np.array_equal(pull_out_panels(far).tangents[edge], far.tangents[edge])
 
 
 def test_nodes_in_one_place_do_no_harm() -> None:
@@ -66,5 +66,5 @@ def test_nodes_in_one_place_do_no_harm() -> None:
     positions = np.array(sedan.positions)
     for side in "RL":
         positions[sedan.node[f"B3.{side}"]] = positions[sedan.node[f"S3.{side}"]]
-    made = pulled_out(Network.of(sedan, positions))
+    made = pull_out_panels(Network.of(sedan, positions))
     assert np.isfinite(made.tangents).all()

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import extent
-from bozzetto_car.body.dimension_map import EXACT, Reshaping, reshaped
-from bozzetto_car.dimensions import Dimensions, measured
+from bozzetto_car.body.dimension_map import EXACT, Reshaping, fit_reshaping
+from bozzetto_car.dimensions import Dimensions, measure_dimensions
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
@@ -34,19 +34,19 @@ class Body:
         return extent(coons_nets(self.edges, self.sides))
 
     def measured(self) -> Dimensions:
-        return measured(self.box(), *self.wheels[:, 0])
+        return measure_dimensions(self.box(), *self.wheels[:, 0])
 
     def asked(self, wanted: Dimensions) -> Reshaping | None:
         def box_after(map_: Reshaping) -> Array:
             return extent(coons_nets(map_.points(self.edges), self.sides))
 
-        return reshaped(wanted, self.box(), self.wheels[:, 0], box_after)
+        return fit_reshaping(wanted, self.box(), self.wheels[:, 0], box_after)
 
     def roughly(self, wanted: Dimensions) -> Reshaping | None:
         """The same for a body that is as large as its edges' control points."""
         ends = self.edges.reshape(-1, 3)
         box = np.array([ends.min(axis=0), ends.max(axis=0)])
-        return reshaped(wanted, box, self.wheels[:, 0], lambda map_: map_.points(box))
+        return fit_reshaping(wanted, box, self.wheels[:, 0], lambda map_: map_.points(box))
 
     def reshape(self, wanted: Dimensions) -> None:
         made = self.asked(wanted)
@@ -204,8 +204,8 @@ def test_wheels_outside_the_body_are_told() -> None:
 
 def test_a_surface_that_cannot_be_measured_up_is_told() -> None:
     body = Body(bundled("sedan"))
-    with pytest.raises(UserError, match="cannot be brought"):
-        reshaped(Dimensions(width=1850.0), body.box(), body.wheels[:, 0], lambda _: body.box())
+    with pytest.raises(UserError, match="cannot take"):
+        fit_reshaping(Dimensions(width=1850.0), body.box(), body.wheels[:, 0], lambda _: body.box())
 
 
 @settings(max_examples=25, deadline=None)

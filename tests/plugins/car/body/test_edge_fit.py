@@ -12,10 +12,10 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.body.edge_fit import (
     Sighting,
-    fitted,
+    fit_edge,
     four_point_cubic,
     paper_cubic,
-    seen_slopes,
+    projection_slopes,
 )
 from bozzetto_car.template.model import MIRROR
 from tests.plugins.car.traced_car import curve, drawn, view
@@ -40,7 +40,7 @@ def off(camera: Camera, points: Array, stroke: Array) -> float:
 def test_slopes_are_derivatives_of_the_picture(kind: Kind) -> None:
     camera = view(37.0, 21.0, kind)
     points = np.random.default_rng(0).normal((2000, 0, 700), 800, (20, 3))
-    slopes = seen_slopes(camera, points)
+    slopes = projection_slopes(camera, points)
     for axis in range(3):
         step = np.eye(3)[axis] * 1e-2
         change = camera.project(points + step)[0] - camera.project(points - step)[0]
@@ -73,7 +73,7 @@ def test_its_own_picture_changes_nothing(kind: Kind) -> None:
         camera = view(azimuth, 12.0, kind)
         stroke = drawn(camera, EDGE, 70)
         for way in (stroke, stroke[::-1], stroke[20:50], stroke[::9]):
-            made = fitted(EDGE, [Sighting(way, camera, np.ones(3))], ALL)
+            made = fit_edge(EDGE, [Sighting(way, camera, np.ones(3))], ALL)
             assert np.abs(made - EDGE).max() < 1e-6
 
 
@@ -87,7 +87,7 @@ def test_the_whole_edge_follows_and_does_so_better_than_the_paper(kind: Kind) ->
         aim[1:3] += rng.normal(0, 120, (2, 3))
         stroke = drawn(camera, aim, 150)
         start = paper_cubic(EDGE, stroke, camera)
-        made = fitted(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL, start)
+        made = fit_edge(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL, start)
         ours.append(off(camera, made, stroke))
         papers.append(off(camera, start, stroke))
         assert np.array_equal(made[[0, 3]], EDGE[[0, 3]])
@@ -99,7 +99,7 @@ def test_the_whole_edge_follows_and_does_so_better_than_the_paper(kind: Kind) ->
 def test_what_the_view_does_not_see_stays(kind: Kind) -> None:
     camera = view(70.0, 10.0, kind)
     aim = EDGE + np.array([[0, 0, 0], [0, 0, 150], [0, 0, 100], [0, 0, 0]])
-    made = fitted(EDGE, [Sighting(drawn(camera, aim), camera, np.ones(3))], ALL)
+    made = fit_edge(EDGE, [Sighting(drawn(camera, aim), camera, np.ones(3))], ALL)
     for old, new, node in zip(EDGE[1:3], made[1:3], EDGE[[0, 3]], strict=True):
         ray = camera.rays(camera.project(old[None])[0]).directions[0]
         tangent = (old - node) / np.linalg.norm(old - node)
@@ -117,7 +117,7 @@ def test_a_tremor_does_not_push_an_edge_off_its_line(kind: Kind) -> None:
     for _ in range(15):
         waves = np.cos(at * np.arange(4)) @ rng.normal(0, 1, (4, 2))
         stroke = drawn(camera, EDGE, 80) + 2.0 * waves / np.sqrt((waves**2).mean())
-        made = fitted(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL)
+        made = fit_edge(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL)
         assert distances_to_polyline(curve(made), curve(EDGE, 400)).max() < 50.0
 
 
@@ -127,7 +127,7 @@ def test_a_plane_seen_edge_on_gives_no_depth() -> None:
     in_plane = np.eye(3)[:, [0, 2]], np.eye(3)[:, [0, 2]]
     camera = view(1.0, 8.0)
     stroke = drawn(camera, edge) + np.array([3.0, 0.0])
-    made = fitted(edge, [Sighting(stroke, camera, np.ones(3))], in_plane)
+    made = fit_edge(edge, [Sighting(stroke, camera, np.ones(3))], in_plane)
     assert np.abs(made - edge)[:, 1].max() == 0.0
     for old, new in zip(edge[1:3], made[1:3], strict=True):
         ray = camera.rays(camera.project(old[None])[0]).directions[0]
@@ -139,12 +139,12 @@ def test_handles_move_only_where_they_may() -> None:
     aim = EDGE + np.array([[0, 0, 0], [80, 50, 150], [0, 40, 100], [0, 0, 0]])
     across = np.array([[0.0], [1.0], [0.0]])
     sighting = Sighting(drawn(camera, aim), camera, np.ones(3))
-    made = fitted(EDGE, [sighting], (across, np.zeros((3, 0))))
+    made = fit_edge(EDGE, [sighting], (across, np.zeros((3, 0))))
     assert np.array_equal(made[1, [0, 2]], EDGE[1, [0, 2]])
     assert made[1, 1] != EDGE[1, 1]
     assert np.array_equal(made[2], EDGE[2])
     nothing = np.zeros((3, 0))
-    assert np.array_equal(fitted(EDGE, [sighting], (nothing, nothing)), EDGE)
+    assert np.array_equal(fit_edge(EDGE, [sighting], (nothing, nothing)), EDGE)
 
 
 def test_two_sides_of_a_car_tell_the_depth() -> None:
@@ -154,7 +154,7 @@ def test_two_sides_of_a_car_tell_the_depth() -> None:
     camera = view(20.0, 35.0)
     right = Sighting(drawn(camera, aim), camera, np.ones(3))
     left = Sighting(drawn(camera, aim * MIRROR), camera, MIRROR)
-    one, both = (fitted(EDGE, data, ALL) for data in ([right], [right, left]))
+    one, both = (fit_edge(EDGE, data, ALL) for data in ([right], [right, left]))
     assert off(camera, both, right.points) < 1.0
     assert off(camera, both * MIRROR, left.points) < 1.0
 
@@ -176,8 +176,8 @@ def test_two_sides_of_a_car_tell_the_depth() -> None:
 )
 def test_any_ink_gives_a_finite_edge(stroke: Array) -> None:
     for kind in KINDS:
-        made = fitted(EDGE, [Sighting(stroke, view(60.0, 10.0, kind), np.ones(3))], ALL)
+        made = fit_edge(EDGE, [Sighting(stroke, view(60.0, 10.0, kind), np.ones(3))], ALL)
         assert np.isfinite(made).all()
     still = np.repeat(EDGE[:1], 4, axis=0)
     sighting = Sighting(stroke, view(60.0, 10.0), np.ones(3))
-    assert np.array_equal(fitted(still, [sighting], ALL), still)
+    assert np.array_equal(fit_edge(still, [sighting], ALL), still)

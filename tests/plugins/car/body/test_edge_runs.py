@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_runs import run_along
-from bozzetto_car.body.trace_edges import traced
+from bozzetto_car.body.edge_runs import find_run
+from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.network import Network
 from tests.plugins.car.traced_car import SEEN, path, view
@@ -22,7 +22,7 @@ KINDS: tuple[Kind, ...] = ("perspective", "orthographic")
 
 
 def run_names(network: Network, stroke: Array, camera: Camera) -> list[str]:
-    run = run_along(network, stroke, camera)
+    run = find_run(network, stroke, camera)
     return [network.template.edge_names[max(edge, ~edge)] for edge in run.edges]
 
 
@@ -49,7 +49,7 @@ def test_strokes_over_chains_are_split_at_nodes(kind: Kind) -> None:
         ["B2.R-B3.R", "B3.R-B4.R"],
     ):
         stroke = path(camera, network, names)
-        run = run_along(network, stroke, camera)
+        run = find_run(network, stroke, camera)
         tell = network.template.names
         assert [tell[node] for node in run.nodes] == (
             [name.split("-")[0] for name in names] + [names[-1].split("-")[1]]
@@ -58,7 +58,7 @@ def test_strokes_over_chains_are_split_at_nodes(kind: Kind) -> None:
             own = path(camera, network, [name])
             assert distances_to_polyline(part, own).max() < 1e-9
             assert np.abs(part[[0, -1]] - own[[0, -1]]).max() < 1e-9
-        made = traced(network, stroke, camera)
+        made = trace(network, stroke, camera)
         assert np.abs(made.network.control_points - network.control_points).max() < 1e-6
 
 

@@ -10,10 +10,10 @@ from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.crease import crease_angles
 from bozzetto.geometry.patches.patch import extent
 from bozzetto_car.body.dimension_map import Reshaping
-from bozzetto_car.body.stretch import brought_back, reshaping_of, stretched
-from bozzetto_car.dimensions import Dimensions, measured
+from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
+from bozzetto_car.dimensions import Dimensions, measure_dimensions
 from bozzetto_car.template.loader import TEMPLATES, bundled
-from bozzetto_car.template.network import Network, joints, with_positions, with_tangents
+from bozzetto_car.template.network import Network, junctions, with_positions, with_tangents
 from tests.plugins.car.sketched import styled
 from tests.plugins.car.traced_car import curve, symmetric
 
@@ -27,7 +27,9 @@ MAPS = [
 
 def wanted(network: Network, **factors: float) -> Dimensions:
     nets = coons_nets(network.control_points, network.template.sides)
-    now = measured(extent(nets), *network.positions[network.template.wheels[:, 0], 0]).given()
+    now = measure_dimensions(
+        extent(nets), *network.positions[network.template.wheels[:, 0], 0]
+    ).given()
     return Dimensions(**{name: now[name] * factor for name, factor in factors.items()})
 
 
@@ -67,12 +69,12 @@ def test_the_way_back_is_the_inverse(map_: Reshaping) -> None:
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_what_was_smooth_stays_so_exactly(name: str) -> None:
     network = car(name)
-    made = stretched(
+    made = stretch(
         network, mapped(network, length=1.04, front_overhang=0.92, wheelbase=1.07, height=0.96)
     )
     assert symmetric(made)
     sides, edges = network.template.sides, len(network.template.edges)
-    for joint in joints(network.template):
+    for joint in junctions(network.template):
         one, other = (
             sense * made.tangents[place]
             for sense, place in zip(joint.senses, (joint.before, joint.after), strict=True)
@@ -90,7 +92,7 @@ def test_edges_stay_as_near_to_the_map_as_moved_control_points_do() -> None:
     for name in TEMPLATES:
         network = car(name)
         map_ = mapped(network, length=1.04, front_overhang=0.92, wheelbase=1.07)
-        made = stretched(network, map_)
+        made = stretch(network, map_)
         moved = map_.points(network.control_points)
         ours, theirs = [], []
         for old, new, other in zip(network.control_points, made.control_points, moved, strict=True):
@@ -104,14 +106,14 @@ def test_edges_stay_as_near_to_the_map_as_moved_control_points_do() -> None:
 def test_what_is_done_there_is_done_here_and_nothing_else() -> None:
     network = car()
     map_ = mapped(network, length=1.05, width=0.98, height=1.03, wheelbase=1.04)
-    there = stretched(network, map_)
+    there = stretch(network, map_)
     rng = np.random.default_rng(2)
     moves = {4: there.positions[4] + (30.0, 0.0, -8.0), 20: there.positions[20] + (9.0, 6.0, 3.0)}
     changed = with_tangents(
         with_positions(there, moves), {(9, 0): rng.normal(0, 300, 3), (30, 1): (90, 50, 20)}
     )
-    back = brought_back(network, there, changed, map_)
-    again = stretched(back, map_)
+    back = undo_stretch(network, there, changed, map_)
+    again = stretch(back, map_)
     assert np.abs(again.positions - changed.positions).max() < 1e-8
     assert np.abs(again.tangents - changed.tangents).max() < 1e-8
     assert symmetric(back)
@@ -124,10 +126,10 @@ def test_what_is_done_there_is_done_here_and_nothing_else() -> None:
 def test_a_wheel_is_lifted_as_far_there_as_here() -> None:
     network = car()
     map_ = mapped(network, height=1.10, wheelbase=1.03)
-    there = stretched(network, map_)
+    there = stretch(network, map_)
     wheel = int(network.template.wheels[1, 0])
     changed = with_positions(there, {wheel: there.positions[wheel] + (0.0, 0.0, 12.0)})
-    back = brought_back(network, there, changed, map_)
+    back = undo_stretch(network, there, changed, map_)
     assert back.positions[wheel, 2] == pytest.approx(network.positions[wheel, 2] + 12.0)
     assert np.abs(back.positions[wheel, :2] - network.positions[wheel, :2]).max() < 1e-8
 

@@ -7,7 +7,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.view import Camera
-from bozzetto_car.camera.marked_view import MarkedView, Sight
+from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, looking
@@ -33,7 +33,7 @@ def view(template: Template, kind: str, cropped: bool = False, seed: int = 0) ->
 @pytest.mark.parametrize("cropped", [False, True])
 def test_it_sees_what_the_camera_sees(template: Template, kind: str, cropped: bool) -> None:
     given = view(template, kind, cropped)
-    sight, pose = Sight.of(template, given, held=False)
+    sight, pose = Reprojection.of(template, given, held=False)
     missed = sight.residuals(pose, template.positions)
     assert missed is not None
     size = np.linalg.norm(np.ptp(given.marks, axis=0))
@@ -52,7 +52,7 @@ def test_it_sees_what_the_camera_sees(template: Template, kind: str, cropped: bo
 def test_derivatives_are_those_of_small_steps(
     template: Template, kind: str, cropped: bool, seed: int
 ) -> None:
-    sight, pose = Sight.of(template, view(template, kind, cropped, seed), held=False)
+    sight, pose = Reprojection.of(template, view(template, kind, cropped, seed), held=False)
     rng = np.random.default_rng(seed)
     follow = rng.normal(size=(len(template.names), 3, 5))
     seen = sight.residuals(pose, template.positions)
@@ -79,7 +79,7 @@ def test_derivatives_are_those_of_small_steps(
 
 
 def test_a_held_camera_has_no_numbers(template: Template) -> None:
-    sight, pose = Sight.of(template, view(template, "perspective"), held=True)
+    sight, pose = Reprojection.of(template, view(template, "perspective"), held=True)
     seen = sight.residuals(pose, template.positions)
     assert seen is not None
     assert seen.by_camera.shape == (20, 2, 0)
@@ -88,19 +88,19 @@ def test_a_held_camera_has_no_numbers(template: Template) -> None:
 
 def test_nodes_behind_the_eye_are_told(template: Template) -> None:
     given = view(template, "perspective")
-    sight, pose = Sight.of(template, given, held=False)
+    sight, pose = Reprojection.of(template, given, held=False)
     toward = np.asarray(given.camera.eye) - template.positions.mean(axis=0)
     assert sight.residuals(pose, template.positions + 1.5 * toward) is None
 
 
 def test_the_principal_point_of_a_cropped_picture_is_held_softly(template: Template) -> None:
-    sight, pose = Sight.of(template, view(template, "perspective", cropped=True), held=False)
+    sight, pose = Reprojection.of(template, view(template, "perspective", cropped=True), held=False)
     form, slope, cost = sight.middle(pose)
     assert np.array_equal(np.flatnonzero(np.diag(form)), [7, 8])
     share = np.array([31.0, -17.0]) / np.hypot(*PICTURE)
     assert cost == pytest.approx(np.sum((share / 0.2) ** 2))
     assert slope[7:] == pytest.approx(share / 0.04)
-    fixed, start = Sight.of(template, view(template, "perspective"), held=False)
+    fixed, start = Reprojection.of(template, view(template, "perspective"), held=False)
     assert fixed.middle(start)[2] == 0.0
 
 
@@ -125,13 +125,13 @@ def test_what_is_no_sketch_is_refused(template: Template) -> None:
     eye = np.asarray(camera.eye)
     away = Camera("perspective", tuple(eye), tuple(2.0 * eye - middle), viewport=PICTURE)
     with pytest.raises(UserError, match="behind it"):
-        Sight.of(template, MarkedView(away, nodes, marks), held=False)
+        Reprojection.of(template, MarkedView(away, nodes, marks), held=False)
 
 
 def test_marks_in_one_place_have_an_extent(template: Template) -> None:
     good = view(template, "perspective")
     heap = MarkedView(good.camera, good.nodes, np.full((20, 2), 400.0))
-    sight, pose = Sight.of(template, heap, held=False)
+    sight, pose = Reprojection.of(template, heap, held=False)
     missed = sight.residuals(pose, template.positions)
     assert missed is not None
     assert np.isfinite(missed.missed).all()

@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.visibility import facing
-from bozzetto_car.marking.edit_marks import marked, with_asked, with_skipped
+from bozzetto_car.marking.edit_marks import set_mark, with_asked, with_skipped
 from bozzetto_car.marking.next_mark import asked_of, hint_of, in_work, neighbour_of, open_nodes
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import bundled
@@ -45,7 +45,7 @@ def test_the_templates_order_is_followed_while_no_camera_is_known():
     for _ in range(5):
         met.append(asked(state).node)
         u = 500.0 - 40.0 * len(met) if met[-1].startswith("W") else 300.0
-        state = marked(state, met[-1], (1000.0 - u, 400.0), SEDAN)
+        state = set_mark(state, met[-1], (1000.0 - u, 400.0), SEDAN)
     assert met == ORDER["L"][:5]
 
 
@@ -63,7 +63,7 @@ def test_what_is_turned_away_comes_last(azimuth):
     state = guided(view_of(azimuth), 8)
     solved = solved_of(state)
     placed = in_work(state, solved)
-    eye = np.asarray(placed.stand.camera.eye)
+    eye = np.asarray(placed.sketch_camera.camera.eye)
     names = [SEDAN.names[node] for node in open_nodes(placed, solved)]
 
     def is_seen(name):
@@ -99,7 +99,7 @@ def test_a_hidden_point_is_offered_for_passing_over():
 
 def test_what_was_passed_over_comes_again_at_the_end():
     state = with_asked(blank(), "C3")
-    state = marked(state, "C3", (500.0, 200.0), SEDAN)
+    state = set_mark(state, "C3", (500.0, 200.0), SEDAN)
     met = []
     while asked(state) is not None:
         met.append(asked(state).node)
@@ -188,7 +188,7 @@ def test_marks_in_a_plane_name_one_that_helps():
     truth = places_of(FRONT)
     state = blank()
     for name in ("C0", "C1", "C2", "C3", "C4", "C5"):
-        state = marked(state, name, truth[name], SEDAN)
+        state = set_mark(state, name, truth[name], SEDAN)
     hint = hint_of(state, solved_of(state))
     named = hint.split("for example ")[1].rstrip(".")
     assert not named.startswith("C")

@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.view import Camera
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.dimensions import Dimensions
-from bozzetto_car.solver.bundle_adjustment import Joint, solve
+from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
@@ -42,7 +42,7 @@ def template(request: pytest.FixtureRequest) -> Template:
 
 
 @cache
-def cases(name: str, cars: str, views: tuple[View, ...]) -> list[tuple[Sketched, Joint]]:
+def cases(name: str, cars: str, views: tuple[View, ...]) -> list[tuple[Sketched, JointSolution]]:
     template = bundled(name)
     found = []
     for seed in SEEDS:

@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from bozzetto.view.calibration import resect
-from bozzetto_car.camera.marked_view import MarkedView, Sight
-from bozzetto_car.solver.hyperparameters import HANDS, SPREADS, STEADY, evidence_of, weighed
+from bozzetto_car.camera.marked_view import MarkedView, Reprojection
+from bozzetto_car.solver.hyperparameters import HANDS, SPREADS, STEADY, evidence_of, judge_marks
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
@@ -52,7 +52,7 @@ def by_brute_force(template: Template, view: MarkedView, unit: float) -> float:
 
     cost = Cost.balanced()
     covariance = np.linalg.inv(Prior(template, cost).form(template.variables))
-    sight, pose = Sight.of(template, view, held=False)
+    sight, pose = Reprojection.of(template, view, held=False)
     seen = sight.residuals(pose, template.positions)
     assert seen is not None
     hand = cost.hand * unit / (sight.extent * sight.framing.diagonal)
@@ -92,10 +92,12 @@ def test_the_spread_is_that_of_the_cars(template: Template, views: tuple[View, .
     root = np.linalg.inv(np.linalg.cholesky(form)).T
     for share in (0.1, 0.3, 1.0):
         told = []
-        for seed in range(12):
+        for seed in range(8):
             draw = np.random.default_rng(seed).normal(size=len(root))
             car = template.whole(template.variables + share * root @ draw)
-            told.append(weighed(template, sketched(template, car, views, seed, 2.0).views).spread)
+            told.append(
+                judge_marks(template, sketched(template, car, views, seed, 2.0).views).spread
+            )
         assert 0.6 < np.median(told) / share < 1.5
 
 
@@ -103,7 +105,7 @@ def test_the_template_itself_is_told(template: Template) -> None:
     for view in (FRONT_QUARTER, SIDE):
         for seed in range(6):
             sketch = sketched(template, template.positions, (view,), seed, 3.0)
-            found = weighed(template, sketch.views)
+            found = judge_marks(template, sketch.views)
             assert found.spread < 0.25
             assert all(flags.all() for flags in found.counted)
 
@@ -118,7 +120,7 @@ def test_several_wrong_marks_are_set_aside_and_no_others(template: Template) -> 
             int(n): (120.0 * np.cos(a), 120.0 * np.sin(a))
             for n, a in zip(which, around, strict=True)
         }
-        flags = weighed(template, [with_wrong(template, view, moves)]).counted[0]
+        flags = judge_marks(template, [with_wrong(template, view, moves)]).counted[0]
         assert set(np.flatnonzero(~flags).tolist()) == set(which.tolist())
 
 
@@ -129,7 +131,7 @@ def test_of_six_marks_none_is_set_aside() -> None:
         some = np.arange(len(view.nodes)) % 4 == 0
         some &= np.cumsum(some) <= 6
         wrong = with_wrong(template, view.only(some), {0: (150.0, 0.0)})
-        assert weighed(template, [wrong]).counted[0].all()
+        assert judge_marks(template, [wrong]).counted[0].all()
 
 
 def test_no_mark_comes_and_goes_while_another_trembles() -> None:
@@ -141,7 +143,7 @@ def test_no_mark_comes_and_goes_while_another_trembles() -> None:
         wrong = with_wrong(template, view, {5: (off, 0.0)})
         flags = np.zeros(len(view.nodes), bool)
         flags[5] = not before
-        return bool(weighed(template, [wrong], [flags]).counted[0][5])
+        return bool(judge_marks(template, [wrong], [flags]).counted[0][5])
 
     assert counts(0.0, True)
     assert not counts(150.0, True)
@@ -158,5 +160,5 @@ def test_of_chaos_three_quarters_are_kept() -> None:
     rng = np.random.default_rng(1)
     (view,) = sketched(template, template.positions, (FRONT_QUARTER,), 0, 2.0).views
     chaos = MarkedView(view.camera, view.nodes, rng.uniform(0.0, 800.0, view.marks.shape))
-    flags = weighed(template, [chaos]).counted[0]
+    flags = judge_marks(template, [chaos]).counted[0]
     assert (~flags).sum() <= 0.25 * len(flags)

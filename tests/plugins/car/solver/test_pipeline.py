@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_car.solver.pipeline import Solved, solved
+from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.loader import TEMPLATES, bundled
@@ -42,7 +42,7 @@ def of_the_template(
         marked(template, template.positions, (view,), seed, hand, count, kind=kind)
         for seed in SEEDS
     ]
-    return [(case, solved(case.state)) for case in cases]
+    return [(case, solve_car(case.state)) for case in cases]
 
 
 # -- a car that is the template --------------------------------------------------------------------
@@ -83,7 +83,7 @@ def test_other_cars_are_come_nearer(template: Template, cars: str) -> None:
         for seed in SEEDS:
             true = CARS[cars](template, seed)
             case = marked(template, true, seen, seed)
-            car = solved(case.state)
+            car = solve_car(case.state)
             assert not aside(car)
             away.append(rms(apart(car.positions, true)))
             share.append(away[-1] / rms(apart(template.positions, true)))
@@ -99,7 +99,7 @@ def test_the_slider_goes_from_the_template_to_the_marks() -> None:
     template = bundled("sedan")
     for true in (template.positions, styled(template, 2)):
         case = marked(template, true, (FRONT_QUARTER,), 2)
-        cars = [solved(replace(case.state, trace=trace)) for trace in (0.0, 0.3, 0.6, 0.8, 1.0)]
+        cars = [solve_car(replace(case.state, trace=trace)) for trace in (0.0, 0.3, 0.6, 0.8, 1.0)]
         missed = [rms(car.joint.residuals[0]) for car in cars if car.joint is not None]
         assert (np.diff(missed) < 0.0).all()
         assert missed[-1] <= 1.0
@@ -113,11 +113,11 @@ def test_the_slider_goes_from_the_template_to_the_marks() -> None:
 def test_the_papers_cost_is_the_papers() -> None:
     template = bundled("sedan")
     case = marked(template, styled(template, 0), (FRONT_QUARTER,), 0)
-    car = solved(replace(case.state, cost="paper"))
+    car = solve_car(replace(case.state, cost="paper"))
     assert car.cost == Cost.paper(template)
     found = car.placed["s0"].resection
     assert found is not None
-    assert np.allclose(car.placed["s0"].stand.camera.eye, found.camera.eye)
+    assert np.allclose(car.placed["s0"].sketch_camera.camera.eye, found.camera.eye)
 
 
 def test_the_papers_camera_follows_a_drag() -> None:
@@ -125,15 +125,19 @@ def test_the_papers_camera_follows_a_drag() -> None:
     state = replace(marked(template, styled(template, 0), (FRONT_QUARTER,), 0).state, cost="paper")
     mark = state.sketches[0].marks[3]
     moved = with_marks(state, {mark.node: (mark.u + 8.0, mark.v)})
-    after = solved(moved, before=state).placed["s0"]
+    after = solve_car(moved, before=state).placed["s0"]
     assert after.resection is not None
-    assert np.allclose(after.stand.camera.eye, after.resection.camera.eye)
-    assert np.allclose(after.stand.camera.eye, solved(moved).placed["s0"].stand.camera.eye, atol=5)
+    assert np.allclose(after.sketch_camera.camera.eye, after.resection.camera.eye)
+    assert np.allclose(
+        after.sketch_camera.camera.eye,
+        solve_car(moved).placed["s0"].sketch_camera.camera.eye,
+        atol=5,
+    )
 
 
 def test_no_sketch_no_car_but_the_template() -> None:
     template = bundled("minivan")
-    car = solved(CarState(template="minivan"))
+    car = solve_car(CarState(template="minivan"))
     assert car.joint is None
     assert np.array_equal(car.positions, template.positions)
 
@@ -142,10 +146,10 @@ def test_a_sketch_with_too_few_marks_says_so_and_stops_no_other() -> None:
     template = bundled("sedan")
     state = marked(template, template.positions, (FRONT_QUARTER,), 0).state
     few = Sketch(id="few", marks=state.sketches[0].marks[:4])
-    car = solved(replace(state, nodes=(*state.nodes, few)))
+    car = solve_car(replace(state, nodes=(*state.nodes, few)))
     assert car.solid == ("s0",)
     assert "6 different points" in car.placed["few"].problem
-    alone = solved(state)
+    alone = solve_car(state)
     assert np.array_equal(car.positions, alone.positions)
 
 
@@ -153,4 +157,4 @@ def test_too_many_sketches_are_refused() -> None:
     template = bundled("sedan")
     state = marked(template, template.positions, (FRONT_QUARTER,) * 9, 0, count=8).state
     with pytest.raises(UserError, match="8 sketches"):
-        solved(state)
+        solve_car(state)

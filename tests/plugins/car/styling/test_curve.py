@@ -21,14 +21,15 @@ from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import curve_paths, curve_points, laid, mirrored
-from bozzetto_car.styling.stroke_line import smoothed_line
+from bozzetto_car.styling.curve import curve_paths, mirror_curve, project_stroke
+from bozzetto_car.styling.stroke_line import smooth_line
 from bozzetto_car.template.loader import TEMPLATES
 from bozzetto_car.template.network import with_positions
 from tests.plugins.car.styled_body import (
     ABOVE,
     QUARTER,
     assert_sound,
+    curve_points,
     dense,
     off_surface,
     styled,
@@ -44,13 +45,13 @@ MIRROR = np.array([1.0, -1.0, 1.0])
 
 def line_of(stroke: Array) -> Array:
     """The smoothed stroke, as a smooth line laid out in small steps, px."""
-    line = smoothed_line(stroke)
+    line = smooth_line(stroke)
     along = arc_length(line)
     return np.asarray(CubicSpline(along, line)(np.linspace(0.0, along[-1], 4000)))
 
 
 def kept(body: Body, stroke: Array, camera: Camera) -> StylingCurve:
-    return StylingCurve("n1", "Line", True, "", *laid(body, stroke, camera))
+    return StylingCurve("n1", "Line", True, "", *project_stroke(body, stroke, camera))
 
 
 @pytest.mark.parametrize("kind", ["perspective", "orthographic"])
@@ -211,9 +212,11 @@ def test_the_mirror_image_is_the_mirror_image(name: str) -> None:
         styled(body, view(150.0, 40.0), [[3300, 400, 1300], [3900, 300, 1100], [4300, 500, 1000]]),
     ):
         own = curve_points(curve, body.nets, body.template)
-        image = curve_points(mirrored(curve), body.nets, body.template)
+        image = curve_points(mirror_curve(curve), body.nets, body.template)
         assert np.abs(image - own * MIRROR).max() < 1e-9
-        assert np.array_equal(mirrored(mirrored(curve)).places, frozen(curve.places, np.float64))
+        assert np.array_equal(
+            mirror_curve(mirror_curve(curve)).places, frozen(curve.places, np.float64)
+        )
 
 
 # -- hostile ---------------------------------------------------------------------------------------
@@ -230,13 +233,13 @@ def test_the_mirror_image_is_the_mirror_image(name: str) -> None:
 )
 def test_what_cannot_be_laid_is_refused_in_words(stroke: list[list[float]]) -> None:
     with pytest.raises(UserError):
-        laid(template_body(), stroke, QUARTER)
+        project_stroke(template_body(), stroke, QUARTER)
 
 
 def test_from_inside_the_body_there_is_nothing_to_draw_on() -> None:
     camera = Camera(eye=(2300.0, 0.0, 900.0), target=(0.0, 0.0, 700.0))
     with pytest.raises(UserError, match="misses"):
-        laid(template_body(), [[300.0, 450.0], [900.0, 450.0]], camera)
+        project_stroke(template_body(), [[300.0, 450.0], [900.0, 450.0]], camera)
 
 
 @pytest.mark.parametrize("trials", [9, pytest.param(90, marks=pytest.mark.slow)])

@@ -13,12 +13,11 @@ from bozzetto.geometry import Curve
 from bozzetto.geometry.patches.patch import points_at
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import curve_points
-from bozzetto_car.styling.curve_fit import spline_of
-from bozzetto_car.styling.export import as_curves
+from bozzetto_car.styling.curve_fit import as_curves, spline_of
 from bozzetto_car.template.loader import TEMPLATES
 from tests.plugins.car.styled_body import (
     ABOVE,
+    curve_points,
     dense,
     off_surface,
     styled,

@@ -9,8 +9,8 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve import mirrored
-from bozzetto_car.styling.erase import erased, without_stretch
+from bozzetto_car.styling.curve import mirror_curve
+from bozzetto_car.styling.erase import erase, without_stretch
 from tests.plugins.car.styled_body import (
     QUARTER,
     SHOULDER,
@@ -72,7 +72,7 @@ def drawn(*curves: StylingCurve) -> CarState:
 def test_parts_get_names_and_ids_of_their_own_in_the_place_of_the_curve() -> None:
     body = template_body()
     one, other = styled(body), replace(styled(body, number="n2"), visible=False)
-    made = erased(drawn(one, other), body, ink(STROKE[100:130], QUARTER, "eraser").strokes[0])
+    made = erase(drawn(one, other), body, ink(STROKE[100:130], QUARTER, "eraser").strokes[0])
     assert [node.id for node in made.nodes] == ["n1", "n3", "n2"]
     assert len({node.name for node in made.nodes}) == 3
     assert made.selected == "n1"
@@ -81,17 +81,17 @@ def test_parts_get_names_and_ids_of_their_own_in_the_place_of_the_curve() -> Non
 def test_a_mirror_image_is_rubbed_out_on_both_sides() -> None:
     body, camera = template_body(), view(-50.0, 15.0)
     rubber = STROKE[100:130] * [-1.0, 1.0] + [1200.0, 0.0]
-    made = erased(drawn(styled(body)), body, ink(rubber, camera, "eraser").strokes[0])
-    own = erased(drawn(styled(body)), body, ink(STROKE[100:130], QUARTER, "eraser").strokes[0])
+    made = erase(drawn(styled(body)), body, ink(rubber, camera, "eraser").strokes[0])
+    own = erase(drawn(styled(body)), body, ink(STROKE[100:130], QUARTER, "eraser").strokes[0])
     for one, other in zip(made.styling, own.styling, strict=True):
         assert np.abs(dense(one, body, 50) - dense(other, body, 50)).max() < 0.01
 
 
 def test_what_is_on_one_side_only_is_not_rubbed_out_on_the_other() -> None:
     body = template_body()
-    state = drawn(replace(mirrored(styled(body)), both=False))
+    state = drawn(replace(mirror_curve(styled(body)), both=False))
     with pytest.raises(UserError, match="no styling curve"):
-        erased(state, body, ink(STROKE[100:130], QUARTER, "eraser").strokes[0])
+        erase(state, body, ink(STROKE[100:130], QUARTER, "eraser").strokes[0])
 
 
 def test_curves_that_are_only_crossed_stay() -> None:
@@ -101,12 +101,12 @@ def test_curves_that_are_only_crossed_stay() -> None:
         body, QUARTER, [[2300, 890, 450], [2310, 890, 650], [2320, 880, 800]], number="n2"
     )
     rubber = ink(STROKE[60:190], QUARTER, "eraser").strokes[0]
-    made = erased(drawn(one, across), body, rubber)
+    made = erase(drawn(one, across), body, rubber)
     assert any(node is across for node in made.nodes)
 
 
 def test_without_the_last_curve_nothing_is_chosen() -> None:
     body = template_body()
-    made = erased(drawn(styled(body)), body, ink(STROKE, QUARTER, "eraser").strokes[0])
+    made = erase(drawn(styled(body)), body, ink(STROKE, QUARTER, "eraser").strokes[0])
     assert made.nodes == ()
     assert made.selected == ""

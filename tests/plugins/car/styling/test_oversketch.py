@@ -10,10 +10,10 @@ from bozzetto.errors import UserError
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
-from bozzetto_car.styling.curve import laid
+from bozzetto_car.styling.curve import project_stroke
+from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.erase import without_stretch
-from bozzetto_car.styling.export import as_curves
-from bozzetto_car.styling.oversketch import oversketched, smoothed
+from bozzetto_car.styling.oversketch import oversketch, smooth_curve
 from tests.plugins.car.styled_body import (
     QUARTER,
     SHOULDER,
@@ -45,7 +45,7 @@ def test_the_curve_goes_to_the_stroke_and_the_rest_stays(turned: bool) -> None:
     body, stroke = template_body(), through(QUARTER, SHOULDER)
     curve = styled(body)
     over = bulging(stroke, 80, 170, 12.0)
-    bent = oversketched(curve, body, over[::-1] if turned else over, QUARTER)
+    bent = oversketch(curve, body, over[::-1] if turned else over, QUARTER)
     assert_sound(bent, body)
     line = seen(bent, body)
     away = distances_to_polyline(over, line)
@@ -60,7 +60,7 @@ def test_the_curve_goes_to_the_stroke_and_the_rest_stays(turned: bool) -> None:
 
 def test_the_change_is_as_smooth_as_the_stroke() -> None:
     body, stroke = template_body(), through(QUARTER, SHOULDER)
-    bent = oversketched(styled(body), body, bulging(stroke, 80, 170, 12.0), QUARTER)
+    bent = oversketch(styled(body), body, bulging(stroke, 80, 170, 12.0), QUARTER)
     line = QUARTER.project(dense(bent, body, 300))[0]
     way = np.diff(line, axis=0)
     turns = np.degrees(np.abs(np.diff(np.unwrap(np.arctan2(way[:, 1], way[:, 0])))))
@@ -70,15 +70,15 @@ def test_the_change_is_as_smooth_as_the_stroke() -> None:
 def test_a_stroke_along_the_curve_as_it_is_changes_nothing() -> None:
     body, stroke = template_body(), through(QUARTER, SHOULDER)
     curve = styled(body)
-    assert oversketched(curve, body, stroke[40:200], QUARTER) is curve
+    assert oversketch(curve, body, stroke[40:200], QUARTER) is curve
 
 
 def test_a_stroke_that_runs_on_beyond_an_end_takes_it_along() -> None:
     body = template_body()
     long = through(QUARTER, SHOULDER)
-    curve = StylingCurve("n1", "Short", True, "", *laid(body, long[40:200], QUARTER))
+    curve = StylingCurve("n1", "Short", True, "", *project_stroke(body, long[40:200], QUARTER))
     for part, end, goal in ((long[150:], -1, long[-1]), (long[:90], 0, long[0])):
-        grown = oversketched(curve, body, part, QUARTER)
+        grown = oversketch(curve, body, part, QUARTER)
         assert_sound(grown, body)
         assert np.linalg.norm(seen(grown, body)[end] - goal) < 3.0
         assert distances_to_polyline(seen(grown, body), long).max() < 1.0
@@ -93,7 +93,7 @@ def test_what_is_not_seen_stays() -> None:
     right = pixels[before[:, 1] > 350.0]
     right = right[np.linspace(0, len(right) - 1, 80).astype(int)]
     over = right + np.column_stack((np.zeros(80), -8.0 * np.sin(np.linspace(0, np.pi, 80)) ** 2))
-    bent = oversketched(curve, body, over, QUARTER)
+    bent = oversketch(curve, body, over, QUARTER)
     assert_sound(bent, body)
     after = dense(bent, body)
     left = before[before[:, 1] < -300.0]
@@ -104,7 +104,7 @@ def test_what_is_not_seen_stays() -> None:
 def test_from_where_the_curve_is_not_seen_it_is_refused() -> None:
     body = template_body()
     with pytest.raises(UserError, match="not seen"):
-        oversketched(styled(body), body, [[300.0, 400.0], [700.0, 420.0]], view(-90.0, 10.0))
+        oversketch(styled(body), body, [[300.0, 400.0], [700.0, 420.0]], view(-90.0, 10.0))
 
 
 def test_random_strokes_give_sound_curves_or_are_refused() -> None:
@@ -116,7 +116,7 @@ def test_random_strokes_give_sound_curves_or_are_refused() -> None:
         last = int(rng.integers(first + 30, 240))
         over = bulging(stroke, first, last, rng.normal(0.0, 25.0)) + rng.normal(0.0, 4.0, 2)
         try:
-            curve = oversketched(curve, body, over, QUARTER)
+            curve = oversketch(curve, body, over, QUARTER)
         except UserError:
             refused += 1
             continue
@@ -138,8 +138,8 @@ def test_smoothing_takes_waves_out_and_keeps_the_ends() -> None:
     body, stroke = template_body(), through(QUARTER, SHOULDER)
     waves = stroke.copy()
     waves[:, 1] += 4.0 * np.sin(np.linspace(0.0, 16.0 * np.pi, len(stroke)))
-    curve = StylingCurve("n1", "Waves", True, "", *laid(body, waves, QUARTER))
-    soft = smoothed(curve, body, 0.03)
+    curve = StylingCurve("n1", "Waves", True, "", *project_stroke(body, waves, QUARTER))
+    soft = smooth_curve(curve, body, 0.03)
     assert_sound(soft, body)
     ends = dense(soft, body)[[0, -1]] - dense(curve, body)[[0, -1]]
     assert np.abs(ends).max() < 1e-6
@@ -154,9 +154,9 @@ def test_the_more_the_share_the_smoother() -> None:
     body = template_body()
     stroke = through(QUARTER, SHOULDER)
     stroke[:, 1] += 4.0 * np.sin(np.linspace(0.0, 12.0 * np.pi, len(stroke)))
-    curve = StylingCurve("n1", "Waves", True, "", *laid(body, stroke, QUARTER))
+    curve = StylingCurve("n1", "Waves", True, "", *project_stroke(body, stroke, QUARTER))
     bent = [
-        bending(dense(smoothed(curve, body, share), body, 200)) for share in (0.005, 0.02, 0.08)
+        bending(dense(smooth_curve(curve, body, share), body, 200)) for share in (0.005, 0.02, 0.08)
     ]
     assert bent[0] > bent[1] > bent[2]
 
@@ -165,13 +165,13 @@ def test_smoothing_over_creases_stays_on_the_body() -> None:
     body = template_body()
     curve = styled(body, view(30.0, 40.0), [[600, 400, 850], [1900, 350, 1300], [2500, 300, 1440]])
     for share in (0.02, 0.2):
-        assert_sound(smoothed(curve, body, share), body)
+        assert_sound(smooth_curve(curve, body, share), body)
     assert whole(curve, body).length > 1000.0
 
 
 def test_there_is_nothing_to_smooth_without_patches() -> None:
     with pytest.raises(UserError, match="no part"):
-        smoothed(StylingCurve("n1", "Empty"), template_body(), 0.02)
+        smooth_curve(StylingCurve("n1", "Empty"), template_body(), 0.02)
 
 
 # -- loops -----------------------------------------------------------------------------------------
@@ -182,7 +182,7 @@ def loop(body: Body) -> tuple[StylingCurve, Array]:
     (middle,) = QUARTER.project([[2400.0, 880.0, 600.0]])[0]
     at = np.linspace(0.0, 2.0 * np.pi, 300)
     ring = middle + np.column_stack((90.0 * np.cos(at), 45.0 * np.sin(at)))
-    return StylingCurve("n1", "Loop", True, "", *laid(body, ring, QUARTER)), ring
+    return StylingCurve("n1", "Loop", True, "", *project_stroke(body, ring, QUARTER)), ring
 
 
 def test_a_loop_stays_closed_wherever_it_is_drawn_over() -> None:
@@ -194,7 +194,7 @@ def test_a_loop_stays_closed_wherever_it_is_drawn_over() -> None:
         outward = part - ring.mean(axis=0)
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
         over = part + 8.0 * outward * np.sin(np.linspace(0.0, np.pi, 80))[:, None] ** 2
-        bent = oversketched(curve, body, over, QUARTER)
+        bent = oversketch(curve, body, over, QUARTER)
         assert_sound(bent, body)
         ends = dense(bent, body)[[0, -1]]
         assert np.abs(ends[0] - ends[1]).max() < 1e-6

@@ -12,7 +12,7 @@ from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.view import Camera
-from bozzetto_car.styling.stroke_line import STEP, one_stroke, smoothed_line
+from bozzetto_car.styling.stroke_line import STEP, one_stroke, smooth_line
 
 
 def arc(radius: float = 300.0, count: int = 200, turn: float = 1.4) -> np.ndarray:
@@ -23,7 +23,7 @@ def arc(radius: float = 300.0, count: int = 200, turn: float = 1.4) -> np.ndarra
 def test_ends_stay_and_steps_are_even() -> None:
     rng = np.random.default_rng(0)
     stroke = arc() + rng.normal(0.0, 0.5, (200, 2))
-    line = smoothed_line(stroke)
+    line = smooth_line(stroke)
     assert np.abs(line[[0, -1]] - stroke[[0, -1]]).max() < 1e-9
     steps = np.diff(arc_length(line))
     assert np.ptp(steps) < 0.02 * STEP
@@ -40,12 +40,12 @@ def test_it_is_savitzky_and_golays_filter_as_scipy_has_it() -> None:
     for _ in range(2):
         padded = np.pad(expected, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
         expected = savgol_filter(padded, 2 * half + 1, 3, axis=0)[half:-half]
-    assert distances_to_polyline(smoothed_line(stroke), expected).max() < 1e-3
+    assert distances_to_polyline(smooth_line(stroke), expected).max() < 1e-3
 
 
 @pytest.mark.parametrize("radius", [60.0, 150.0, 500.0])
 def test_bends_keep_their_form(radius: float) -> None:
-    line = smoothed_line(arc(radius))
+    line = smooth_line(arc(radius))
     away = np.abs(np.linalg.norm(line - 400.0, axis=1) - radius)
     assert away.max() < 0.2  # near the ends, which are continued by their reflection
     assert np.median(away) < 0.01
@@ -55,7 +55,7 @@ def test_the_tremor_goes() -> None:
     rng = np.random.default_rng(1)
     tremor = gaussian_filter1d(rng.normal(0.0, 1.0, (200, 2)), 3, axis=0)
     stroke = arc() + 0.8 * tremor / tremor.std()
-    line = smoothed_line(stroke)
+    line = smooth_line(stroke)
     away = [np.abs(np.linalg.norm(each - 400.0, axis=1) - 300.0) for each in (stroke, line)]
     # A waver as slow as the window is wide cannot be told from the form.
     assert away[1].mean() < 0.9 * away[0].mean()
@@ -69,14 +69,14 @@ def turning(line: np.ndarray) -> float:
 
 
 def test_the_sampling_rate_does_not_matter() -> None:
-    fine, coarse = smoothed_line(arc(count=2000)), smoothed_line(arc(count=120))
+    fine, coarse = smooth_line(arc(count=2000)), smooth_line(arc(count=120))
     assert distances_to_polyline(coarse, fine).max() < 0.05
 
 
 def test_pauses_of_the_pen_do_not_matter() -> None:
     stroke = arc()
     paused = np.concatenate((stroke[:80], np.repeat(stroke[[80]], 50, axis=0), stroke[81:]))
-    assert np.array_equal(smoothed_line(paused), smoothed_line(stroke))
+    assert np.array_equal(smooth_line(paused), smooth_line(stroke))
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,12 @@ def test_pauses_of_the_pen_do_not_matter() -> None:
 )
 def test_dots_and_nonsense_are_refused_in_words(stroke: list[list[float]]) -> None:
     with pytest.raises(UserError):
-        smoothed_line(stroke)
+        smooth_line(stroke)
 
 
 @pytest.mark.parametrize("length", [6.0, 7.5, 11.0, 20.0])
 def test_very_short_strokes_are_lines_too(length: float) -> None:
-    line = smoothed_line([[0.0, 0.0], [length, 0.0]])
+    line = smooth_line([[0.0, 0.0], [length, 0.0]])
     assert np.abs(line[[0, -1], 0] - [0.0, length]).max() < 1e-9
     assert np.abs(line[:, 1]).max() < 1e-12
 
@@ -122,7 +122,7 @@ def test_a_loop_is_closed_without_a_corner() -> None:
     rng = np.random.default_rng(6)
     at = np.linspace(0.0, 2.0 * np.pi + 0.05, 300)
     stroke = np.column_stack((400.0 + 120.0 * np.cos(at), 300.0 + 60.0 * np.sin(at)))
-    line = smoothed_line(stroke + rng.normal(0.0, 0.3, stroke.shape))
+    line = smooth_line(stroke + rng.normal(0.0, 0.3, stroke.shape))
     assert np.abs(line[0] - line[-1]).max() < 1e-9
     way = np.diff(np.vstack((line, line[1:3])), axis=0)
     turns = np.degrees(np.diff(np.unwrap(np.arctan2(way[:, 1], way[:, 0]))))
@@ -135,7 +135,7 @@ def test_a_tiny_loop_is_a_line_of_places_that_differ_or_a_dot(radius: float) -> 
     said = ""
     line = np.zeros((0, 2))
     try:
-        line = smoothed_line(arc(radius, 90, 2.0 * np.pi))
+        line = smooth_line(arc(radius, 90, 2.0 * np.pi))
     except UserError as problem:
         said = problem.message
     assert "is a dot" in said if said else (np.diff(arc_length(line)) > 0.0).all()

@@ -16,7 +16,7 @@ from bozzetto_car.template.loader import (
     TEMPLATES,
     bundled,
     faults_in,
-    load_template,
+    is_template,
     read_template,
 )
 from bozzetto_car.template.model import Template
@@ -94,7 +94,7 @@ def test_there_is_no_other_bundled_template() -> None:
 def test_a_third_partys_file_is_read(tmp_path: Path) -> None:
     path = tmp_path / "van.json"
     path.write_bytes(b"\xef\xbb\xbf" + edited(lambda told: told.update(id="van", title="Van")))
-    template = load_template(path)
+    template = read_template(path.read_bytes())
     assert template.title == "Van"
     assert (template.positions == bundled("sedan").positions).all()
     assert faults_in(path) == []
@@ -169,8 +169,8 @@ def test_the_message_names_what_is_wrong(edit: Edit, named: str, tmp_path: Path)
         (b"\xff\xfe{", "UTF-8"),
         (b"[]", "not a JSON object"),
         (b"[" * 100_000, "nested too deeply"),
-        (b'{"format": NaN}', "NaN is no number"),
-        (b'{"format": -Infinity}', "-Infinity is no number"),
+        (b'{"format": NaN}', "NaN is not a number"),
+        (b'{"format": -Infinity}', "-Infinity is not a number"),
         (b'{"id": 1, "id": 2}', "“id” stands twice"),
         (b" " * ((1 << 20) + 1), "larger than"),
     ],
@@ -188,7 +188,7 @@ def test_a_doubled_node_is_not_swallowed() -> None:
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"none\.json cannot be read"):
-        load_template(tmp_path / "none.json")
+        is_template(tmp_path / "none.json")
     assert len(faults_in(tmp_path)) == 1  # a folder
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto_car.template.loader import TEMPLATES, bundled
-from bozzetto_car.template.model import Picture, Template, twin
+from bozzetto_car.template.model import Template, ViewHint, twin
 
 COUNTS = {"sedan": (39, 62, 28, 63), "hatchback": (41, 66, 30, 66), "minivan": (41, 66, 30, 66)}
 """Nodes, edges, patches (Kara & Shimada 2008), and variables: 3 for a pair, 2 in the middle."""
@@ -181,4 +181,4 @@ def test_pictures_of_a_pair_are_mirror_images(template: Template) -> None:
 def test_a_picture_looks_from_where_it_says(
     azimuth: float, elevation: float, eye: tuple[float, float, float]
 ) -> None:
-    np.testing.assert_allclose(Picture(azimuth, elevation).toward_eye, eye, atol=1e-15)
+    np.testing.assert_allclose(ViewHint(azimuth, elevation).toward_eye, eye, atol=1e-15)

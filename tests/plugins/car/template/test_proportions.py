@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bozzetto_car.template.loader import TEMPLATES, bundled
-from bozzetto_car.template.proportions import Proportions
+from tests.plugins.car.template.proportions import Proportions
 
 PAGE = Path(__file__).parents[4] / "docs" / "car.md"
 ROW = re.compile(r"\| (sedan|hatchback|minivan) \| ([^|]+) \|" + r" (\d+|–) \|" * 4)

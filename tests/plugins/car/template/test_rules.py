@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from bozzetto.errors import FormatError
-from bozzetto_car.template.rules import parsed
+from bozzetto_car.template.rules import parse_rule
 
 NODES = {"C2": 0, "C3": 1, "S1": 2}
 X, Y, Z = range(3)
@@ -24,7 +24,7 @@ X, Y, Z = range(3)
     ],
 )
 def test_rules_become_rows(text: str, terms: dict[tuple[int, int], float], constant: float) -> None:
-    rule = parsed("So it is", text, NODES)
+    rule = parse_rule("So it is", text, NODES)
     assert {(node, axis): factor for node, axis, factor in rule.terms} == terms
     assert rule.constant == constant
     assert (rule.name, rule.text) == ("So it is", text)
@@ -57,4 +57,4 @@ def test_rules_become_rows(text: str, terms: dict[tuple[int, int], float], const
 )
 def test_what_is_no_rule_is_refused_by_its_name(text: str) -> None:
     with pytest.raises(FormatError, match="soundness, “So it is”"):
-        parsed("So it is", text, NODES)
+        parse_rule("So it is", text, NODES)

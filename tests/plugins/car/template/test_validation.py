@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from bozzetto_car.template.loader import TEMPLATES, bundled
-from bozzetto_car.template.model import Chain, Picture, Template
+from bozzetto_car.template.model import Chain, Template, ViewHint
 from bozzetto_car.template.validation import check
 
 SEDAN = bundled("sedan")
@@ -230,12 +230,12 @@ def test_every_node_is_asked_for_once_and_in_words() -> None:
 
 
 def test_pictures_show_what_they_speak_of() -> None:
-    def pictured(picture: Picture) -> Template:
+    def pictured(picture: ViewHint) -> Template:
         return replace(SEDAN, pictures={**SEDAN.pictures, "C2": picture})
 
-    assert said(pictured(Picture(180.0, -40.0)), "C2 looks at the car from where")
-    assert said(pictured(Picture(0.0, 20.0, ("mast.R",))), "patch mast.R, which there is not")
-    wheel = replace(SEDAN, pictures={**SEDAN.pictures, "WF.R": Picture(-90.0, 0.0)})
+    assert said(pictured(ViewHint(180.0, -40.0)), "C2 looks at the car from where")
+    assert said(pictured(ViewHint(0.0, 20.0, ("mast.R",))), "patch mast.R, which there is not")
+    wheel = replace(SEDAN, pictures={**SEDAN.pictures, "WF.R": ViewHint(-90.0, 0.0)})
     assert said(wheel, "WF.R looks at the car from where")
     without = {name: shown for name, shown in SEDAN.pictures.items() if name != "C2"}
     assert said(replace(SEDAN, pictures=without), "C2 has no picture")

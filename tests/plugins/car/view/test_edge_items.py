@@ -19,7 +19,7 @@ from bozzetto_car.view.edge_items import (
     network_lines,
     sources_of,
 )
-from bozzetto_car.view.scene import hanging_on_view
+from bozzetto_car.view.scene import view_dependent_scene
 from tests.plugins.car.marked_car import locked_creases, marked
 from tests.plugins.car.traced_car import curve, view
 
@@ -72,7 +72,7 @@ def test_angles_stand_apart_on_the_side_that_is_seen() -> None:
 def test_angles_hang_on_the_view_and_are_there_only_if_wanted() -> None:
     camera = view(50.0, 12.0)
     for wanted in (False, True):
-        layers = hanging_on_view(replace(STATE, creases=wanted), BODY, camera).layers
+        layers = view_dependent_scene(replace(STATE, creases=wanted), BODY, camera).layers
         assert ("angles" in [layer.name for layer in layers]) == wanted
 
 

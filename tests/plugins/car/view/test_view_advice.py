@@ -12,11 +12,11 @@ from bozzetto.testing import same
 from bozzetto.view import Camera
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto_car.body.build import body_of
-from bozzetto_car.camera.sketch_camera import Stand, flat_stand
+from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.marking.next_mark import asked_of
 from bozzetto_car.modeler import Car
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.view.view_advice import advice_on, stand_seen, view_after
+from bozzetto_car.view.view_advice import advice_on, camera_looked_through, view_after
 from tests.plugins.car.penned import (
     CANVAS,
     CONTEXT,
@@ -63,33 +63,33 @@ def panned(camera: Camera) -> Camera:
 # -- windows ---------------------------------------------------------------------------------------
 
 
-def stands():
+def sketch_cameras():
     away = (-3500.0, 5000.0, 2400.0)
     lens = Camera(eye=away, target=(2400.0, 0.0, 700.0), fov_y=28.0, viewport=PICTURE)
     flat = Camera("orthographic", away, (2400.0, 0.0, 700.0), height=3900.0, viewport=PICTURE)
     return {
-        "flat": flat_stand(PICTURE),
-        "perspective": Stand(lens),
-        "cropped": Stand(lens, (130.0, -70.0)),
-        "orthographic": Stand(flat, (40.0, 25.0)),
+        "flat": upright_camera(PICTURE),
+        "perspective": SketchCamera(lens),
+        "cropped": SketchCamera(lens, (130.0, -70.0)),
+        "orthographic": SketchCamera(flat, (40.0, 25.0)),
     }
 
 
 @pytest.mark.parametrize("name", ["flat", "perspective", "cropped", "orthographic"])
 def test_the_window_of_a_view_gives_the_view_back(name):
-    stand = stands()[name]
-    for camera in (stand.view(CANVAS), panned(stand.view(CANVAS))):
-        again = stand.windowed(CANVAS, stand.window(camera))
+    sketch_camera = sketch_cameras()[name]
+    for camera in (sketch_camera.view(CANVAS), panned(sketch_camera.view(CANVAS))):
+        again = sketch_camera.windowed(CANVAS, sketch_camera.window(camera))
         grid = np.stack(np.meshgrid([0.0, 400.0, 987.0], [0.0, 300.0, 727.0]), axis=-1)
-        there = stand.seen_at(camera, grid.reshape(-1, 2))
-        assert stand.seen_at(again, grid.reshape(-1, 2)) == pytest.approx(there, abs=1e-6)
-        assert stand.is_seen_through(again)
+        there = sketch_camera.seen_at(camera, grid.reshape(-1, 2))
+        assert sketch_camera.seen_at(again, grid.reshape(-1, 2)) == pytest.approx(there, abs=1e-6)
+        assert sketch_camera.is_seen_through(again)
 
 
 @pytest.mark.parametrize("first", ["flat", "perspective", "cropped", "orthographic"])
 @pytest.mark.parametrize("second", ["flat", "perspective", "orthographic"])
 def test_another_camera_shows_the_same_window(first, second):
-    old, new = stands()[first], stands()[second]
+    old, new = sketch_cameras()[first], sketch_cameras()[second]
     camera = panned(old.view(CANVAS))
     window = old.window(camera)
     made = new.windowed(CANVAS, window)
@@ -115,13 +115,13 @@ def test_a_view_through_the_sketch_is_pinned(known):
 def test_the_view_goes_along_with_a_mark_that_moves_the_camera(known):
     camera = panned(through(known))
     assert advised(known, camera).pinned
-    before = body_of(known).stands["one"].window(camera)
+    before = body_of(known).sketch_cameras["one"].window(camera)
     state = nudged(known)
-    stand = body_of(state).stands["one"]
-    assert not stand.is_seen_through(camera)
+    sketch_camera = body_of(state).sketch_cameras["one"]
+    assert not sketch_camera.is_seen_through(camera)
     there = view_after(known, state, camera)
-    assert stand.is_seen_through(there)
-    assert stand.window(there)[0] == pytest.approx(before[0], abs=1e-6)
+    assert sketch_camera.is_seen_through(there)
+    assert sketch_camera.window(there)[0] == pytest.approx(before[0], abs=1e-6)
     after = advised(state, there)
     assert after.pinned
     assert not after.follow
@@ -144,17 +144,19 @@ def test_the_sixth_mark_brings_the_view_from_the_sheet_to_the_camera_found():
     camera = panned(through(state))
     assert camera.kind == "orthographic"
     assert advised(state, camera).pinned
-    window = body_of(state).stands["one"].window(camera)
+    window = body_of(state).sketch_cameras["one"].window(camera)
     truth = places_of(FRONT)
     six = tapped(state, truth[asked_of(state, body_of(state).solved).node])
     assert body_of(six).solved.placed["one"].is_known
     there = followed(six, camera, state)
-    stand = body_of(six).stands["one"]
-    assert stand.is_seen_through(there)
-    assert stand.window(there)[0] == pytest.approx(window[0], abs=1e-6)
+    sketch_camera = body_of(six).sketch_cameras["one"]
+    assert sketch_camera.is_seen_through(there)
+    assert sketch_camera.window(there)[0] == pytest.approx(window[0], abs=1e-6)
     # Undo, and the view is back where it was.
     back = followed(state, there, six)
-    assert body_of(state).stands["one"].window(back) == pytest.approx(window, rel=0.03, abs=10.0)
+    assert body_of(state).sketch_cameras["one"].window(back) == pytest.approx(
+        window, rel=0.03, abs=10.0
+    )
 
 
 def test_a_view_that_was_turned_is_left_alone(known):
@@ -165,7 +167,7 @@ def test_a_view_that_was_turned_is_left_alone(known):
     advice = advised(state, turned)
     assert not advice.pinned
     assert not advice.follow
-    assert body_of(state).stands["one"].is_seen_through(advice.better)
+    assert body_of(state).sketch_cameras["one"].is_seen_through(advice.better)
     assert {layer.name for layer in advice.scene.layers if not layer.items} >= {"sketch", "marks"}
 
 
@@ -188,7 +190,7 @@ def test_a_sketch_that_is_chosen_comes_into_view(known):
     advised(replace(both, selected="one"), first_view)
     advice = advised(both, first_view)
     assert advice.follow
-    assert body_of(both).stands["two"].is_seen_through(advice.better)
+    assert body_of(both).sketch_cameras["two"].is_seen_through(advice.better)
     # While something else is chosen, such as a styling curve, nothing moves.
     assert not advised(replace(both, selected="curve"), advice.better).follow
 
@@ -198,9 +200,9 @@ def test_a_picture_that_comes_in_is_where_better_leads():
     state = Car().with_picture(CarState(), picture, CONTEXT)
     camera = CONTEXT.camera
     advice = advised(state, camera)
-    stand = body_of(state).stands[state.sketch.id]
-    assert stand.is_seen_through(advice.better)
-    corners = advice.better.project(stand.lifted([(0, 0), (60, 0), (0, 40), (60, 40)]))[0]
+    sketch_camera = body_of(state).sketch_cameras[state.sketch.id]
+    assert sketch_camera.is_seen_through(advice.better)
+    corners = advice.better.project(sketch_camera.lifted([(0, 0), (60, 0), (0, 40), (60, 40)]))[0]
     assert ((corners >= 0.0) & (corners <= camera.viewport)).all()
 
 
@@ -261,4 +263,4 @@ def test_without_a_sketch_every_view_is_good():
 
 def test_stands_of_other_sketches_are_not_mistaken(known):
     other = replace(known.sketch, id="other", marks=())
-    assert stand_seen(other, body_of(known), through(known)) is None
+    assert camera_looked_through(other, body_of(known), through(known)) is None

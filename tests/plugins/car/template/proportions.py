@@ -13,8 +13,6 @@ import numpy as np
 
 from bozzetto_car.template.model import Template
 
-__all__ = ["Proportions"]
-
 STEPS: Final = 64
 """Samples of each edge. On one a metre long with a sagitta of 10 cm the farthest place is
 missed by less than 0.03 mm."""
