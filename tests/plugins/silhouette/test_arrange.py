@@ -209,8 +209,8 @@ def test_handles_are_apart_from_every_side(view: str) -> None:
         Drag("joint", Pen(FRONT).circle()),
         Drag("", Pen(FRONT).dot()),
         Ink((Pen(FRONT).circle(),)),
-        Drag("move:n2", Stroke([0, 3e38], [0, -3e38], FRONT)),
-        Drag("size:n2", Stroke([600, 3e38], [0, 3e38], FRONT)),
+        Drag("move:n2", Stroke([0, 1e9], [0, -1e9], FRONT)),
+        Drag("size:n2", Stroke([600, 1e9], [0, 1e9], FRONT)),
         Drag("turn:n2", Pen(Camera(eye=(0, 500, 0), target=(0, 900, 0))).circle()),
     ],
 )
