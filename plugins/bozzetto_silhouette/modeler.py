@@ -21,8 +21,7 @@ from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.evaluate import tree_body
-from bozzetto_silhouette.solids.part_solid import solid_of
+from bozzetto_silhouette.solids.evaluate import evaluated
 from bozzetto_silhouette.solids.placements import placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.view.handles import handles_layer
@@ -101,12 +100,7 @@ class Silhouette:
         resolution = state.resolution
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
-        body = tree_body(state, resolution, job.checkpoint)
-        solids = {
-            part.id: solid_of(part, resolution)
-            for part in shown_parts(state)
-            if part.surface != "straight"
-        }
+        body, solids = evaluated(state, resolution, job.checkpoint)
         final = job.quality == "final"
         if body is None:
             return SilhouetteResult(None, None, None, None, final, solids)

@@ -25,6 +25,10 @@ MOST_STROKES = 1_000
 CLUMP = 2e-4
 """Samples closer than this to the one before are one sample."""
 
+MOST_SAMPLES = 10_000
+"""Samples that are kept of one line, and of one ring: with more of them a solid takes longer than
+five seconds. A hand draws a few hundred."""
+
 HOOK = 0.022
 """A hook at the start or end of a stroke is not longer than this."""
 HOOK_TURN = np.deg2rad(50.0)
@@ -94,7 +98,7 @@ def rings_from_strokes(
     lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
     rings = [_closed(chain) for chain in _chains([without_hooks(s) for s in lines])]
-    rings = [r for r in rings if len(r) >= 3]
+    rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
     clean: list[Points] = []
     for ring in rings:
@@ -135,12 +139,22 @@ def _arc(line: Points) -> Points:
 
 
 def thinned(line: Points) -> Points:
-    """Drop samples that repeat or clump; the last sample stays."""
-    keep = [0]
-    for i in range(1, len(line)):
-        d = line[i] - line[keep[-1]]
-        if d[0] * d[0] + d[1] * d[1] > CLUMP * CLUMP:
-            keep.append(i)
+    """Drop samples that repeat or clump, and of a very long line all but `MOST_SAMPLES`."""
+    clump = CLUMP
+    line = _without_clumps(line, clump)
+    while len(line) > MOST_SAMPLES:
+        clump *= 2.0
+        line = _without_clumps(line, clump)
+    return line
+
+
+def _without_clumps(line: Points, clump: float) -> Points:
+    """Drop samples closer than `clump` to the one kept before them."""
+    keep, (x, y), square = [0], line[0].tolist(), clump * clump
+    for number, (px, py) in enumerate(line.tolist()):
+        if (px - x) * (px - x) + (py - y) * (py - y) > square:
+            keep.append(number)
+            x, y = px, py
     return line[keep]
 
 

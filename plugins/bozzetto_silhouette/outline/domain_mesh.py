@@ -37,8 +37,9 @@ _ROUNDING = 1e-3
 convex hull outwards, by no more than 1e-10 of the size between neighbours, but enough for
 samples on them to be real corners and not the tips of triangles without area."""
 
-_REPAIRS = 5
-"""Rounds of mending outline edges that the triangulation does not contain."""
+_REPAIRS = 10
+"""Rounds of mending outline edges that the triangulation does not contain. Each leaves about a
+quarter of them; a ragged outline of thousands of corners begins with hundreds."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.outline.boundary_sampling import Rim, sample_rim
+from bozzetto_silhouette.outline.boundary_sampling import Rim, corner_mask, sample_rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chordal_axis, simplified
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.sketchco_skeleton import paper_skeleton
@@ -26,6 +26,11 @@ SKELETON_STEPS = 230
 MOST_SAMPLES = 20_000
 """Samples of the outline beyond which the fit's tables would not fit into memory; a horse
 has three hundred."""
+
+INTRICATE = (
+    "This drawing is too intricate to swell in one piece. Simplify it, or build its parts one by "
+    "one."
+)
 
 SKELETON_TOLERANCE = 5e-3
 """Simplification of the skeleton, as a share of the longest side."""
@@ -96,16 +101,15 @@ def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
     low, high = outline.bounds
     scale, origin = outline.size, 0.5 * (low + high)
     inner = outline.transformed(1.0 / scale, -origin / scale)
+    if sum(int(corner_mask(ring).sum()) for ring in inner.rings) > MOST_SAMPLES:
+        raise UserError(INTRICATE)  # every corner becomes a sample
     perimeter = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in inner.rings)
     step = min(perimeter / SKELETON_STEPS, 0.03)
     rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8)
     if not rim.simple:
         rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8, every_vertex=True)
     if len(rim.points) > MOST_SAMPLES:
-        raise UserError(
-            "This drawing is too intricate to swell in one piece. Simplify it, or build its "
-            "parts one by one."
-        )
+        raise UserError(INTRICATE)
     sampled = Outline(rim.rings, inner.parents)
     axis = chordal_axis(sampled)
     skeleton = simplified(axis, SKELETON_TOLERANCE) if rule == "exact" else _papers(sampled)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
     from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
+    from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 
 __all__ = ["Body"]
 
@@ -53,6 +54,8 @@ class Body:
         What a variational surface interpolates; such surfaces blend by what they interpolate.
     known : Manifold, optional
         The same mesh as manifold3d sees it, where it is at hand.
+    solid : SilhouetteSolid, optional
+        For a part by itself: its solid, in the part's object frame.
     """
 
     vertices: Points
@@ -66,6 +69,7 @@ class Body:
     creases: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp))
     constraints: Constraints | None = None
     known: Manifold | None = None
+    solid: SilhouetteSolid | None = None
 
     @cached_property
     def manifold(self) -> Manifold:

@@ -80,6 +80,7 @@ def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
         float(solid.skeleton.nodes[:, 2].max()),
         solid.step,
         constraints=constraints_on(solid, relief) if part.surface == "variational" else None,
+        solid=solid,
     )
 
 
