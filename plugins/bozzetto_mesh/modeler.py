@@ -10,8 +10,6 @@ from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from bozzetto.plugin import Context, Job, Tool
 from bozzetto.scene import Layer, Scene, Shaded
 
-__all__ = ["ImportedMesh", "MeshState"]
-
 
 @dataclass(frozen=True)
 class MeshState:

@@ -27,8 +27,6 @@ from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.view.handles import handles_layer
 from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
 
-__all__ = ["Silhouette", "SilhouetteResult"]
-
 PREVIEW_RESOLUTION = 64
 """Cells along the longest side for an answer within a blink."""
 

@@ -15,8 +15,6 @@ from bozzetto.plugin import Context, Job, Parameter, Tool
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
 
-__all__ = ["RoughSkin", "Skin", "SkinState"]
-
 Array = NDArray[np.float64]
 
 PREVIEW_LEVEL: Final = 4

@@ -12,8 +12,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.geometry.curve_flattening import flattened
 
-__all__ = ["polylines"]
-
 Array = NDArray[np.float64]
 
 STEPS: Final = 24

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.analysis.projected_outline import shadow_of
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.outline.outline import Outline
-
-__all__ = ["Fidelity", "area_of", "deviation_along", "measure"]
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -112,9 +110,7 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
     )
 
 
-def deviation_along(
-    solid: SilhouetteSolid, ring: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def deviation_along(solid: SilhouetteSolid, ring: Floats) -> tuple[Floats, Floats]:
     """How far a solid's silhouette is from a drawn ring, along the ring.
 
     Returns
@@ -144,7 +140,7 @@ def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
     return _shadows.recall(solid, lambda: shadow_of(solid.vertices, solid.faces))
 
 
-def area_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+def area_of(vertices: Floats, faces: Faces) -> float:
     """Area of a mesh (v, 3), (f, 3)."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())

@@ -20,8 +20,6 @@ from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.placements import placement_of, shown_parts
 
-__all__ = ["cautions_of", "fidelity_of", "report_of"]
-
 PRINTABLE_WALL = 0.8
 """Thinnest wall that common printers hold, mm: two lines of a 0.4 mm nozzle."""
 

@@ -11,16 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Rays
-
-__all__ = ["Walls", "walls_of"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Faces, Floats, Indices
 
 RAYS = 2000
 """Facets that are looked at, and places beside: meshes are finest where they are thin."""
@@ -69,7 +65,7 @@ class Walls:
     detail: float
 
 
-def walls_of(vertices: Points, faces: NDArray[np.int32]) -> Walls:
+def walls_of(vertices: Floats, faces: Faces) -> Walls:
     """Measure a closed mesh (v, 3), (f, 3), oriented outwards."""
     low = vertices.min(axis=0)
     size = float((vertices.max(axis=0) - low).max())
@@ -111,7 +107,7 @@ def walls_of(vertices: Points, faces: NDArray[np.int32]) -> Walls:
     return Walls(size * float(thickness[thinnest]), (x, y, z), size * detail)
 
 
-def _first_wall(middle: Points, thickness: Points, area: Points, order: NDArray[np.intp]) -> int:
+def _first_wall(middle: Floats, thickness: Floats, area: Floats, order: Indices) -> int:
     """The thinnest sample that is no tip; the thickest where all are."""
     from scipy.spatial import cKDTree
 

@@ -17,11 +17,9 @@ from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.appearance.vertex_colors import Coat
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Picture
 
-__all__ = ["Projection", "axes_of", "projection_of", "texel_of"]
-
-Array = NDArray[np.float64]
 Pixels = NDArray[np.float32]
 
 INSET = 0.06
@@ -56,7 +54,7 @@ class Level(NamedTuple):
     """
 
     pixels: Pixels
-    extent: Array
+    extent: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +74,7 @@ class Projection:
     soft: Level
     inset: float
 
-    def coat(self, points: Array, normals: Array) -> Coat:
+    def coat(self, points: Floats, normals: Floats) -> Coat:
         """Colours of surface points (n, 3) with unit normals (n, 3)."""
         picture = self.picture
         edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
@@ -121,7 +119,7 @@ def texel_of(picture: Picture) -> float:
     return float(max(min(across / width, down / height), 1e-300))
 
 
-def axes_of(picture: Picture) -> Array:
+def axes_of(picture: Picture) -> Floats:
     """Rows: right and down in the picture, and towards its viewer; orthonormal, (3, 3)."""
     edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
     square = np.linalg.qr(edges, mode="complete")[0].T
@@ -157,7 +155,7 @@ def _softened(level: Level, sigma: float) -> Level:
     return Level(np.asarray(softened, np.float32), level.extent)
 
 
-def _sampled(level: Level, uv: Array) -> Pixels:
+def _sampled(level: Level, uv: Floats) -> Pixels:
     """Bilinear values (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
     width = level.pixels.shape[1]
     places = np.clip(uv, 0.0, 1.0) * level.extent + 0.5
@@ -173,6 +171,6 @@ def _sampled(level: Level, uv: Array) -> Pixels:
     return values
 
 
-def _smooth_step(t: Array) -> Array:
+def _smooth_step(t: Floats) -> Floats:
     t = np.clip(t, 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t), np.float64)

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 from bozzetto.geometry import Texture
 from bozzetto_silhouette.appearance.uv_charts import Layout, laid_out
 from bozzetto_silhouette.appearance.vertex_colors import Coat
+from bozzetto_silhouette.arrays import Faces, Flags, Floats
 
-__all__ = ["Paint", "baked"]
-
-Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-Paint = Callable[[Index, Array, float], Coat]
+Paint = Callable[[Index, Floats, float], Coat]
 """Colours of points on a surface from their faces (n,), their barycentric weights (n, 3), and
 the distance between them, mm."""
 
@@ -23,9 +21,7 @@ AT_ONCE = 1 << 17
 """Texels coloured in one sweep: their arrays stay in the processor's cache."""
 
 
-def baked(
-    vertices: Array, faces: NDArray[np.int32], axes: Array, density: float, paint: Paint
-) -> Texture:
+def baked(vertices: Floats, faces: Faces, axes: Floats, density: float, paint: Paint) -> Texture:
     """Lay a closed mesh out and colour every texel.
 
     Parameters
@@ -54,7 +50,7 @@ def baked(
     return Texture(pixels.reshape(height, width, 4), corners)
 
 
-def _texels(layout: Layout) -> tuple[Index, Index, Array]:
+def _texels(layout: Layout) -> tuple[Index, Index, Floats]:
     """Texels of the atlas, the face that each shows, and where on it.
 
     A face too thin to cover the middle of a texel shows at those that its corners are in, if
@@ -78,7 +74,7 @@ def _texels(layout: Layout) -> tuple[Index, Index, Array]:
     )
 
 
-def _barycentric(corners: Array, points: Array) -> Array:
+def _barycentric(corners: Floats, points: Floats) -> Floats:
     """Weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
     (ax, ay), (bx, by) = (corners[:, k].T - corners[:, 0].T for k in (1, 2))
     px, py = points.T - corners[:, 0].T
@@ -88,7 +84,7 @@ def _barycentric(corners: Array, points: Array) -> Array:
     return np.column_stack([1.0 - second - third, second, third])
 
 
-def _spread(pixels: NDArray[np.uint8], known: NDArray[np.bool_]) -> None:
+def _spread(pixels: NDArray[np.uint8], known: Flags) -> None:
     """Fill every unknown texel with the colour of the nearest known one, in place.
 
     So neither the seams of charts nor smaller copies of the picture show what is between.

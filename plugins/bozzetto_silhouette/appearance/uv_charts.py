@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
+from bozzetto_silhouette.arrays import Faces, Floats
 
-__all__ = ["MOST", "Layout", "laid_out"]
-
-Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 MOST = 2048
@@ -55,13 +53,13 @@ class Layout(NamedTuple):
         Which face owns each texel whose middle it covers.
     """
 
-    places: Array
+    places: Floats
     size: tuple[int, int]
     density: float
     texels: Buffer
 
 
-def laid_out(vertices: Array, faces: NDArray[np.int32], axes: Array, density: float) -> Layout:
+def laid_out(vertices: Floats, faces: Faces, axes: Floats, density: float) -> Layout:
     """Lay a closed mesh out without overlaps.
 
     Parameters
@@ -89,7 +87,7 @@ def laid_out(vertices: Array, faces: NDArray[np.int32], axes: Array, density: fl
     return layout
 
 
-def _neighbours(faces: NDArray[np.int32]) -> Index:
+def _neighbours(faces: Faces) -> Index:
     """The face beyond every edge, (f, 3); -1 where there is none."""
     begin, end = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
     count = int(faces.max(initial=0)) + 1
@@ -101,7 +99,7 @@ def _neighbours(faces: NDArray[np.int32]) -> Index:
     return beyond
 
 
-def _labels(corners: Array, beside: Index) -> Index:
+def _labels(corners: Floats, beside: Index) -> Index:
     """Which of six directions each face looks to: 2 axis + (1 where it looks against it)."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -129,7 +127,7 @@ def _components(beside: Index, kind: Index) -> Index:
     return np.asarray(connected_components(links, directed=False)[1], np.int64)
 
 
-def _flat(corners: Array, label: Index) -> Array:
+def _flat(corners: Floats, label: Index) -> Floats:
     """Corners projected along the direction of their chart, (f, 3, 2)."""
     axis = label // 2
     right, down = np.where(axis == 0, 2, 0), np.where(axis == 1, 2, 1)
@@ -138,7 +136,7 @@ def _flat(corners: Array, label: Index) -> Array:
     return np.stack([corners[rows, sides, right[:, None]], corners[rows, sides, down[:, None]]], 2)
 
 
-def _packed(flat: Array, chart: Index, density: float) -> Layout:
+def _packed(flat: Floats, chart: Index, density: float) -> Layout:
     """Charts on shelves, the highest first, in the smallest atlas that holds them."""
     count = int(chart.max(initial=0)) + 1
     low = np.full((count, 2), np.inf)
@@ -157,7 +155,7 @@ def _packed(flat: Array, chart: Index, density: float) -> Layout:
     return Layout(places, size, density, blank(*size))
 
 
-def _extents(spans: Array, density: float) -> Index:
+def _extents(spans: Floats, density: float) -> Index:
     return np.asarray(np.ceil(spans * density), np.int64) + 2 * PADDING + 1
 
 
@@ -192,7 +190,7 @@ def _sizes(most: int) -> list[tuple[int, int]]:
     return sizes
 
 
-def _hidden(layout: Layout, corners: Array, label: Index) -> Index:
+def _hidden(layout: Layout, corners: Floats, label: Index) -> Index:
     """Faces that lie behind another one somewhere in the atlas; fills `layout.texels`."""
     axis, against = label // 2, label % 2
     depth = corners[np.arange(len(label))[:, None], np.arange(3)[None], axis[:, None]]

@@ -12,14 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, box_distance
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.model.state import Color, Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
-
-__all__ = ["Coat", "Creases", "bare", "color_of", "creases_between", "part_coat"]
-
-Array = NDArray[np.float64]
 
 TIE = 0.02
 """Share of the mesh's step by which the later of two parts wins where both surfaces coincide:
@@ -48,8 +45,8 @@ class Coat:
         0 to 1: how much of its colour a point has of its own; the rest is the object's.
     """
 
-    rgb: Array
-    cover: Array
+    rgb: Floats
+    cover: Floats
 
     def over(self, under: Coat) -> Coat:
         """The coat laid on another one."""
@@ -58,7 +55,7 @@ class Coat:
             self.rgb + bare_share[:, None] * under.rgb, self.cover + bare_share * under.cover
         )
 
-    def mixed(self, other: Coat, share: Array) -> Coat:
+    def mixed(self, other: Coat, share: Floats) -> Coat:
         """The coat with a share (n,) of the other one's place in it, 0 to 1."""
         kept = 1.0 - share
         return Coat(
@@ -66,7 +63,7 @@ class Coat:
             kept * self.cover + share * other.cover,
         )
 
-    def at(self, index: NDArray[np.intp]) -> Coat:
+    def at(self, index: Indices) -> Coat:
         """The coat of some of the points."""
         return Coat(self.rgb[index], self.cover[index])
 
@@ -93,8 +90,8 @@ class Creases:
         Of the corners.
     """
 
-    face: NDArray[np.intp]
-    corner: NDArray[np.intp]
+    face: Indices
+    corner: Indices
     coat: Coat
 
 
@@ -110,7 +107,7 @@ def color_of(part: Part) -> Color | None:
     return next((stroke.color for stroke in part.strokes if stroke.color is not None), None)
 
 
-def part_coat(state: SilhouetteState, body: Body, points: Array | None = None) -> Coat | None:
+def part_coat(state: SilhouetteState, body: Body, points: Floats | None = None) -> Coat | None:
     """The colours of a body's vertices, or of other points on it; None where it has none.
 
     A part that carves or intersects gives its colour to the walls that it makes; without a
@@ -196,7 +193,7 @@ class _Painted:
         self._colors = iter(colors)
         self._tie = tie
 
-    def at(self, solid: Implicit, points: Array, slack: float) -> tuple[Array, Coat]:
+    def at(self, solid: Implicit, points: Floats, slack: float) -> tuple[Floats, Coat]:
         """Values and colours at points (n, 3).
 
         Parameters
@@ -220,7 +217,7 @@ class _Painted:
         value[near] = solid.value(points[near])
         return value, coat
 
-    def _combined(self, solid: Composite, points: Array, slack: float) -> tuple[Array, Coat]:
+    def _combined(self, solid: Composite, points: Floats, slack: float) -> tuple[Floats, Coat]:
         first, under = self.at(solid.first, points, slack)
         second, coat = self.at(solid.second, points, slack)
         if solid.operation in ("add", "merge"):
@@ -231,7 +228,7 @@ class _Painted:
         whole = Coat(coat.rgb * wall[:, None], coat.cover * wall).over(under)
         return np.minimum(first, second), whole
 
-    def _share(self, first: Array, second: Array, solid: Composite) -> Array:
+    def _share(self, first: Floats, second: Floats, solid: Composite) -> Floats:
         """How much of a point belongs to the second of two, by how far it exceeds the first."""
         if solid.reach <= 0.0:
             return np.asarray(second - first >= -self._tie, np.float64)

@@ -9,13 +9,9 @@ the distance k from it.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
-
-__all__ = ["flipped", "smooth_maximum", "summed"]
-
-Points = NDArray[np.float64]
 
 ORDER = 3.5
 """Power to which the potential of the scale-invariant kernel falls off around a tube (Zanni
@@ -27,7 +23,7 @@ def flipped(sample: Sample) -> Sample:
     return Sample(-sample.value, -sample.gradient, sample.curvature)
 
 
-def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Sample:
+def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Sample:
     """Union that knows the angle: sides that meet smoothly are not swollen.
 
     The polynomial smooth maximum ``max + (k - |a - b|)^2 / 4k`` with the reach
@@ -54,7 +50,7 @@ def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Samp
     return _mixed(value, share, first, 1.0 - share, second)
 
 
-def summed(first: Sample, second: Sample, reach: Points | float) -> Sample:
+def summed(first: Sample, second: Sample, reach: Floats | float) -> Sample:
     """Union as of one field: the potentials of both are added.
 
     Around a tube of radius r the scale-invariant kernel of support r + k makes the potential
@@ -77,7 +73,7 @@ def summed(first: Sample, second: Sample, reach: Points | float) -> Sample:
     return _mixed(value, one, first, other, second)
 
 
-def _mixed(value: Points, one: Points, first: Sample, other: Points, second: Sample) -> Sample:
+def _mixed(value: Floats, one: Floats, first: Sample, other: Floats, second: Sample) -> Sample:
     """A sample whose value grows by so much of the one and so much of the other."""
     gradient = one[:, None] * first.gradient + other[:, None] * second.gradient
     total = np.maximum(one + other, 1e-300)
@@ -85,6 +81,6 @@ def _mixed(value: Points, one: Points, first: Sample, other: Points, second: Sam
     return Sample(value, gradient, curvature)
 
 
-def _dot(a: Points, b: Points) -> Points:
-    product: Points = np.einsum("ij,ij->i", a, b)
+def _dot(a: Floats, b: Floats) -> Floats:
+    product: Floats = np.einsum("ij,ij->i", a, b)
     return product

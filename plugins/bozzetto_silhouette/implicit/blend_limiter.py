@@ -7,14 +7,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bozzetto_silhouette.arrays import Floats
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-__all__ = ["Taming"]
-
-Points = NDArray[np.float64]
 
 _CORE = 0.5
 """Share of a place's radius within which all of it holds; from there it fades."""
@@ -36,16 +34,16 @@ class Taming:
         Of the blend that is left there.
     """
 
-    places: Points
-    radii: Points
-    shares: Points
+    places: Floats
+    radii: Floats
+    shares: Floats
 
     @classmethod
     def none(cls) -> Taming:
         """The whole blend everywhere."""
         return cls(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
 
-    def share(self, points: Points) -> Points:
+    def share(self, points: Floats) -> Floats:
         """Share of the blend (n,) at points (n, 3): the smallest that a place near by leaves."""
         if not len(self.places):
             return np.ones(len(points))
@@ -58,10 +56,10 @@ class Taming:
         way = np.where(near, distance, np.inf) / self.radii[index]
         fade = np.clip((way - _CORE) / (1.0 - _CORE), 0.0, 1.0)
         fade = fade * fade * (3.0 - 2.0 * fade)
-        least: Points = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
+        least: Floats = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
         return least
 
-    def also(self, places: Points, radii: Points, shares: Points) -> Taming:
+    def also(self, places: Floats, radii: Floats, shares: Floats) -> Taming:
         """With more places; those so close to each other that one does for both are one."""
         cell = np.round(places / (_CORE * radii[:, None])).astype(np.int64)
         _, kept = np.unique(cell, axis=0, return_index=True)

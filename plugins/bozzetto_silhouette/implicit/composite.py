@@ -7,16 +7,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
 from bozzetto_silhouette.implicit.blend_limiter import Taming
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
 from bozzetto_silhouette.model.state import Operation
-
-__all__ = ["Composite", "Sides", "box_distance", "localized", "signature"]
-
-Points = NDArray[np.float64]
 
 _NARROWING = 8
 """Power of the smooth minimum of reaches: three equal ones give 87 % of each."""
@@ -40,7 +36,7 @@ class Sides(NamedTuple):
 
     first: Sample
     second: Sample
-    reach: Points
+    reach: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +65,7 @@ class Composite:
     taming: Taming = field(default_factory=Taming.none)
 
     @cached_property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """A box around the solid; blends fill no more than a quarter of their reach."""
         (low, high), (other_low, other_high) = self.first.bounds, self.second.bounds
         if self.operation == "carve":
@@ -80,11 +76,11 @@ class Composite:
         swell = 0.25 * self.reach
         return np.stack([np.minimum(low, other_low) - swell, np.maximum(high, other_high) + swell])
 
-    def value(self, points: Points) -> Points:
+    def value(self, points: Floats) -> Floats:
         """Values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Points) -> Sample:
+    def sample(self, points: Floats) -> Sample:
         """Values and gradients at points (n, 3)."""
         return self.blended(self.sides(points))
 
@@ -92,7 +88,7 @@ class Composite:
         """The same with a share of its blend."""
         return replace(self, blend=share * self.blend, reach=share * self.reach)
 
-    def sides(self, points: Points) -> Sides:
+    def sides(self, points: Floats) -> Sides:
         """Samples of both solids; where one cannot matter, only a bound of it."""
         first, second = self._samples(points)
         reach = self._local_reach(first, second)
@@ -100,12 +96,12 @@ class Composite:
             reach = reach * self.taming.share(points)
         return Sides(first, second, reach)
 
-    def within(self, box: Points, margin: float) -> Composite:
+    def within(self, box: Floats, margin: float) -> Composite:
         """The same with `localized` operands."""
         first, second = (localized(side, box, margin) for side in (self.first, self.second))
         return replace(self, first=first, second=second)
 
-    def felt(self, points: Points) -> NDArray[np.bool_]:
+    def felt(self, points: Floats) -> Flags:
         """Where (n,) the blend may make a difference, by the boxes alone."""
         far = self.reach / _FALL
         return (box_distance(points, self.first.bounds) <= far) & (
@@ -123,14 +119,14 @@ class Composite:
             return summed(first, second, reach)
         return smooth_maximum(first, second, reach)
 
-    def sharp(self, sides: Sides) -> Points:
+    def sharp(self, sides: Sides) -> Floats:
         """Values (n,) without the blend."""
         one, other = sides.first.value, sides.second.value
         if self.operation == "carve":
             return np.minimum(one, -other)
         return np.minimum(one, other) if self.operation == "intersect" else np.maximum(one, other)
 
-    def _samples(self, points: Points) -> tuple[Sample, Sample]:
+    def _samples(self, points: Floats) -> tuple[Sample, Sample]:
         if self.operation == "intersect":
             return self.first.sample(points), self.second.sample(points)
         far = -_FALL * box_distance(points, self.second.bounds)
@@ -146,7 +142,7 @@ class Composite:
         late = leads & (far > first.value - self.reach)
         return first, _where(self.second, points, far, late, second)
 
-    def _local_reach(self, first: Sample, second: Sample) -> Points:
+    def _local_reach(self, first: Sample, second: Sample) -> Floats:
         """Reach of the blend (n,): of the thinner of the two there, and nowhere the largest.
 
         A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and
@@ -162,7 +158,7 @@ class Composite:
         )
 
 
-def localized(solid: Implicit, box: Points, margin: float) -> Implicit:
+def localized(solid: Implicit, box: Floats, margin: float) -> Implicit:
     """A solid without the operands that are too far from a box (2, 3) to be felt in it.
 
     In the box it is the same wherever the values that are blended lie between -margin and
@@ -194,29 +190,29 @@ def signature(solid: Implicit) -> object:
     return solid
 
 
-def _corners(box: Points) -> Points:
+def _corners(box: Floats) -> Floats:
     x, y, z = box.T
     return np.array([[i, j, k] for i in x for j in y for k in z])
 
 
-def _box_gap(box: Points, other: Points) -> float:
+def _box_gap(box: Floats, other: Floats) -> float:
     """Distance between two boxes (2, 3)."""
     beyond = np.maximum(np.maximum(box[0] - other[1], other[0] - box[1]), 0.0)
     return float(np.sqrt((beyond**2).sum()))
 
 
-def box_distance(points: Points, bounds: Points) -> Points:
+def box_distance(points: Floats, bounds: Floats) -> Floats:
     """Distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
     beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
-    distance: Points = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
+    distance: Floats = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
     return distance
 
 
 def _where(
     solid: Implicit,
-    points: Points,
-    bound: Points,
-    wanted: NDArray[np.bool_],
+    points: Floats,
+    bound: Floats,
+    wanted: Flags,
     known: Sample | None = None,
 ) -> Sample:
     """A solid's sample where wanted; elsewhere what is known, else a bound of the value."""

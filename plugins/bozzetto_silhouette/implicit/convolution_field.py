@@ -16,9 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.kernel_sums import THINNEST, Summation, Sums, summation_of
 from bozzetto_silhouette.implicit.weight_fit import fit_weights
 from bozzetto_silhouette.model.state import Kernel
@@ -26,10 +26,6 @@ from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["ConvolutionField", "Correction", "convolution_field", "with_correction"]
-
-Points = NDArray[np.float64]
 
 FLOOR = 0.45
 """The surface stands at least this share of a round section high (squared): where the
@@ -66,12 +62,12 @@ class Correction:
         Local radius at the foot on the outline.
     """
 
-    lift: Points
-    distance: Points
-    radius: Points
+    lift: Floats
+    distance: Floats
+    radius: Floats
 
     @property
-    def floor(self) -> Points:
+    def floor(self) -> Floats:
         """Level of the guard at depth 0: has the sign of the distance."""
         t = np.clip(self.distance / self.radius, -1.0, 1.0)
         return FLOOR * t * (2.0 - np.abs(t))
@@ -100,21 +96,21 @@ class ConvolutionField:
     """
 
     skeleton: Skeleton
-    weights: Points
+    weights: Floats
     softness: float
     summation: Summation = field(repr=False)
     rim: Rim = field(repr=False)
-    excess: Points = field(repr=False)
-    calm_excess: Points = field(repr=False)
-    summits: Points = field(repr=False)
+    excess: Floats = field(repr=False)
+    calm_excess: Floats = field(repr=False)
+    summits: Floats = field(repr=False)
     _distance: RimDistance = field(repr=False)
 
-    def correction(self, xy: Points) -> Correction:
+    def correction(self, xy: Floats) -> Correction:
         """Correction at points (n, 2) of the frame of the sums."""
         feet = self._distance(xy)
         following = self.rim.after[feet.segment]
 
-        def between(values: Points) -> Points:
+        def between(values: Floats) -> Floats:
             return (1.0 - feet.along) * values[feet.segment] + feet.along * values[following]
 
         radius = between(self.rim.radius)
@@ -131,26 +127,26 @@ class ConvolutionField:
             lift += bump @ self.summits[:, 3] / np.maximum(bump.sum(axis=1), 1.0)
         return Correction(lift, feet.distance, radius)
 
-    def raw_level(self, xy: Points, height2: Points, radius: Points) -> Points:
+    def raw_level(self, xy: Floats, height2: Floats, radius: Floats) -> Floats:
         """Level U at points (n, 2) and squared heights, not corrected, in local radii."""
         level, _ = self._summed(self.summation.over(xy), height2, radius, slope=False)
         return level
 
-    def _level(self, xy: Points, height2: Points) -> Points:
+    def _level(self, xy: Floats, height2: Floats) -> Floats:
         correction = self.correction(xy)
         level = self.raw_level(xy, height2, correction.radius)
         corrected, _ = _guarded(level, None, height2, correction)
         return corrected
 
     def _summed(
-        self, sums: Sums, height2: Points, radius: Points, *, slope: bool
-    ) -> tuple[Points, Points | None]:
+        self, sums: Sums, height2: Floats, radius: Floats, *, slope: bool
+    ) -> tuple[Floats, Floats | None]:
         """Uncorrected level U and its derivative by z^2."""
         total, descent = sums.total(self.weights, height2, slope=slope)
         level, rise = self.summation.level(np.maximum(total, _FAINT), radius)
         return level, None if descent is None else rise * descent
 
-    def heights(self, xy: Points) -> Points:
+    def heights(self, xy: Floats) -> Floats:
         """Half thickness of the solid at points (n, 2) of the plane; 0 outside."""
         sums = self.summation.over(xy)
         corrected = self.correction(xy)
@@ -177,8 +173,8 @@ class ConvolutionField:
 
 
 def _guarded(
-    level: Points, fall: Points | None, height2: Points, correction: Correction
-) -> tuple[Points, Points | None]:
+    level: Floats, fall: Floats | None, height2: Floats, correction: Correction
+) -> tuple[Floats, Floats | None]:
     """Correct the level and hold its sign to that of the drawn outline.
 
     Inside, the smooth maximum with a round tube along the outline (`FLOOR`); outside, the

@@ -15,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
     VariationalSurface,
@@ -28,11 +28,6 @@ from bozzetto_silhouette.implicit.variational import (
 from bozzetto_silhouette.outline.boundary_sampling import CORNER_TURN
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["Constraints", "Fit", "fitted"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 OUTLINE_POINTS = 120
 """Boundary constraints of a drawing that needs no more."""
@@ -91,8 +86,8 @@ class Constraints:
         Of the shape: what spacings are a share of.
     """
 
-    points: Points
-    values: Points
+    points: Floats
+    values: Floats
     size: float
 
     def placed(self, placement: Placement) -> Constraints:
@@ -173,11 +168,11 @@ def _fit(frame: Frame, most: int) -> Fit:
     return Fit(surface, both)
 
 
-def _lengths(frame: Frame) -> Points:
+def _lengths(frame: Frame) -> Floats:
     """The stretch of outline that each sample stands for."""
     rim = frame.rim
     half = 0.5 * np.hypot(*(rim.points[rim.after] - rim.points).T)
-    total: Points = half + half[rim.before]
+    total: Floats = half + half[rim.before]
     return total
 
 
@@ -196,7 +191,7 @@ def _spread(frame: Frame, count: int) -> Indices:
     return np.concatenate(picked)
 
 
-def _worst(frame: Frame, miss: Points, chosen: Indices, count: int) -> Indices:
+def _worst(frame: Frame, miss: Floats, chosen: Indices, count: int) -> Indices:
     """In the stretches between chosen samples with the most area missed, the worst sample."""
     rim = frame.rim
     taken = np.zeros(len(miss), bool)
@@ -212,8 +207,8 @@ def _worst(frame: Frame, miss: Points, chosen: Indices, count: int) -> Indices:
 
 
 def _around(
-    frame: Frame, distance: RimDistance, chosen: Indices, heights: Points
-) -> tuple[Points, Points]:
+    frame: Frame, distance: RimDistance, chosen: Indices, heights: Floats
+) -> tuple[Floats, Floats]:
     """Boundary constraints at samples of the outline, normal and height constraints."""
     rim = frame.rim
     edge = rim.points[rim.after] - rim.points
@@ -244,7 +239,7 @@ def _around(
     return points[keep], value[keep]
 
 
-def _heights(frame: Frame) -> Points:
+def _heights(frame: Frame) -> Floats:
     """A point above every node of the skeleton and above the middle of every edge, (k, 3)."""
     from scipy.spatial import cKDTree
 

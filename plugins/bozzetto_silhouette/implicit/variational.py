@@ -19,15 +19,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Sample
-
-__all__ = ["SPACING", "VariationalSurface", "apart", "interpolated"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 SPACING = 1e-3
 """Least distance of two constraints, as a share of the size. At a thousandth five hundred
@@ -52,7 +47,7 @@ CHUNK = 512
 stays in the cache, which makes it twice as fast."""
 
 
-def apart(points: Points, spacing: float) -> Indices:
+def apart(points: Floats, spacing: float) -> Indices:
     """Which points to keep so that no two are closer: the earlier one of two stays.
 
     Parameters
@@ -95,15 +90,15 @@ class VariationalSurface:
         Typical gradient of the function at the surface.
     """
 
-    bounds: Points
-    middle: Points
+    bounds: Floats
+    middle: Floats
     size: float
-    centres: Points = field(repr=False)
-    columns: Points = field(repr=False)
-    tail: Points
+    centres: Floats = field(repr=False)
+    columns: Floats = field(repr=False)
+    tail: Floats
     slope: float = 1.0
 
-    def level(self, points: Points) -> Points:
+    def level(self, points: Floats) -> Floats:
         """The function itself at points (n, 3), in units of length."""
         value = np.empty(len(points))
         weight, ahead = np.ascontiguousarray(self.columns[:, 0]), self._ahead
@@ -117,7 +112,7 @@ class VariationalSurface:
             value[part] = distance @ weight + (self.tail[0] + p @ self.tail[1:])
         return value * self.size
 
-    def level_and_slope(self, points: Points) -> tuple[Points, Points]:
+    def level_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
         """The function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
         value, gradient = np.empty(len(points)), np.empty((len(points), 3))
         ahead = self._ahead
@@ -136,12 +131,12 @@ class VariationalSurface:
         return value * self.size, gradient
 
     @cached_property
-    def _ahead(self) -> Points:
+    def _ahead(self) -> Floats:
         """What ``(p, |p|^2, 1)`` is multiplied by to give the squared distances, (5, n)."""
         square = (self.centres**2).sum(axis=1)
         return np.stack([*(-2.0 * self.centres.T), np.ones(len(square)), square])
 
-    def value(self, points: Points) -> Points:
+    def value(self, points: Floats) -> Floats:
         """About the signed distance to the surface at points (n, 3), positive inside.
 
         The level over its typical slope: `sample`, which knows the slope at every point, comes
@@ -151,7 +146,7 @@ class VariationalSurface:
         beyond, gap = self._beyond(points)
         return np.where(gap > 0.0, np.minimum(value, beyond), value)
 
-    def sample(self, points: Points) -> Sample:
+    def sample(self, points: Floats) -> Sample:
         """About the signed distance, and its gradient, at points (n, 3)."""
         level, gradient = self.level_and_slope(points)
         steepness = np.sqrt((gradient**2).sum(axis=1))
@@ -164,18 +159,18 @@ class VariationalSurface:
         return Sample(np.where(over, beyond, value), gradient)
 
     @cached_property
-    def _box(self) -> Points:
+    def _box(self) -> Floats:
         margin = MARGIN * float(np.ptp(self.bounds, axis=0).max())
         return self.bounds + margin * np.array([[-1.0], [1.0]])
 
-    def _beyond(self, points: Points) -> tuple[Points, Points]:
+    def _beyond(self, points: Floats) -> tuple[Floats, Floats]:
         """The largest value there may be outside of the wide box; the distance from that."""
         gap = np.sqrt(((points - np.clip(points, *self._box)) ** 2).sum(axis=1))
         return -MARGIN * float(np.ptp(self.bounds, axis=0).max()) - gap, gap
 
 
 def interpolated(
-    points: Points, values: Points, bounds: Points, *, mirrored: bool = False
+    points: Floats, values: Floats, bounds: Floats, *, mirrored: bool = False
 ) -> VariationalSurface:
     """The smoothest function with given values at given points.
 
@@ -223,19 +218,17 @@ def interpolated(
     return VariationalSurface(bounds, middle, size, centres, columns, tail, slope)
 
 
-def _directions(p: Points, *, planar: bool) -> Points:
+def _directions(p: Floats, *, planar: bool) -> Floats:
     """Unit vectors in which the points are spread out, (k, 3): the linear terms there are."""
     spread = p - p.mean(axis=0)
     if planar:
         spread[:, 2] = 0.0
     _, extent, axes = np.linalg.svd(spread, full_matrices=False)
-    found: Points = axes[extent > COPLANAR * np.sqrt(len(p))]
+    found: Floats = axes[extent > COPLANAR * np.sqrt(len(p))]
     return found
 
 
-def _solved(
-    p: Points, wanted: Points, paired: NDArray[np.bool_], directions: Points
-) -> tuple[Points, Points]:
+def _solved(p: Floats, wanted: Floats, paired: Flags, directions: Floats) -> tuple[Floats, Floats]:
     """Weights (n,) and tail (4,): Turk and O'Brien, equation 8, bordered by the tail's rows."""
     from scipy.spatial.distance import cdist
 

@@ -17,15 +17,11 @@ filter again (Tukey's twicing) gives the heights back and leaves the ripples out
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["faired"]
-
-Points = NDArray[np.float64]
 
 REACH = 0.2
 """Length over which the pressure is averaged, in local radii."""
@@ -38,7 +34,7 @@ LEAST = 0.3
 """No squared height falls below this share of what it was."""
 
 
-def _local_radii(plan: Plan, square: Points, distance: Points) -> Points:
+def _local_radii(plan: Plan, square: Floats, distance: Floats) -> Floats:
     """For every triangle the radius of the circle that its section would be of, (t,).
 
     At depth d below the rim a circle of radius r stands ``u = d (2 r - d)`` high.
@@ -47,11 +43,11 @@ def _local_radii(plan: Plan, square: Points, distance: Points) -> Points:
     inner = 0.5 * (square[rim:] / distance + distance)
     radius = np.concatenate([np.zeros(rim), inner])[plan.triangles]
     # Rim samples have no section of their own: the other corners speak for them.
-    known: Points = radius.sum(axis=1) / np.maximum((plan.triangles >= rim).sum(axis=1), 1)
+    known: Floats = radius.sum(axis=1) / np.maximum((plan.triangles >= rim).sum(axis=1), 1)
     return known
 
 
-def faired(plan: Plan, square: Points) -> Points:
+def faired(plan: Plan, square: Floats) -> Floats:
     """Squared heights without ripples.
 
     Parameters

@@ -19,17 +19,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.sewing import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.numerics.grid_interpolant import BORDER, Lattice, on_nodes
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["Relief"]
-
-Points = NDArray[np.float64]
 
 _SHARE = 0.75
 """Step of the lattice as a share of the plan's: limbs are quadratic across, and so is the
@@ -57,15 +53,15 @@ class _Side:
     """Squared heights, and the local radius at the nodes of their lattice."""
 
     squares: Lattice
-    radii: Points
+    radii: Floats
 
-    def curvature(self, xy: Points) -> Points:
+    def curvature(self, xy: Floats) -> Floats:
         """One over the local radius at points (n, 2)."""
         from scipy.ndimage import map_coordinates
 
         at = ((xy - self.squares.low) / self.squares.step).T
         radius = map_coordinates(self.radii, at, order=1, mode="nearest")
-        curvature: Points = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
+        curvature: Floats = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
         return curvature
 
 
@@ -76,16 +72,16 @@ class Relief:
     solid: SilhouetteSolid
 
     @cached_property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box around the mesh."""
         vertices = self.solid.vertices
         return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
 
-    def value(self, points: Points) -> Points:
+    def value(self, points: Floats) -> Floats:
         """Values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Points) -> Sample:
+    def sample(self, points: Floats) -> Sample:
         """Values and gradients at points (n, 3)."""
         front, back = self._sides
         low, high = front.squares.bounds
@@ -111,7 +107,7 @@ class Relief:
             value[far] = total
         return Sample(value, gradient, curvature)
 
-    def _fitted(self, side: _Side, xy: Points, z: Points) -> tuple[Points, Points, Points]:
+    def _fitted(self, side: _Side, xy: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
         """Distance by the fitted ball, the direction in which it grows, and its curvature."""
         u, slope = side.squares.sample(xy)
         half = np.column_stack([0.5 * slope, -z])
@@ -141,7 +137,7 @@ class Relief:
         nx, ny = (int(n) + 2 * BORDER + 1 for n in np.ceil(extent / step))
         distance = RimDistance(points[:rim], solid.plan.after)
 
-        def side(squares: Points) -> _Side:
+        def side(squares: Floats) -> _Side:
             gradients = plan_gradients(solid.plan, squares)
             values = on_nodes(points, solid.plan.triangles, squares, gradients, low, step, (nx, ny))
             outside = np.isnan(values)
@@ -166,10 +162,10 @@ class Relief:
         same = np.array_equal(solid.front, solid.back)
         return front, front if same else side(solid.back)
 
-    def _rim_radius(self, gradients: Points) -> Points:
+    def _rim_radius(self, gradients: Floats) -> Floats:
         """Radius of the section at every sample of the rim, calmed along it."""
         after = self.solid.plan.after
-        radius: Points = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
+        radius: Floats = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
         for _ in range(_ROUNDS):
             middle = 0.5 * (radius + radius[after])
             radius[after] = 0.5 * (middle + middle[after])

@@ -6,18 +6,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.convolution_field import convolution_field, with_correction
 from bozzetto_silhouette.inflation.height_fairing import faired
 from bozzetto_silhouette.model.state import Kernel
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
-
-__all__ = ["ConvolutionSwelling", "Swelling"]
-
-Points = NDArray[np.float64]
 
 
 class Swelling(Protocol):
@@ -27,7 +23,7 @@ class Swelling(Protocol):
     no slope, its square has.
     """
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
         """Squared half thickness at a plan's points, in the frame of the sums.
 
         Parameters
@@ -61,7 +57,7 @@ class ConvolutionSwelling:
     softness: float = 1.4
     kernel: Kernel = "scalis"
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
         """Squared half thickness at a plan's points."""
         raw = convolution_field(frame, softness=self.softness, kernel=self.kernel)
         field = with_correction(raw, rim)

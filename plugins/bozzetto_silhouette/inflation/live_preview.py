@@ -9,22 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry import Mesh
 from bozzetto.ink.curves.closing import signed_area
 from bozzetto.ink.curves.intersections import self_crossings
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.membrane import Membrane
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.domain_mesh import plan_of
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["Inflation", "inflate", "swollen"]
-
-Points = NDArray[np.float64]
 
 SPECK = 1e-3
 """Enclosed area, as a share of the square of the size, below which nothing is shown."""
@@ -54,12 +51,12 @@ class Inflation:
     normals : (v, 3) float array
     """
 
-    vertices: Points
-    faces: NDArray[np.int32]
-    normals: Points
+    vertices: Floats
+    faces: Faces
+    normals: Floats
 
 
-def _pieces(points: Points) -> list[tuple[Points, ...]]:
+def _pieces(points: Floats) -> list[tuple[Floats, ...]]:
     """What a closed, perhaps crossing, line encloses: rings of each piece, sorted out."""
     import shapely
 
@@ -140,7 +137,7 @@ def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
     return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
 
 
-def _inflated(rings: tuple[Points, ...], step: float) -> tuple[Points, NDArray[np.int32], Points]:
+def _inflated(rings: tuple[Floats, ...], step: float) -> tuple[Floats, Faces, Floats]:
     length = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in rings)
     step = max(step, length / MOST_STEPS)
     rim = sample_rim(rings, step, 0.5 * step, thinness=0.8)

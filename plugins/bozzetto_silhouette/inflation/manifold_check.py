@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.outline.outline import Outline
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-__all__ = ["Soundness", "Topology", "as_manifold", "soundness_of", "topology_of", "volume_of"]
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class Soundness(Topology):
         )
 
 
-def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Manifold:
+def as_manifold(vertices: Floats, faces: Faces) -> Manifold:
     """The mesh as manifold3d sees it, in double precision.
 
     It gets copies: manifold3d takes no read-only arrays, not even those that it gave.
@@ -86,9 +84,7 @@ def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mani
     return manifold3d.Manifold(mesh)
 
 
-def soundness_of(
-    vertices: NDArray[np.float64], faces: NDArray[np.int32], outline: Outline
-) -> Soundness:
+def soundness_of(vertices: Floats, faces: Faces, outline: Outline) -> Soundness:
     """Check a mesh (v, 3), (f, 3) against the outline it was made from."""
     return Soundness(
         **vars(topology_of(vertices, faces)),
@@ -97,7 +93,7 @@ def soundness_of(
     )
 
 
-def topology_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Topology:
+def topology_of(vertices: Floats, faces: Faces) -> Topology:
     """Look at a mesh (v, 3), (f, 3).
 
     Notes
@@ -126,7 +122,7 @@ def topology_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Topo
     )
 
 
-def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
+def _status(vertices: Floats, faces: Faces) -> str:
     if not np.isfinite(vertices).all():
         return "NonFiniteVertex"
     first = faces.astype(np.int64).ravel()
@@ -137,12 +133,12 @@ def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
     return "NoError" if closed else "NotManifold"
 
 
-def volume_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+def volume_of(vertices: Floats, faces: Faces) -> float:
     """Volume by the divergence theorem."""
     return float(_wedges(vertices, faces).sum())
 
 
-def _wedges(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.float64]:
+def _wedges(vertices: Floats, faces: Faces) -> Floats:
     """What each face adds to the volume, about a vertex so that far away no digits are lost."""
     a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, np.float64)

@@ -5,18 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Oversketch, Part
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
 from bozzetto_silhouette.outline.from_ink import points_on_sheet
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["PenPressure", "continued_harmonically"]
-
-Points = NDArray[np.float64]
 
 LEAST, MOST = 0.4, 2.5
 """Bounds of the factor: a pen that hardly touches the sheet does not make a leaf of metal."""
@@ -40,8 +36,8 @@ class PenPressure:
         0 to 1: how much of it tells.
     """
 
-    places: Points
-    pressure: Points
+    places: Floats
+    pressure: Floats
     strength: float
 
     @classmethod
@@ -63,8 +59,8 @@ class PenPressure:
         return cls(np.concatenate(places), np.concatenate(pressure), part.pressure)
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
         """Above 1 where the pen was pressed harder than usual."""
         from scipy.spatial import cKDTree
 
@@ -86,7 +82,7 @@ class PenPressure:
         return same, same
 
 
-def continued_harmonically(plan: Plan, on_rim: Points) -> Points:
+def continued_harmonically(plan: Plan, on_rim: Floats) -> Floats:
     """The function (n,) on a plan with values (m,) on its rim and no Laplacian inside."""
     count = len(plan.after)
     values = np.zeros(len(plan.points))

@@ -11,18 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view import Camera
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.normalized import Frame
-
-__all__ = ["Profile", "profile_of", "understood"]
-
-Points = NDArray[np.float64]
 
 FACE_ON = 0.35
 """Sine of the angle between the line of sight and the sheet's normal below which the part is
@@ -66,14 +62,14 @@ class Profile:
         one side was drawn.
     """
 
-    axis: Points
-    places: Points
-    front: Points
-    back: Points
+    axis: Floats
+    places: Floats
+    front: Floats
+    back: Floats
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
         """The wanted over the own height at every point's place along the axis."""
         along = (plan.points * frame.scale + frame.origin) @ self.axis
         up = self._factor(plan, along, np.sqrt(front) * frame.scale, self.front)
@@ -81,7 +77,7 @@ class Profile:
             return up, up
         return up, self._factor(plan, along, np.sqrt(back) * frame.scale, self.back)
 
-    def _factor(self, plan: Plan, along: Points, height: Points, wanted: Points) -> Points:
+    def _factor(self, plan: Plan, along: Floats, height: Floats, wanted: Floats) -> Floats:
         from scipy.ndimage import gaussian_filter1d
 
         t = plan.triangles
@@ -104,11 +100,11 @@ class Profile:
         beyond = np.maximum(np.maximum(ends[0] - along, along - ends[1]), 0.0)
         share = np.clip(beyond / (FADE * (self.places[-1] - self.places[0])), 0.0, 1.0)
         fade = 1.0 - share * share * (3.0 - 2.0 * share)
-        factor: Points = np.exp(fade * np.interp(along, self.places, power))
+        factor: Floats = np.exp(fade * np.interp(along, self.places, power))
         return factor
 
 
-def highest_crossings(x0: Points, y0: Points, x1: Points, y1: Points, columns: Points) -> Points:
+def highest_crossings(x0: Floats, y0: Floats, x1: Floats, y1: Floats, columns: Floats) -> Floats:
     """The highest place where segments cross each of evenly spaced columns; -inf where none do.
 
     Parameters
@@ -213,7 +209,7 @@ def profile_of(part: Part) -> Profile:
     return Profile(axis, places, front, back)
 
 
-def _line_of_sight(part: Part, camera: Camera, middle: Points) -> Points:
+def _line_of_sight(part: Part, camera: Camera, middle: Floats) -> Floats:
     """Unit vector away from the eye at a world point, in the object frame."""
     ahead = camera.axes[2]
     if camera.kind == "perspective":
@@ -223,7 +219,7 @@ def _line_of_sight(part: Part, camera: Camera, middle: Points) -> Points:
     return np.array([ahead @ sheet.right, ahead @ sheet.up, ahead @ sheet.normal])
 
 
-def _without_gaps(side: Points) -> Points:
+def _without_gaps(side: Floats) -> Floats:
     """Missing values between drawn ones, from their neighbours."""
     known = np.flatnonzero(np.isfinite(side))
     if not len(known):

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
@@ -21,9 +21,6 @@ from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
 from bozzetto_silhouette.outline.outline import Outline
 
-__all__ = ["Checkpoint", "SilhouetteSolid", "ignore", "solidify"]
-
-Points = NDArray[np.float64]
 Checkpoint = Callable[[float, str], None]
 
 PITCH = 1.1
@@ -42,7 +39,7 @@ Layout = tuple[Rim, Plan]
 
 
 _layouts: Memory[Layout | None] = Memory(limit=64)
-_squares: Memory[Points] = Memory(limit=64)
+_squares: Memory[Floats] = Memory(limit=64)
 """Neither depends on the thickness, and the plan on nothing but the outline: who drags one of
 them does not wait for the others."""
 
@@ -80,14 +77,14 @@ class SilhouetteSolid:
         What the check of the mesh found; never hidden.
     """
 
-    vertices: Points
-    faces: NDArray[np.int32]
-    normals: Points
+    vertices: Floats
+    faces: Faces
+    normals: Floats
     outline: Outline
     skeleton: Skeleton
     plan: Plan
-    front: Points
-    back: Points
+    front: Floats
+    back: Floats
     step: float
     soundness: Soundness
 

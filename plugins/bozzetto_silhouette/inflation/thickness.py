@@ -6,14 +6,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
-
-__all__ = ["InTurn", "Thickness", "Uniform"]
-
-Points = NDArray[np.float64]
 
 
 class Thickness(Protocol):
@@ -23,8 +19,8 @@ class Thickness(Protocol):
     """
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
         """Factors on the heights towards the person and away, at a plan's points, (n,) each.
 
         Positive and finite. The same array twice where front and back are alike.
@@ -47,8 +43,8 @@ class Uniform:
     inflation: float = 1.0
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
         """The factor at every point, the same for front and back."""
         same = np.full(len(plan.points), self.inflation)
         return same, same
@@ -61,8 +57,8 @@ class InTurn:
     steps: tuple[Thickness, ...]
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
         """The products of the factors."""
         up = down = np.ones(len(plan.points))
         for step in self.steps:

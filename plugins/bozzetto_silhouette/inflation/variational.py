@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.interpolation_constraints import fitted
 from bozzetto_silhouette.implicit.variational import VariationalSurface
 from bozzetto_silhouette.inflation.height_fairing import faired
@@ -14,10 +14,6 @@ from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["VariationalSwelling"]
-
-Points = NDArray[np.float64]
 
 FADE = 0.9
 """Depth, in local radii, at which what the function misses on the outline is forgotten."""
@@ -41,7 +37,7 @@ every step, so what is left is a hundred times less."""
 class VariationalSwelling:
     """The variational surface through the outline, corrected at the rim."""
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
         """Squared half thickness at a plan's points."""
         surface = fitted(frame).surface
         first = len(plan.after)
@@ -49,7 +45,7 @@ class VariationalSwelling:
         feet = RimDistance(rim.points, rim.after)(xy)
         after = rim.after[feet.segment]
 
-        def between(values: Points) -> Points:
+        def between(values: Floats) -> Floats:
             return (1.0 - feet.along) * values[feet.segment] + feet.along * values[after]
 
         flat = np.column_stack([rim.points, np.zeros(len(rim.points))])
@@ -66,8 +62,8 @@ class VariationalSwelling:
 
 
 def _zeros(
-    surface: VariationalSurface, xy: Points, lift: Points, low: Points, high: Points, start: Points
-) -> Points:
+    surface: VariationalSurface, xy: Floats, lift: Floats, low: Floats, high: Floats, start: Floats
+) -> Floats:
     """Squares u of the heights at which the function and what it is lifted by vanish, (n,).
 
     In u the function is nearly linear. Newton's method in it, halving the interval that is

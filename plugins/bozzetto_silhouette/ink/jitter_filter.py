@@ -7,11 +7,8 @@ corner. The window grows with the measured noise, and clean outlines are left al
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["filtered", "noise_of"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Floats, Indices
 
 SPACING = 3e-3
 """Resampling before the filter, as a share of the size."""
@@ -30,7 +27,7 @@ _CORNER_TURN = np.deg2rad(55.0)
 """A sample where the smoothed direction turns by more, over the window, is a corner."""
 
 
-def _resampled(ring: Points, spacing: float) -> Points:
+def _resampled(ring: Floats, spacing: float) -> Floats:
     closed = np.vstack([ring, ring[:1]])
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
     count = max(round(arc[-1] / spacing), 12)
@@ -38,7 +35,7 @@ def _resampled(ring: Points, spacing: float) -> Points:
     return np.stack([np.interp(at, arc, closed[:, k]) for k in (0, 1)], axis=1)
 
 
-def noise_of(ring: Points) -> float:
+def noise_of(ring: Floats) -> float:
     """Typical high-frequency deviation of a ring's own samples, robust to corners.
 
     Parameters
@@ -67,7 +64,7 @@ def noise_of(ring: Points) -> float:
     return float(np.median(np.abs(differ[usable]))) / 1.5
 
 
-def filtered(ring: Points, noise: float | None = None) -> Points:
+def filtered(ring: Floats, noise: float | None = None) -> Floats:
     """Filter a closed ring.
 
     Parameters
@@ -95,7 +92,7 @@ def filtered(ring: Points, noise: float | None = None) -> Points:
     return ring
 
 
-def _filtered_once(ring: Points, noise: float) -> Points:
+def _filtered_once(ring: Floats, noise: float) -> Floats:
     """One pass of the filter for tremor of a given size."""
     # Where samples lie closer than the tremor is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
@@ -122,7 +119,7 @@ def _filtered_once(ring: Points, noise: float) -> Points:
     return result
 
 
-def _quadratic(points: Points, half: int) -> Points:
+def _quadratic(points: Floats, half: int) -> Floats:
     """Savitzky-Golay smoothing of a closed ring, quadratic, window 2 half + 1."""
     k = np.arange(-half, half + 1)
     design = np.stack([np.ones_like(k), k, k**2], axis=1).astype(np.float64)
@@ -131,7 +128,7 @@ def _quadratic(points: Points, half: int) -> Points:
     return np.stack([np.convolve(padded[:, c], kernel, mode="valid") for c in (0, 1)], axis=1)
 
 
-def _corners(ring: Points, half: int) -> NDArray[np.intp]:
+def _corners(ring: Floats, half: int) -> Indices:
     """Local maxima of the turn over the window, above the corner angle."""
     ahead = np.roll(ring, -half, axis=0) - ring
     behind = ring - np.roll(ring, half, axis=0)

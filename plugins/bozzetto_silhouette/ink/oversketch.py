@@ -9,20 +9,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.closing import close_stroke, is_closed_gesture, signed_area
 from bozzetto.ink.curves.intersections import crossings
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.ring_smoothing import softened
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes, thinned, without_hooks
 from bozzetto_silhouette.ink.self_intersections import untangled
-
-__all__ = ["drawn_over", "ring_drawn_over"]
-
-Points = NDArray[np.float64]
 
 REACH = 0.1
 """An end of a stroke farther than this from a ring does not belong to it."""
@@ -92,7 +88,7 @@ class _Joint:
     cost: float
 
 
-def ring_drawn_over(rings: Sequence[Points | None], line: Points, size: float) -> int:
+def ring_drawn_over(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
     """The number of the ring that a stroke is meant for.
 
     Parameters
@@ -124,7 +120,7 @@ def ring_drawn_over(rings: Sequence[Points | None], line: Points, size: float) -
     return found
 
 
-def drawn_over(ring: Points, line: Points, size: float) -> Points:
+def drawn_over(ring: Floats, line: Floats, size: float) -> Floats:
     """A ring with a stretch replaced by a stroke, or with a closed stroke in its place.
 
     Parameters
@@ -161,7 +157,7 @@ def drawn_over(ring: Points, line: Points, size: float) -> Points:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _redrawn(rings: Sequence[Points | None], line: Points) -> int | None:
+def _redrawn(rings: Sequence[Floats | None], line: Floats) -> int | None:
     """The ring that a closed stroke takes the place of; None for an open one."""
     import shapely
 
@@ -180,7 +176,7 @@ def _redrawn(rings: Sequence[Points | None], line: Points) -> int | None:
     return found
 
 
-def _clean(line: Points, middle: Points, size: float) -> Points:
+def _clean(line: Floats, middle: Floats, size: float) -> Floats:
     """The stroke without clumps, hooks and tremor."""
     stroke = without_hooks(thinned((line - middle) / size))
     if len(stroke) < 2:
@@ -192,16 +188,16 @@ def _clean(line: Points, middle: Points, size: float) -> Points:
     return np.vstack([calm[: len(calm) // 2 + 1], stroke[-1:]])
 
 
-def _around(ring: Points) -> tuple[Points, Points]:
+def _around(ring: Floats) -> tuple[Floats, Floats]:
     closed = np.vstack([ring, ring[:1]])
     return closed, arc_length(closed)
 
 
-def _at(line: Points, arc: Points, where: Points) -> Points:
+def _at(line: Floats, arc: Floats, where: Floats) -> Floats:
     return np.column_stack([np.interp(where, arc, line[:, axis]) for axis in (0, 1)])
 
 
-def _best_way(ring: Points, stroke: Points) -> _Way | None:
+def _best_way(ring: Floats, stroke: Floats) -> _Way | None:
     """The cheapest of all ways: least cut off, least moved, nearest to what it replaces."""
     if len(stroke) < 2:
         return None
@@ -219,7 +215,7 @@ def _best_way(ring: Points, stroke: Points) -> _Way | None:
     return min(ways, key=lambda way: way.cost, default=None)
 
 
-def _joints(closed: Points, arc: Points, stroke: Points) -> list[_Joint]:
+def _joints(closed: Floats, arc: Floats, stroke: Floats) -> list[_Joint]:
     """Where the beginning of a stroke may meet a ring: at the nearest places, at crossings."""
     begin, step = closed[:-1], np.diff(closed, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
@@ -242,7 +238,7 @@ def _joints(closed: Points, arc: Points, stroke: Points) -> list[_Joint]:
 
 
 def _ways(
-    closed: Points, arc: Points, stroke: Points, run: Points, head: _Joint, tail: _Joint
+    closed: Floats, arc: Floats, stroke: Floats, run: Floats, head: _Joint, tail: _Joint
 ) -> Iterator[_Way]:
     """Both stretches of the ring between two joints, each with what replacing it costs."""
     length = float(arc[-1])
@@ -256,7 +252,7 @@ def _ways(
         yield _Way(float(cost), head.at, tail.at, start, end, backwards)
 
 
-def _spliced(ring: Points, stroke: Points, way: _Way) -> Points:
+def _spliced(ring: Floats, stroke: Floats, way: _Way) -> Floats:
     """The ring with the stroke in it, its ends on the ring, the joints smooth."""
     closed, arc = _around(ring)
     run = arc_length(stroke)
@@ -280,19 +276,19 @@ def _spliced(ring: Points, stroke: Points, way: _Way) -> Points:
     return _smooth_joints(whole, np.array([0.0, at]))
 
 
-def _brought(piece: Points, to: Points) -> Points:
+def _brought(piece: Floats, to: Floats) -> Floats:
     """A line whose first point is moved to a place, the rest carried along less and less."""
     shift = to - piece[0]
     run = arc_length(piece)
     times, least = FADE
     reach = min(max(times * float(np.hypot(*shift)), least), 0.5 * float(run[-1]))
     t = np.clip(1.0 - run / max(reach, 1e-300), 0.0, 1.0)
-    moved: Points = piece + (t * t * (3.0 - 2.0 * t))[:, None] * shift
+    moved: Floats = piece + (t * t * (3.0 - 2.0 * t))[:, None] * shift
     moved[0] = to
     return moved
 
 
-def _smooth_joints(ring: Points, joints: Points) -> Points:
+def _smooth_joints(ring: Floats, joints: Floats) -> Floats:
     """A ring smoothed at those joints that turn little; corners stay."""
     closed, arc = _around(ring)
     length = float(arc[-1])

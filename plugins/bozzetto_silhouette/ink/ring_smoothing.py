@@ -11,15 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length, resample
-
-__all__ = ["rubbed", "rubbed_ring", "softened"]
-
-Points = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 SPACING = 2e-3
 """Spacing of the samples that a ring is filtered on, as a share of the size."""
@@ -46,7 +41,7 @@ BROAD = 90
 """Percentile of the distances between rub and ring that says how broadly the hand rubbed."""
 
 
-def rubbed_ring(rings: Sequence[Points | None], line: Points, size: float) -> int:
+def rubbed_ring(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
     """The number of the ring that a stroke was rubbed along.
 
     Parameters
@@ -75,7 +70,7 @@ def rubbed_ring(rings: Sequence[Points | None], line: Points, size: float) -> in
     return int(np.argmin(far))
 
 
-def rubbed(ring: Points, line: Points, size: float) -> Points:
+def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
     """A ring smoothed where a stroke was rubbed along it.
 
     Parameters
@@ -109,7 +104,7 @@ def rubbed(ring: Points, line: Points, size: float) -> Points:
     return softened(ring, covered, sigma)
 
 
-def softened(ring: Points, covered: Mask, sigma: float) -> Points:
+def softened(ring: Floats, covered: Flags, sigma: float) -> Floats:
     """A ring filtered where it is covered, the edges of that blended.
 
     Parameters
@@ -142,16 +137,16 @@ def softened(ring: Points, covered: Mask, sigma: float) -> Points:
     return points[np.argsort(where, kind="stable")]
 
 
-def _fine(ring: Points, size: float) -> Points:
+def _fine(ring: Floats, size: float) -> Floats:
     count = int(np.clip(np.ceil(_length(ring) / (SPACING * size)), 16, MOST_SAMPLES))
     return resample(ring, count=count, closed=True)
 
 
-def _length(ring: Points) -> float:
+def _length(ring: Floats) -> float:
     return float(arc_length(np.vstack([ring, ring[:1]]))[-1])
 
 
-def _grown(mask: Mask, steps: float) -> Mask:
+def _grown(mask: Flags, steps: float) -> Flags:
     """A cyclic mask grown by some steps to both sides."""
     reach = int(min(steps, len(mask)))
     if reach == 0 or mask.all() or not mask.any():
@@ -159,18 +154,18 @@ def _grown(mask: Mask, steps: float) -> Mask:
     return _gap(mask) <= reach
 
 
-def _gap(mask: Mask) -> NDArray[np.intp]:
+def _gap(mask: Flags) -> Indices:
     """Steps from each place of a ring to the nearest one where the mask holds."""
     count = len(mask)
     marked = np.flatnonzero(mask)
     around = np.concatenate([marked - count, marked, marked + count])
     here = np.arange(count)
     place = np.searchsorted(around, here)
-    gap: NDArray[np.intp] = np.minimum(around[place] - here, here - around[place - 1])
+    gap: Indices = np.minimum(around[place] - here, here - around[place - 1])
     return gap
 
 
-def _faded(covered: Mask, steps: float) -> Points:
+def _faded(covered: Flags, steps: float) -> Floats:
     """1 where covered, falling smoothly to 0 over some steps beside it."""
     if covered.all() or not covered.any():
         return covered.astype(np.float64)

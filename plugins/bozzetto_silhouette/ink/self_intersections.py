@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.ink.curves.closing import signed_area
 from bozzetto.ink.curves.intersections import self_crossings
-
-__all__ = ["rings_that_cross", "untangled"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
+from bozzetto_silhouette.arrays import Floats, Indices
 
 SMALL_LOOP = 6e-3
 """A loop whose area is below this share of the whole, and that is short, is cut off."""
@@ -34,7 +29,7 @@ SHOWN = 8
 """Most crossings that are pointed out."""
 
 
-def _crossings(ring: Points) -> tuple[Indices, Indices, Points]:
+def _crossings(ring: Floats) -> tuple[Indices, Indices, Floats]:
     """Pairs of edges of a closed ring that cross, first < second, and where, (k, 2).
 
     Edge i runs from vertex i to the next.
@@ -45,7 +40,7 @@ def _crossings(ring: Points) -> tuple[Indices, Indices, Points]:
     return first.astype(np.intp), second.astype(np.intp), found.places
 
 
-def rings_that_cross(rings: list[Points]) -> Points:
+def rings_that_cross(rings: list[Floats]) -> Floats:
     """Places where different rings cross, (k, 2)."""
     import shapely
 
@@ -58,15 +53,15 @@ def rings_that_cross(rings: list[Points]) -> Points:
     return np.concatenate(found)
 
 
-def _length(line: Points) -> float:
+def _length(line: Floats) -> float:
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
-def _area(ring: Points) -> float:
+def _area(ring: Floats) -> float:
     return abs(signed_area(ring))
 
 
-def untangled(ring: Points) -> tuple[Points | None, Points]:
+def untangled(ring: Floats) -> tuple[Floats | None, Floats]:
     """Cut off small loops and push apart walls that only touch; report real crossings.
 
     Parameters
@@ -126,11 +121,11 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
     return _repaired(ring)
 
 
-def _some(places: Points) -> Points:
+def _some(places: Floats) -> Floats:
     return places[:: -(-len(places) // SHOWN) or 1]
 
 
-def _repaired(ring: Points) -> tuple[Points | None, Points]:
+def _repaired(ring: Floats) -> tuple[Floats | None, Floats]:
     """Catch what is left: edges that fold back on their neighbours, or touch."""
     import shapely
 
@@ -150,7 +145,7 @@ def _repaired(ring: Points) -> tuple[Points | None, Points]:
     return coordinates, np.zeros((0, 2))
 
 
-def _pushed_apart(ring: Points, first: Indices, second: Indices) -> Points | None:
+def _pushed_apart(ring: Floats, first: Indices, second: Indices) -> Floats | None:
     """Separate two walls that overlap thinly between two crossings, or None.
 
     Crossings come in pairs: one wall wanders over the other and back. Between them, both
@@ -178,7 +173,7 @@ def _pushed_apart(ring: Points, first: Indices, second: Indices) -> Points | Non
     return result if done else None
 
 
-def _lay_apart(result: Points, ring: Points, one: Indices, two: Indices) -> None:
+def _lay_apart(result: Floats, ring: Floats, one: Indices, two: Indices) -> None:
     """Move two stretches onto either side of their middle line, in place."""
     import shapely
 

@@ -16,8 +16,6 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
 
-__all__ = ["Sheet", "sheet_under"]
-
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 

@@ -18,23 +18,6 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto_silhouette.model.sketch_plane import Point, Sheet
 
-__all__ = [
-    "Color",
-    "Cut",
-    "Edit",
-    "Group",
-    "Kernel",
-    "Operation",
-    "Oversketch",
-    "Part",
-    "Picture",
-    "Removal",
-    "SilhouetteState",
-    "Smoothing",
-    "Surface",
-    "Turn",
-]
-
 Color = tuple[int, int, int]
 Operation = Literal["add", "merge", "carve", "intersect"]
 Surface = Literal["convolution", "variational", "inflation", "straight"]

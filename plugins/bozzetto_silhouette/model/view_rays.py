@@ -18,8 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.sketch_plane import Sheet
 
-__all__ = ["Sight", "sight_through"]
-
 Array = NDArray[np.float64]
 
 NEAREST = 0.02

@@ -9,23 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = [
-    "Patch",
-    "collapsed",
-    "cross",
-    "dot",
-    "flipped_edges",
-    "halved",
-    "relaxed",
-    "split",
-    "unit",
-]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
-Mask = NDArray[np.bool_]
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 _ROUNDS = 8
 """Halvings at most."""
@@ -56,21 +41,21 @@ class Patch:
         How long edges are to be there at most.
     """
 
-    vertices: Points
+    vertices: Floats
     faces: Indices
-    free: Mask
+    free: Flags
     parents: Indices
-    normals: Points
-    spacing: Points
+    normals: Floats
+    spacing: Floats
 
-    def facing(self, corners: Indices | None = None, vertices: Points | None = None) -> Points:
+    def facing(self, corners: Indices | None = None, vertices: Floats | None = None) -> Floats:
         """Cosine between faces (f, 3), else all, and where the surface is to face there (f,)."""
         corners = self.faces if corners is None else corners
         a, b, c = (self.vertices if vertices is None else vertices)[corners].transpose(1, 0, 2)
         one, two, three = self.normals[corners].transpose(1, 0, 2)
         wanted, found = one + two + three, cross(b - a, c - a)
         lengths = np.sqrt(dot(wanted, wanted) * dot(found, found))
-        cosine: Points = dot(wanted, found) / np.maximum(lengths, 1e-300)
+        cosine: Floats = dot(wanted, found) / np.maximum(lengths, 1e-300)
         return cosine
 
 
@@ -173,7 +158,7 @@ def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
     return patch
 
 
-def relaxed(patch: Patch, chosen: Mask | None = None) -> Patch:
+def relaxed(patch: Patch, chosen: Flags | None = None) -> Patch:
     """Free vertices moved half way to the middle of their neighbours, along the surface.
 
     All of them, or those chosen (v,).
@@ -250,32 +235,32 @@ def _flipped_once(patch: Patch) -> tuple[Indices, int]:
     return faces, len(chosen)
 
 
-def _angle(apex: Points, p: Points, q: Points) -> Points:
+def _angle(apex: Floats, p: Floats, q: Floats) -> Floats:
     one, other = p - apex, q - apex
-    angle: Points = np.arctan2(_length(cross(one, other)), dot(one, other))
+    angle: Floats = np.arctan2(_length(cross(one, other)), dot(one, other))
     return angle
 
 
-def dot(a: Points, b: Points) -> Points:
+def dot(a: Floats, b: Floats) -> Floats:
     """Products (n,) of vectors (n, 3); a sum over so short an axis would take five times longer."""
-    product: Points = np.einsum("ij,ij->i", a, b)
+    product: Floats = np.einsum("ij,ij->i", a, b)
     return product
 
 
-def cross(a: Points, b: Points) -> Points:
+def cross(a: Floats, b: Floats) -> Floats:
     """Cross products (n, 3), in a third of the time that numpy takes."""
     (ax, ay, az), (bx, by, bz) = a.T, b.T
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
-def unit(vectors: Points) -> Points:
+def unit(vectors: Floats) -> Floats:
     """Vectors (n, 3) at unit length; those without any stay zero."""
-    result: Points = vectors / np.maximum(_length(vectors), 1e-300)[:, None]
+    result: Floats = vectors / np.maximum(_length(vectors), 1e-300)[:, None]
     return result
 
 
-def _length(vectors: Points) -> Points:
-    length: Points = np.sqrt(dot(vectors, vectors))
+def _length(vectors: Floats) -> Floats:
+    length: Floats = np.sqrt(dot(vectors, vectors))
     return length
 
 
@@ -301,7 +286,7 @@ def _apart(patch: Patch, edges: Indices) -> Indices:
     return chosen
 
 
-def _keeps_topology(patch: Patch, edges: Indices) -> Mask:
+def _keeps_topology(patch: Patch, edges: Indices) -> Flags:
     """Whether the ends of each edge have just two neighbours in common."""
     from scipy.sparse import csr_array
 
@@ -311,11 +296,11 @@ def _keeps_topology(patch: Patch, edges: Indices) -> Mask:
     links = csr_array((ones, (every[:, 0], every[:, 1])), shape=(count, count))
     links = (links + links.T).tocsr()
     common: Indices = links[edges[:, 0]].multiply(links[edges[:, 1]]).sum(axis=1)
-    result: Mask = np.asarray(common).ravel() == 2
+    result: Flags = np.asarray(common).ravel() == 2
     return result
 
 
-def _places(patch: Patch, edges: Indices, over: Mask) -> tuple[Indices, Points]:
+def _places(patch: Patch, edges: Indices, over: Flags) -> tuple[Indices, Floats]:
     """Edges (e, 2), the vertex that stays first, and where (e, 3) it is to be.
 
     In the middle; but in a fold the vertex with fewer neighbours goes and the other stays where
@@ -328,7 +313,7 @@ def _places(patch: Patch, edges: Indices, over: Mask) -> tuple[Indices, Points]:
     return edges, np.where(folded[:, None], first, 0.5 * (first + second))
 
 
-def _turns_nothing(patch: Patch, edges: Indices, places: Points) -> Mask:
+def _turns_nothing(patch: Patch, edges: Indices, places: Floats) -> Flags:
     """Whether all faces that stay look about where they did when each edge is collapsed."""
     owner = np.full(len(patch.vertices), -1)
     owner[edges[:, 0]] = owner[edges[:, 1]] = np.arange(len(edges))
@@ -343,7 +328,7 @@ def _turns_nothing(patch: Patch, edges: Indices, places: Points) -> Mask:
     return good
 
 
-def _without(patch: Patch, edges: Indices, places: Points) -> Patch:
+def _without(patch: Patch, edges: Indices, places: Floats) -> Patch:
     """With edges collapsed to places (e, 3); they must lie apart."""
     target = np.arange(len(patch.vertices))
     target[edges[:, 1]] = edges[:, 0]

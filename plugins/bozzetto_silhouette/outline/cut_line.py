@@ -5,18 +5,14 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.smooth import smooth
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut
 from bozzetto_silhouette.model.view_rays import sight_through
 from bozzetto_silhouette.outline.from_ink import points_on_sheet
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
-
-__all__ = ["cut_side"]
-
-Points = NDArray[np.float64]
 
 CALM = 1.2e-2
 """Width of the filter for tremor, as a share of the line's length."""
@@ -37,7 +33,7 @@ ARC_STEP = np.deg2rad(6.0)
 """Largest step along the arc that closes a side, beyond the object."""
 
 
-def cut_side(cut: Cut, corners: Points | None) -> Outline:
+def cut_side(cut: Cut, corners: Floats | None) -> Outline:
     """What falls away: the line goes straight on beyond the object, and is closed around a side.
 
     Both sides share the line to the last digit, so that what they take away adds up.
@@ -80,7 +76,7 @@ def cut_side(cut: Cut, corners: Points | None) -> Outline:
     return outline_from_rings([ring * radius + middle])
 
 
-def _calm(line: Points) -> Points:
+def _calm(line: Floats) -> Floats:
     """The line without tremor, in as few vertices as it needs."""
     from shapely import LineString, get_coordinates
 
@@ -92,7 +88,7 @@ def _calm(line: Points) -> Points:
     return np.asarray(get_coordinates(LineString(calm).simplify(FLAT * size)), np.float64)
 
 
-def _carried_on(line: Points) -> Points:
+def _carried_on(line: Floats) -> Floats:
     """The line with both ends carried on to the unit circle.
 
     They go on in the direction of the ink; where the line would cross itself, straight
@@ -108,7 +104,7 @@ def _carried_on(line: Points) -> Points:
     raise UserError("This line crosses itself. Draw the cut again, in one sweep across the shape.")
 
 
-def _directions(line: Points) -> tuple[Points, Points]:
+def _directions(line: Floats) -> tuple[Floats, Floats]:
     """Where the end of a line may go on: as the ink goes, or outwards."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     start = np.array([np.interp((1.0 - END) * arc[-1], arc, axis) for axis in line.T])
@@ -116,7 +112,7 @@ def _directions(line: Points) -> tuple[Points, Points]:
     return (along if along.any() else out), (out if out.any() else along)
 
 
-def _exit(start: Points, direction: Points) -> Points:
+def _exit(start: Floats, direction: Floats) -> Floats:
     """Where a ray from inside the unit circle leaves it."""
     size = float(np.hypot(*direction))
     toward = direction / size if size > 0.0 else np.array([1.0, 0.0])
@@ -124,7 +120,7 @@ def _exit(start: Points, direction: Points) -> Points:
     return np.asarray(start + (np.sqrt(half**2 + 1.0 - start @ start) - half) * toward)
 
 
-def _arc(begin: float, end: float) -> Points:
+def _arc(begin: float, end: float) -> Floats:
     """Inner points of the unit circle's arc, counter-clockwise from one angle to another."""
     turn = (end - begin) % (2.0 * np.pi)
     count = max(2, int(np.ceil(turn / ARC_STEP)) + 1)

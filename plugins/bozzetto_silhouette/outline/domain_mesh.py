@@ -12,16 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.numerics.isotropic_remeshing import halved
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.signed_distance import RimDistance, scanline_inside
-
-__all__ = ["Plan", "plan_of"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 _FIRST_ANGLE, _COARSEST_ANGLE = np.deg2rad(8.0), np.deg2rad(30.0)
 """Bounds of the angle between two rows of the rim, seen from the axis of the limb."""
@@ -58,13 +53,13 @@ class Plan:
         How many edges joined two rim samples across the inside and were halved.
     """
 
-    points: Points
+    points: Floats
     triangles: Indices
     after: Indices
     chords_split: int = 0
 
 
-def _rows(rim: Rim, distance: RimDistance) -> tuple[Points, Points]:
+def _rows(rim: Rim, distance: RimDistance) -> tuple[Floats, Floats]:
     """Points of the rim's rows, and for each rim sample the depth of its last row."""
     angle = np.clip(rim.step / rim.radius, _FIRST_ANGLE, _COARSEST_ANGLE)
     count = np.maximum(1, np.floor(_LAST_ANGLE / angle)).astype(np.intp)
@@ -96,7 +91,7 @@ def _rows(rim: Rim, distance: RimDistance) -> tuple[Points, Points]:
     return xy, last
 
 
-def _apart(xy: Points, spacing: Points, fixed: Points, fixed_spacing: Points) -> NDArray[np.bool_]:
+def _apart(xy: Floats, spacing: Floats, fixed: Floats, fixed_spacing: Floats) -> Flags:
     """Which points keep at least their spacing from fixed ones."""
     from scipy.spatial import cKDTree
 
@@ -106,7 +101,7 @@ def _apart(xy: Points, spacing: Points, fixed: Points, fixed_spacing: Points) ->
     return gap > np.minimum(spacing, fixed_spacing[near])
 
 
-def _lattice(rim: Rim, distance: RimDistance, last: Points, step: float) -> Points:
+def _lattice(rim: Rim, distance: RimDistance, last: Floats, step: float) -> Floats:
     """A triangular lattice that begins where the rows end."""
     low, high = rim.points.min(axis=0), rim.points.max(axis=0)
     pitch = np.array([step, step * np.sqrt(3.0)])
@@ -125,7 +120,7 @@ def _lattice(rim: Rim, distance: RimDistance, last: Points, step: float) -> Poin
     return xy[feet.distance > room]
 
 
-def _ridge(ridge: Points, rim: Rim, distance: RimDistance, taken: Points, step: float) -> Points:
+def _ridge(ridge: Floats, rim: Rim, distance: RimDistance, taken: Floats, step: float) -> Floats:
     """Points along the medial axis where limbs are too thin for the lattice."""
     from scipy.spatial import cKDTree
 
@@ -142,7 +137,7 @@ def _ridge(ridge: Points, rim: Rim, distance: RimDistance, taken: Points, step: 
     return xy[_thinned(xy, 0.8 * spacing)]
 
 
-def _thinned(xy: Points, spacing: Points) -> NDArray[np.bool_]:
+def _thinned(xy: Floats, spacing: Floats) -> Flags:
     """Greedily keep points that are at least their spacing from all kept before."""
     from scipy.spatial import cKDTree
 
@@ -164,7 +159,7 @@ def _edge_keys(a: Indices, b: Indices, n: int) -> Indices:
     return np.minimum(a, b) * n + np.maximum(a, b)
 
 
-def _tile(points: Points, after: Indices, distance: RimDistance) -> tuple[Indices, Indices]:
+def _tile(points: Floats, after: Indices, distance: RimDistance) -> tuple[Indices, Indices]:
     """Delaunay triangles inside, and the rim samples whose outgoing edge is missing."""
     from scipy.spatial import Delaunay
 
@@ -190,8 +185,8 @@ def _tile(points: Points, after: Indices, distance: RimDistance) -> tuple[Indice
 
 
 def _rim_triangles_inside(
-    points: Points, triangles: Indices, after: Indices, distance: RimDistance
-) -> NDArray[np.bool_]:
+    points: Floats, triangles: Indices, after: Indices, distance: RimDistance
+) -> Flags:
     """Side of triangles whose corners all lie on the rim."""
     inside = distance(points[triangles].mean(axis=1)).distance > 0
     # A rim edge run forwards by a counter-clockwise triangle has it on its left: inside,
@@ -203,8 +198,8 @@ def _rim_triangles_inside(
 
 
 def _split_chords(
-    points: Points, triangles: Indices, after: Indices
-) -> tuple[Points, Indices, int]:
+    points: Floats, triangles: Indices, after: Indices
+) -> tuple[Floats, Indices, int]:
     """Halve edges that join two rim samples across the inside.
 
     Both would lie in the drawing plane and so would the edge; front and back would touch
@@ -224,7 +219,7 @@ def _split_chords(
     return np.vstack([points, middle]), halved(triangles, label), len(unique)
 
 
-def plan_of(rim: Rim, ridge: Points, step: float) -> Plan:
+def plan_of(rim: Rim, ridge: Floats, step: float) -> Plan:
     """Triangulate the inside of a sampled outline.
 
     Parameters
@@ -257,8 +252,8 @@ def plan_of(rim: Rim, ridge: Points, step: float) -> Plan:
 
 
 def _mended(
-    points: Points, after: Indices, inner: Points, missing: Indices
-) -> tuple[Points, Indices, Points]:
+    points: Floats, after: Indices, inner: Floats, missing: Indices
+) -> tuple[Floats, Indices, Floats]:
     """Halve the missing rim edges and clear the circles over them of inner points."""
     from scipy.spatial import cKDTree
 

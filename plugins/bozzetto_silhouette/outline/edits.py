@@ -7,18 +7,15 @@ was drawn over it later has no effect any more.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.oversketch import drawn_over
 from bozzetto_silhouette.ink.ring_smoothing import rubbed
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
 from bozzetto_silhouette.model.state import Edit, Oversketch, Removal
 
-__all__ = ["Rings", "edited", "size_of"]
-
-Points = NDArray[np.float64]
-Rings = tuple[Points | None, ...]
+Rings = tuple[Floats | None, ...]
 
 
 def size_of(rings: Rings) -> float:
@@ -27,7 +24,7 @@ def size_of(rings: Rings) -> float:
     return float(np.ptp(np.concatenate(there), axis=0).max()) if there else 0.0
 
 
-def edited(rings: Rings, edit: Edit, line: Points) -> Rings:
+def edited(rings: Rings, edit: Edit, line: Floats) -> Rings:
     """The rings after one more edit.
 
     Parameters
@@ -63,11 +60,11 @@ def edited(rings: Rings, edit: Edit, line: Points) -> Rings:
     return result
 
 
-def _with(rings: Rings, number: int, ring: Points | None) -> Rings:
+def _with(rings: Rings, number: int, ring: Floats | None) -> Rings:
     return (*rings[:number], ring, *rings[number + 1 :])
 
 
-def _simple(ring: Points, size: float) -> Points:
+def _simple(ring: Floats, size: float) -> Floats:
     """A smoothed ring without the small loops that thin limbs may have got."""
     middle = ring[0]
     simple, places = untangled((ring - middle) / size)
@@ -80,7 +77,7 @@ def _simple(ring: Points, size: float) -> Points:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _without_lost(rings: Rings, old: Points, new: Points) -> Rings:
+def _without_lost(rings: Rings, old: Floats, new: Floats) -> Rings:
     """Without the rings that lay inside a ring before it changed, and lie outside it now.
 
     A hole in a piece that was cut off goes with that piece; it is no body of its own.
@@ -89,7 +86,7 @@ def _without_lost(rings: Rings, old: Points, new: Points) -> Rings:
 
     before, after = Polygon(old).buffer(0), Polygon(new).buffer(0)
 
-    def lost(ring: Points) -> bool:
+    def lost(ring: Floats) -> bool:
         region = Polygon(ring).buffer(0)
         return bool(before.contains(region) and after.disjoint(region))
 

@@ -5,20 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
-
-__all__ = ["outline_of", "points_on_sheet", "rings_of", "surrounds"]
-
-Array = NDArray[np.float64]
 
 _outlines: Memory[Outline] = Memory(limit=512)
 """The tool looks at an outline before the solver does, and at those of all parts at every
@@ -28,7 +24,7 @@ _rings: Memory[Rings] = Memory(limit=512)
 """After every edit: the next one begins there."""
 
 
-def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
+def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
     """Every stroke's samples on the sheet, shape (n, 2) each, mm.
 
     Raises
@@ -102,7 +98,7 @@ def _after(part: Part, before: Rings, count: int) -> Rings:
         raise UserError(problem.message, places=[(x, y) for x, y in pixels]) from None
 
 
-def surrounds(outline: Outline, points: Array) -> bool:
+def surrounds(outline: Outline, points: Floats) -> bool:
     """Whether all points lie inside the outline (in a hole is outside)."""
     from shapely import contains_xy, prepare
 

@@ -11,17 +11,12 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
 from bozzetto_silhouette.outline.triangulation import Triangulation, constrained_delaunay
-
-__all__ = ["Skeleton", "chains", "chordal_axis", "simplified", "skeleton_of", "with_lone_balls"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 STUB = 0.06
 """A leaf is pruned when its disc sticks out of a larger one by less than this share of the
@@ -56,7 +51,7 @@ class Skeleton:
         Pairs of nodes.
     """
 
-    nodes: Points
+    nodes: Floats
     edges: Indices
 
     @property
@@ -64,20 +59,20 @@ class Skeleton:
         """Number of edges at each node, (n,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.nodes))
 
-    def transformed(self, scale: float, shift: Points) -> Skeleton:
+    def transformed(self, scale: float, shift: Floats) -> Skeleton:
         """The skeleton of the outline scaled, then shifted."""
         nodes = self.nodes * scale
         nodes[:, :2] += shift
         return Skeleton(nodes, self.edges)
 
-    def heights(self, xy: Points) -> Points:
+    def heights(self, xy: Floats) -> Floats:
         """Height of the union of the balls above points (k, 2); 0 outside of all."""
         gap2 = ((xy[:, None, :] - self.nodes[None, :, :2]) ** 2).sum(axis=2)
-        best: Points = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
+        best: Floats = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
         return best
 
 
-def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Points, Points]:
+def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Floats, Floats]:
     """One ball for every triangle: centre (t, 2) and radius (t,).
 
     The circumcentre is a point of the medial axis as long as its circle is inscribed. On
@@ -107,7 +102,7 @@ def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Points, Points
     return centre, radius
 
 
-def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indices]:
+def _merged(nodes: Floats, edges: Indices, closer: float) -> tuple[Floats, Indices]:
     """Contract edges shorter than `closer`; the larger ball of each cluster stays."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -124,7 +119,7 @@ def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indic
     return nodes[keeper], links.astype(np.intp)
 
 
-def _hidden(nodes: Points) -> NDArray[np.bool_]:
+def _hidden(nodes: Floats) -> Flags:
     """Balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
     x, y, radius = nodes.T
     hidden = np.zeros(len(nodes), dtype=bool)
@@ -137,7 +132,7 @@ def _hidden(nodes: Points) -> NDArray[np.bool_]:
     return hidden
 
 
-def _pruned(nodes: Points, edges: Indices) -> Skeleton:
+def _pruned(nodes: Floats, edges: Indices) -> Skeleton:
     """Remove leaves and twigs that add nothing to the union of the balls."""
     hidden = _hidden(nodes).tolist()
     neighbours: list[set[int]] = [set() for _ in nodes]
@@ -216,7 +211,7 @@ def chains(skeleton: Skeleton) -> list[list[int]]:
     return chains
 
 
-def _douglas_peucker(chain: Points, tolerance: float) -> list[int]:
+def _douglas_peucker(chain: Floats, tolerance: float) -> list[int]:
     """Indices of the vertices kept of an open polyline (n, d)."""
     keep, stack = {0, len(chain) - 1}, [(0, len(chain) - 1)]
     while stack:
@@ -237,7 +232,7 @@ def _douglas_peucker(chain: Points, tolerance: float) -> list[int]:
     return sorted(keep)
 
 
-def _tip(row: Points, end: int, inwards: int) -> int:
+def _tip(row: Floats, end: int, inwards: int) -> int:
     """The node of a chain (n, 3) about `TIP` radii from its free end."""
     away = np.hypot(*(row[:, :2] - row[end, :2]).T)[::inwards]
     far = int(np.argmax(away >= TIP * row[end, 2]))
@@ -254,7 +249,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     tolerance : float
         Allowed deviation in position and radius, in the unit of the skeleton.
     """
-    nodes: list[Points] = []
+    nodes: list[Floats] = []
     edges: list[tuple[int, int]] = []
     number: dict[int, int] = {}
 
@@ -296,7 +291,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     return with_lone_balls(np.array(nodes), np.array(unique, dtype=np.intp).reshape(-1, 2))
 
 
-def with_lone_balls(nodes: Points, edges: Indices) -> Skeleton:
+def with_lone_balls(nodes: Floats, edges: Indices) -> Skeleton:
     """A skeleton in which a short segment stands for every ball without one, as in a disc."""
     lone = np.setdiff1d(np.arange(len(nodes)), edges)
     shift = np.column_stack([0.1 * nodes[lone, 2], np.zeros((len(lone), 2))])
@@ -304,8 +299,3 @@ def with_lone_balls(nodes: Points, edges: Indices) -> Skeleton:
     longer[lone] -= shift
     short = np.column_stack([lone, len(nodes) + np.arange(len(lone))])
     return Skeleton(longer, np.concatenate([edges, short]).astype(np.intp))
-
-
-def skeleton_of(outline: Outline, *, tolerance: float) -> Skeleton:
-    """Chordal axis of an outline, simplified; see `chordal_axis` and `simplified`."""
-    return simplified(chordal_axis(outline), tolerance)

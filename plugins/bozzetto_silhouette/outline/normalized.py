@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.boundary_sampling import Rim, corner_mask, sample_rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chordal_axis, simplified
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.sketchco_skeleton import paper_skeleton
 
-__all__ = ["Frame", "SkeletonRule", "frame_of"]
-
-Points = NDArray[np.float64]
 SkeletonRule = Literal["exact", "paper"]
 
 SKELETON_STEPS = 230
@@ -67,10 +64,10 @@ class Frame:
 
     outline: Outline
     scale: float
-    origin: Points
+    origin: Floats
     inner: Outline
     rim: Rim
-    axis: Points
+    axis: Floats
     skeleton: Skeleton
 
 

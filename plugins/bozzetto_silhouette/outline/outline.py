@@ -12,16 +12,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.ink.curves.closing import signed_area
+from bozzetto_silhouette.arrays import Floats
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
-
-Points = NDArray[np.float64]
-
-__all__ = ["Outline", "Points", "outline_from_rings", "outline_from_strokes"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +34,7 @@ class Outline:
         For a hole, the index of the outer ring around it; for an outer ring, -1.
     """
 
-    rings: tuple[Points, ...]
+    rings: tuple[Floats, ...]
     parents: tuple[int, ...]
 
     @property
@@ -60,7 +57,7 @@ class Outline:
         return len(self.rings) - self.components
 
     @cached_property
-    def bounds(self) -> tuple[Points, Points]:
+    def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner of the box around all rings, each (2,)."""
         points = np.concatenate(self.rings)
         return points.min(axis=0), points.max(axis=0)
@@ -96,7 +93,7 @@ class Outline:
         )
 
 
-def _frozen(points: Any) -> Points:
+def _frozen(points: Any) -> Floats:
     array = np.array(points, dtype=np.float64, order="C")
     array.setflags(write=False)
     return array
@@ -106,7 +103,7 @@ COINCIDENT = 1e-6
 """Vertices closer than this share of the size are one: nothing can be meshed in between."""
 
 
-def _without_repeats(ring: Points, closer: float) -> Points:
+def _without_repeats(ring: Floats, closer: float) -> Floats:
     """Drop vertices that repeat the one before; the closing repetition as well."""
     while len(ring) > 2:
         gap = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T)
@@ -149,7 +146,7 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
             j for j, other in enumerate(solids)
             if j != i and other.area > solid.area and other.contains(probe)
         ])  # fmt: skip
-    result: list[Points] = []
+    result: list[Floats] = []
     parents: list[int] = []
     for i in sorted(range(len(clean)), key=lambda k: -abs(solids[k].area)):
         if len(inside[i]) % 2:

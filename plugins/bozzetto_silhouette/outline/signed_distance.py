@@ -6,12 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Feet", "RimDistance", "ring_links", "scanline_inside"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 _CANDIDATES = 4
 """Rim vertices looked at around a query; their segments hold the foot point as long as
@@ -50,9 +46,9 @@ class Feet:
         Position of the foot on that segment, 0 to 1.
     """
 
-    distance: Points
+    distance: Floats
     segment: Indices
-    along: Points
+    along: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +63,12 @@ class RimDistance:
         Successor of every vertex.
     """
 
-    points: Points
+    points: Floats
     after: Indices
     _tree: Any = field(init=False, repr=False)
     _before: Indices = field(init=False, repr=False)
-    _edge: Points = field(init=False, repr=False)
-    _length2: Points = field(init=False, repr=False)
+    _edge: Floats = field(init=False, repr=False)
+    _length2: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         from scipy.spatial import cKDTree
@@ -85,7 +81,7 @@ class RimDistance:
         object.__setattr__(self, "_edge", edge)
         object.__setattr__(self, "_length2", np.maximum((edge**2).sum(axis=1), 1e-300))
 
-    def __call__(self, xy: Points, *, reach: float = np.inf) -> Feet:
+    def __call__(self, xy: Floats, *, reach: float = np.inf) -> Feet:
         """Feet of points (n, 2); farther than `reach` only the sign is not to be trusted.
 
         Points without any rim vertex within `reach` get a distance of ``inf``.
@@ -121,8 +117,8 @@ class RimDistance:
 
 
 def scanline_inside(
-    points: Points, after: Indices, low: Points, step: Points, shape: tuple[int, int]
-) -> NDArray[np.bool_]:
+    points: Floats, after: Indices, low: Floats, step: Floats, shape: tuple[int, int]
+) -> Flags:
     """Even-odd inside test on a lattice, by counting crossings along its rows.
 
     Parameters
@@ -150,5 +146,5 @@ def scanline_inside(
     column = np.clip(np.ceil(column), 0, shape[0]).astype(np.intp)
     crossings = np.zeros((shape[0] + 1, shape[1]), dtype=np.int32)
     np.add.at(crossings, (column, row), 1)
-    inside: NDArray[np.bool_] = np.cumsum(crossings[:-1], axis=0) % 2 == 1
+    inside: Flags = np.cumsum(crossings[:-1], axis=0) % 2 == 1
     return inside

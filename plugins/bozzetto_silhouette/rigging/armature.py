@@ -6,21 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement, Rig
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.rigging.joint_extraction import Joints, joints_of, most_central
 from bozzetto_silhouette.solids.placements import placement_of
-
-__all__ = ["Armature", "Limbs", "armature_of"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 NEAR = 0.1
 """Parts touch when their balls are nearer than this share of the smaller ball's radius."""
@@ -54,19 +49,19 @@ class Limbs:
     part: str
     placement: Placement
     flatness: float
-    nodes: Points
+    nodes: Floats
     parents: Indices
     cuts: Indices
-    paths: tuple[Points, ...]
+    paths: tuple[Floats, ...]
     first: int
 
     @property
-    def places(self) -> Points:
+    def places(self) -> Floats:
         """Joints in the model's frame, (n, 3), mm."""
         return _lifted(self.placement, self.nodes)
 
     @property
-    def radii(self) -> Points:
+    def radii(self) -> Floats:
         """Of the balls around them, (n,), mm."""
         return np.asarray(self.nodes[:, 2] * self.placement.scale)
 
@@ -93,7 +88,7 @@ class Armature:
     """
 
     rig: Rig
-    radii: Points
+    radii: Floats
     limbs: tuple[Limbs, ...]
     rigid: frozenset[str]
 
@@ -112,11 +107,11 @@ class _Piece:
     skeleton: Skeleton
 
     @property
-    def places(self) -> Points:
+    def places(self) -> Floats:
         return _lifted(self.placement, self.joints.nodes)
 
     @property
-    def radii(self) -> Points:
+    def radii(self) -> Floats:
         return np.asarray(self.joints.nodes[:, 2] * self.placement.scale)
 
     @property
@@ -213,7 +208,7 @@ def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
             yield node
 
 
-def _lifted(placement: Placement, nodes: Points) -> Points:
+def _lifted(placement: Placement, nodes: Floats) -> Floats:
     return placement.points(np.column_stack([nodes[:, :2], np.zeros(len(nodes))]))
 
 

@@ -19,13 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.rigging.armature import Limbs
 
-__all__ = ["Bones", "Gaps", "eased"]
-
 Array = NDArray[np.floating]
-Floats = NDArray[np.float32]
-Points = NDArray[np.float64]
+Singles = NDArray[np.float32]
 
 LEAK = 0.35
 """How much farther than the nearest a bone may be and still have a say, in radii of the thinner
@@ -35,7 +33,7 @@ THINNEST = 1e-3
 """Radii and lengths below this share of the largest radius count as that: points have none."""
 
 
-def eased(x: Array) -> Floats:
+def eased(x: Array) -> Singles:
     """From 0 to 1 with no slope at either end; beyond them level."""
     x = np.clip(x, 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x), np.float32)
@@ -50,8 +48,8 @@ class Gaps(NamedTuple):
         From the ball's surface, negative inside it; and the ball's radius.
     """
 
-    gap: Floats
-    radius: Floats
+    gap: Singles
+    radius: Singles
 
     def nearest(self) -> Gaps:
         """Of the nearest bone, (n,)."""
@@ -78,11 +76,11 @@ class _Axis(NamedTuple):
         Of the pieces.
     """
 
-    nodes: Floats
-    lengths: Floats
+    nodes: Singles
+    lengths: Singles
 
     @classmethod
-    def of(cls, path: Points, least: float) -> _Axis:
+    def of(cls, path: Floats, least: float) -> _Axis:
         """From x, y and radius along it, (n, 3); nothing is shorter or thinner than `least`."""
         steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
         kept = path[np.concatenate([[True], steps[:-1] > least, [True]])]
@@ -91,7 +89,7 @@ class _Axis(NamedTuple):
         nodes = np.column_stack([kept[:, :2], radii])
         return cls(nodes.astype(np.float32), lengths.astype(np.float32))
 
-    def nearest(self, x: Floats, y: Floats, square: Floats) -> Gaps:
+    def nearest(self, x: Singles, y: Singles, square: Singles) -> Gaps:
         """The nearest ball to each of n points.
 
         Parameters
@@ -112,7 +110,7 @@ class _Axis(NamedTuple):
         return found
 
 
-def _projected(x: Floats, y: Floats, ux: Floats, uy: Floats, length: Floats) -> Floats:
+def _projected(x: Singles, y: Singles, ux: Singles, uy: Singles, length: Singles) -> Singles:
     """How far along a stretch in a unit direction places are, as seen from its start; 0 to 1."""
     return np.clip((x * ux + y * uy) / length, np.float32(0.0), np.float32(1.0))
 
@@ -138,7 +136,7 @@ class Bones:
         self._lengths = np.maximum(np.hypot(across[:, 0], across[:, 1]), np.float32(least))
         self._degrees = np.bincount(self._links.ravel(), minlength=count)
 
-    def shares(self, points: Points) -> tuple[Floats, Gaps]:
+    def shares(self, points: Floats) -> tuple[Singles, Gaps]:
         """How much each joint moves points.
 
         Parameters
@@ -187,7 +185,7 @@ class Bones:
         shares /= total
         return np.ascontiguousarray(shares.T), Gaps(scale * nearest.gap, scale * nearest.radius)
 
-    def _part(self, bone: int, along: Floats) -> Floats:
+    def _part(self, bone: int, along: Singles) -> Singles:
         """The part of a joint's say that each bone has there: together they have one."""
         part = np.ones_like(along)
         for joint, away in zip(self._links[bone], (along, 1.0 - along), strict=True):
@@ -196,7 +194,7 @@ class Bones:
             part -= others * (1.0 - eased(2.0 * reach))
         return np.maximum(part, THINNEST)
 
-    def _split(self, bone: int, along: Floats) -> list[tuple[int, Floats]]:
+    def _split(self, bone: int, along: Singles) -> list[tuple[int, Singles]]:
         """Which joints a bone's places follow, and how much; sum 1."""
         a, b = (int(joint) for joint in self._links[bone])
         at_a = self._change(bone, a, along)
@@ -219,7 +217,7 @@ class Bones:
                 split.append((joint, say))
         return split
 
-    def _change(self, bone: int, joint: int, away: Floats) -> Floats:
+    def _change(self, bone: int, joint: int, away: Singles) -> Singles:
         """How far the change at a joint has come: one half at it, 0 a radius away from it."""
         if self._degrees[joint] == 1:
             return np.zeros_like(away)

@@ -13,13 +13,9 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chains
-
-__all__ = ["Joints", "joints_of", "most_central"]
-
-Points = NDArray[np.float64]
 
 PROUD = 0.5
 """A limb is one if it sticks out of the ball that it starts in by more than this share of that
@@ -70,10 +66,10 @@ class Joints:
         x, y and radius of the axis along each link, from its first joint to its second.
     """
 
-    nodes: Points
-    links: NDArray[np.intp]
-    thickness: Points
-    paths: tuple[Points, ...]
+    nodes: Floats
+    links: Indices
+    thickness: Floats
+    paths: tuple[Floats, ...]
 
 
 @dataclass(eq=False)
@@ -86,7 +82,7 @@ class _Limb:
         x, y and radius along it, from `start` to `end`.
     """
 
-    path: Points
+    path: Floats
     start: int
     end: int
 
@@ -200,7 +196,7 @@ def _joined(limbs: list[_Limb]) -> list[_Limb]:
         limbs = [_led(limb, gone, kept, place) for limb in limbs if limb is not near]
 
 
-def _led(limb: _Limb, gone: int, kept: int, place: Points) -> _Limb:
+def _led(limb: _Limb, gone: int, kept: int, place: Floats) -> _Limb:
     """A limb led on from a junction that goes to the one that stays."""
     path, start, end = limb.path, limb.start, limb.end
     if start == gone:
@@ -226,7 +222,7 @@ def _parted(limbs: list[_Limb]) -> list[_Limb]:
     ]
 
 
-def most_central(radii: Points, away: Points) -> int:
+def most_central(radii: Floats, away: Floats) -> int:
     """Which of the thickest places, nearly equal ones, is the least far away from the middle."""
     return int(np.where(radii >= ALIKE * radii.max(), away, np.inf).argmin())
 
@@ -240,10 +236,10 @@ def _graph(limbs: list[_Limb], size: float) -> Joints:
     """Joints at ends, junctions and in between, of a part with its longest side."""
     degrees = _degrees(limbs)
     number: dict[int, int] = {}
-    nodes: list[Points] = []
-    links: dict[tuple[int, int], tuple[float, Points]] = {}
+    nodes: list[Floats] = []
+    links: dict[tuple[int, int], tuple[float, Floats]] = {}
 
-    def node_of(end: int, place: Points) -> int:
+    def node_of(end: int, place: Floats) -> int:
         if end not in number:
             number[end] = len(nodes)
             nodes.append(place)
@@ -278,7 +274,7 @@ def _graph(limbs: list[_Limb], size: float) -> Joints:
 
 def _between(
     limb: _Limb, degrees: dict[int, int], size: float, least: int
-) -> tuple[list[Points], list[tuple[float, Points]]]:
+) -> tuple[list[Floats], list[tuple[float, Floats]]]:
     """Joints between the ends of a limb; the smallest radius and the axis of each stretch.
 
     A limb with one free end gets its first joint where it leaves the ball of its junction.
@@ -311,7 +307,7 @@ def _between(
     return list(ends[1:-1]), stretches
 
 
-def _with_bends(cuts: list[float], at: Points, places: Points, slack: float) -> list[float]:
+def _with_bends(cuts: list[float], at: Floats, places: Floats, slack: float) -> list[float]:
     """Stops along a limb and, in between, those where its axis lies too far beside a bone.
 
     Parameters

@@ -17,6 +17,7 @@ from bozzetto.geometry import Mesh, Placement, Rig, Skin
 from bozzetto.plugin import Drag, Memory
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.appearance.surface_look import Painted
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.sketch_plane import Point
 from bozzetto_silhouette.model.state import SilhouetteState, Turn
@@ -24,19 +25,6 @@ from bozzetto_silhouette.rigging.armature import Armature, armature_of
 from bozzetto_silhouette.rigging.inverse_kinematics import least_turn, limb_of, reached
 from bozzetto_silhouette.rigging.skinning import followed
 from bozzetto_silhouette.solids.body import Body
-
-__all__ = [
-    "JOINT",
-    "Posed",
-    "joints_layer",
-    "posed",
-    "posed_scene",
-    "rig_facts",
-    "rig_of",
-    "skinned",
-]
-
-Array = NDArray[np.float64]
 
 JOINT = "joint:"
 """What the handles of joints begin with; their number in the rig follows."""
@@ -201,7 +189,7 @@ def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
     return Scene(tuple(layers))
 
 
-def _turn_of(armature: Armature, joint: int, matrix: Array) -> Turn:
+def _turn_of(armature: Armature, joint: int, matrix: Floats) -> Turn:
     """A joint turned by a rotation in the model's frame."""
     from scipy.spatial.transform import Rotation
 
@@ -213,7 +201,7 @@ def _turn_of(armature: Armature, joint: int, matrix: Array) -> Turn:
     return Turn(_triple(place), (w, x, y, z), limbs.part)
 
 
-def _carried_axis(placement: Placement, axis: Array) -> Array:
+def _carried_axis(placement: Placement, axis: Floats) -> Floats:
     """The axis of a rotation seen from another frame: a mirror also reverses its sense."""
     return np.asarray((-1.0 if placement.mirrors else 1.0) * placement.directions(axis)[0])
 
@@ -260,6 +248,6 @@ def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
     return replace(armature.rig, turns=quaternions)
 
 
-def _triple(values: Array) -> Point:
+def _triple(values: Floats) -> Point:
     x, y, z = (float(v) for v in values)
     return x, y, z

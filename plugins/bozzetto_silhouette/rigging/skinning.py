@@ -12,16 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.rigging.armature import Armature
 from bozzetto_silhouette.rigging.bone_weights import Bones, Gaps, eased
 from bozzetto_silhouette.solids.body import Body
 
-__all__ = ["followed"]
-
-Floats = NDArray[np.float32]
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
+Singles = NDArray[np.float32]
 
 SEAM = 0.5
 """How far parts blend into each other at a seam, in largest radii of the thinner one."""
@@ -45,16 +42,16 @@ class Table(NamedTuple):
     """
 
     joints: Indices
-    shares: Floats
+    shares: Singles
 
 
-Follower = Callable[[Points], Table]
+Follower = Callable[[Floats], Table]
 """What points of one part follow; (n, 3), in the model's frame."""
 
 
 def followed(
     armature: Armature, body: Body, checkpoint: Checkpoint = ignore
-) -> tuple[NDArray[np.uint16], Floats]:
+) -> tuple[NDArray[np.uint16], Singles]:
     """Joints and weights of a body's vertices.
 
     Parameters
@@ -105,7 +102,7 @@ def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int
     return lambda points: Table(joint, np.ones((len(points), 1), np.float32))
 
 
-def _mixed(bones: Sequence[Bones], points: Points) -> Table:
+def _mixed(bones: Sequence[Bones], points: Floats) -> Table:
     """Shares of the joints of several pieces: of those that are near."""
     found = [one.shares(points) for one in bones]
     joints = [one.limbs.first + np.arange(len(one.limbs.nodes)) for one in bones]
@@ -119,7 +116,7 @@ def _mixed(bones: Sequence[Bones], points: Points) -> Table:
     return Table(np.concatenate(joints), np.concatenate(shares, axis=1))
 
 
-def _strongest(table: Table) -> tuple[NDArray[np.uint16], Floats]:
+def _strongest(table: Table) -> tuple[NDArray[np.uint16], Singles]:
     """The joints with the largest shares, (n, 4), and their weights.
 
     What the fifth has is taken off the others, so that nothing jumps where two joints change
@@ -146,7 +143,7 @@ def _sew(
     body: Body,
     followers: Sequence[Follower],
     joints: NDArray[np.uint16],
-    weights: Floats,
+    weights: Singles,
 ) -> None:
     """Mix what vertices near a seam follow with what the part beyond it follows, in place.
 
@@ -160,7 +157,7 @@ def _sew(
         return
     pairs, which = np.unique(across[seam], axis=0, return_inverse=True)
     middles = body.vertices[edges[seam]].mean(axis=1)
-    said: list[tuple[Indices, Points, Table]] = []
+    said: list[tuple[Indices, Floats, Table]] = []
     for number, pair in enumerate(pairs.tolist()):
         here = middles[which.ravel() == number]
         width = SEAM * min(_thickness(armature, body.sources[owner]) for owner in pair)
@@ -181,7 +178,7 @@ def _sew(
     joints[rows], weights[rows] = _strongest(Table(np.arange(count), shares))
 
 
-def _near(points: Points, others: Points, width: float) -> tuple[Indices, Points]:
+def _near(points: Floats, others: Floats, width: float) -> tuple[Indices, Floats]:
     """Which points have another within a width, and how far it is."""
     from scipy.spatial import cKDTree
 

@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
+from bozzetto_silhouette.arrays import Faces, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
     from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 
-__all__ = ["Body"]
-
-Points = NDArray[np.float64]
 
 VERTEX = 320
 """Bytes that a vertex takes in manifold3d's own copy of the mesh."""
@@ -58,15 +55,15 @@ class Body:
         For a part by itself: its solid, in the part's object frame.
     """
 
-    vertices: Points
-    faces: NDArray[np.int32]
-    normals: Points
-    origins: NDArray[np.int32]
+    vertices: Floats
+    faces: Faces
+    normals: Floats
+    origins: Faces
     sources: tuple[str, ...]
     implicit: Implicit
     radius: float
     step: float
-    creases: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp))
+    creases: Indices = field(default_factory=lambda: np.zeros(0, np.intp))
     constraints: Constraints | None = None
     known: Manifold | None = None
     solid: SilhouetteSolid | None = None
@@ -77,7 +74,7 @@ class Body:
         return as_manifold(self.vertices, self.faces) if self.known is None else self.known
 
     @cached_property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """Corners of the box around the mesh, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 

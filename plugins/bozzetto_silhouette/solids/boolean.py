@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Faces, Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.sewing import vertex_normals
@@ -23,9 +23,6 @@ from bozzetto_silhouette.solids.variational_csg import variational_combined
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["combined"]
-
-Points = NDArray[np.float64]
 
 _DIFFERENCE = 0.04
 """Width of the difference quotients for normals, as a share of the reach."""
@@ -160,7 +157,7 @@ def _blended(sharp: Body, fillet: Fillet, known: Manifold) -> Body:
     )
 
 
-def _found(vertices: Points, before: Points) -> NDArray[np.intp]:
+def _found(vertices: Floats, before: Floats) -> Indices:
     """Index of each vertex among those before, -1 for new ones; booleans keep coordinates."""
     keys = before @ _KEY
     order = np.argsort(keys, kind="stable")
@@ -169,9 +166,7 @@ def _found(vertices: Points, before: Points) -> NDArray[np.intp]:
     return np.where((before[index] == vertices).all(axis=1), index, -1)
 
 
-def _spread(
-    origins: NDArray[np.int32], new: NDArray[np.bool_], faces: NDArray[np.int32]
-) -> NDArray[np.int32]:
+def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
     """Origins of new vertices taken from neighbours, as far as there are any."""
     origins = np.where(new, np.int32(-1), origins)
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -182,16 +177,14 @@ def _spread(
         origins[a[open_ends]] = origins[b[open_ends]]
 
 
-def _crease_normals(
-    vertices: Points, faces: NDArray[np.int32], on_crease: NDArray[np.intp]
-) -> Points:
+def _crease_normals(vertices: Floats, faces: Faces, on_crease: Indices) -> Floats:
     """Means over the faces around some vertices."""
     chosen = np.zeros(len(vertices), dtype=bool)
     chosen[on_crease] = True
     return vertex_normals(vertices, faces[chosen[faces].any(axis=1)])[on_crease]
 
 
-def _normals_of(solid: Composite, points: Points) -> Points:
+def _normals_of(solid: Composite, points: Floats) -> Floats:
     """Unit normals, outwards, by differences of the value at the corners of a tetrahedron."""
     width = _DIFFERENCE * solid.sides(points).reach[:, None, None]
     corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)

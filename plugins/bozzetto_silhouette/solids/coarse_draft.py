@@ -19,8 +19,6 @@ from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 from bozzetto_silhouette.solids.traversal import put_together
 
-__all__ = ["draft_surface"]
-
 
 class _Draft(NamedTuple):
     """A solid as a function of space, and its largest inscribed radius."""

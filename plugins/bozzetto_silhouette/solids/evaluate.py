@@ -14,9 +14,6 @@ from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.traversal import put_together
 
-__all__ = ["Tree", "evaluated", "tree_body"]
-
-
 _joined: Memory[Body | None] = Memory(limit=256)
 """By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
 give the same body. Each entry may hold a mesh of the whole."""

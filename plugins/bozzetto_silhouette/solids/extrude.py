@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.sewing import vertex_normals
@@ -27,10 +27,6 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance
 from bozzetto_silhouette.solids.body import Body
-
-__all__ = ["Sweep", "acts_on", "corners_of", "straight_body"]
-
-Points = NDArray[np.float64]
 
 CLEARANCE = 0.15
 """How far the sweep reaches beyond what it acts on, as a share of the longest side of both:
@@ -81,17 +77,17 @@ class Sweep:
     high: float
 
     @property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box around both caps."""
         caps = [self.sight.above(self.rim.points, z) for z in (self.low, self.high)]
         corners = np.concatenate(caps)
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
-    def value(self, points: Points) -> Points:
+    def value(self, points: Floats) -> Floats:
         """Values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Points) -> Sample:
+    def sample(self, points: Floats) -> Sample:
         """Values and gradients at points (n, 3)."""
         wall, slope, _ = self._wall(points)
         z = points[:, 2]
@@ -109,7 +105,7 @@ class Sweep:
         ) / value[edge, None]
         return Sample(value, gradient)
 
-    def _wall(self, points: Points) -> Sample:
+    def _wall(self, points: Floats) -> Sample:
         """Distance from the walls, which beyond the caps go on upright."""
         held = points.copy()
         held[:, 2] = np.clip(points[:, 2], self.low, self.high)
@@ -140,7 +136,7 @@ def acts_on(part: Part) -> bool:
     return part.surface == "straight" and part.operation in ("carve", "intersect")
 
 
-def straight_body(part: Part, around: Points | None, resolution: int) -> Body:
+def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
     """The body of a part that goes straight through, in the frame of the part's group.
 
     Parameters
@@ -166,7 +162,7 @@ def straight_body(part: Part, around: Points | None, resolution: int) -> Body:
     )
 
 
-def _swept(part: Part, around: Points | None, resolution: int) -> Body:
+def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
     corners = None
     if around is not None:
         corners = part.placement.inverse().points(corners_of(around))
@@ -205,7 +201,7 @@ def _swept(part: Part, around: Points | None, resolution: int) -> Body:
     return body.placed(part.placement)
 
 
-def corners_of(box: Points) -> Points:
+def corners_of(box: Floats) -> Floats:
     """The eight corners of a box (2, 3); (8, 3)."""
     grid = np.meshgrid(*box.T, indexing="ij")
     return np.stack([axis.ravel() for axis in grid], axis=1)
@@ -233,9 +229,7 @@ def _plan(outline: Outline, step: float) -> Plan:
     return replace(plan, points=plan.points * scale + middle)
 
 
-def _prism(
-    plan: Plan, sight: Sight, low: float, high: float, pitch: float
-) -> tuple[Points, NDArray[np.int32]]:
+def _prism(plan: Plan, sight: Sight, low: float, high: float, pitch: float) -> tuple[Floats, Faces]:
     """Two caps and the walls between them, oriented outwards.
 
     Rows of the walls lie from the bottom to the top; the caps' rims are the first and the

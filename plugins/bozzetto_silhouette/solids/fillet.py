@@ -11,9 +11,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
@@ -25,12 +25,6 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import (
     split,
     unit,
 )
-
-__all__ = ["Fillet", "filleted"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
-Mask = NDArray[np.bool_]
 
 _ATTEMPTS = 5
 """How often a crease is tried, each time with less of the blend where the last one failed."""
@@ -120,10 +114,10 @@ class Fillet(NamedTuple):
         whole of it found no place.
     """
 
-    vertices: Points
+    vertices: Floats
     faces: Indices
     parents: Indices
-    moved: Mask
+    moved: Flags
     solid: Composite
 
 
@@ -133,7 +127,7 @@ whatever was done to the rest of the tree."""
 
 
 def filleted(
-    vertices: Points,
+    vertices: Floats,
     faces: Indices,
     solid: Composite,
     step: float,
@@ -173,7 +167,7 @@ def filleted(
     return _set_in(vertices, faces[of_face < 0], parts, solid)
 
 
-def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
+def _in_order(vertices: Floats, faces: Indices) -> tuple[Indices, Indices]:
     """Some faces by themselves, in an order that hangs on their places alone.
 
     Returns
@@ -194,12 +188,12 @@ def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
 
 
 def _set_in(
-    vertices: Points, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
+    vertices: Floats, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
 ) -> Fillet:
     """What is left of a mesh, and fillets, each of some vertices (by number) of it."""
     count = len(vertices)
     rows: list[Indices] = [rest]
-    points: list[Points] = [vertices]
+    points: list[Floats] = [vertices]
     parents: list[Indices] = [np.arange(count)]
     taming = solid.taming
     for numbers, part in parts:
@@ -211,7 +205,7 @@ def _set_in(
         parents.append(numbers[part.parents[part.moved]])
         taming = taming.joined(part.solid.taming)
     every, parent = np.concatenate(rows), np.concatenate(parents)
-    place: Points = np.concatenate(points)
+    place: Floats = np.concatenate(points)
     used = np.zeros(count, dtype=bool)
     used[every] = True
     rank = np.cumsum(used) - 1
@@ -222,7 +216,7 @@ def _set_in(
 
 
 def _made(
-    vertices: Points, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+    vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Fillet:
     """The fillet of a mesh that is nothing but the surroundings of one crease."""
     may = _creases(solid, vertices, faces) >= 0
@@ -238,7 +232,7 @@ def _made(
     return Fillet(vertices, faces, np.arange(len(vertices)), unmoved, solid)
 
 
-def _in_place(solid: Composite, vertices: Points) -> Composite:
+def _in_place(solid: Composite, vertices: Floats) -> Composite:
     """The solid as it is where the blend tells, which is faster to ask."""
     felt = vertices[solid.felt(vertices)]
     if not len(felt):
@@ -247,7 +241,7 @@ def _in_place(solid: Composite, vertices: Points) -> Composite:
     return solid.within(box, _BEYOND * solid.reach)
 
 
-def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
+def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
     """For every vertex that the blend may move the number of its crease, else -1."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -266,7 +260,7 @@ def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
     return np.where(may, number, -1)
 
 
-def _patch(vertices: Points, faces: Indices) -> Patch:
+def _patch(vertices: Floats, faces: Indices) -> Patch:
     """A mesh with no vertex free yet."""
     count = len(vertices)
     return Patch(
@@ -279,7 +273,7 @@ def _patch(vertices: Points, faces: Indices) -> Patch:
     )
 
 
-def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
+def _rounded(patch: Patch, may: Flags, solid: Composite, step: float) -> Patch:
     """The patch moved onto the blended solid, by stages.
 
     `may` tells of every vertex of the mesh whether it can be set free.
@@ -310,7 +304,7 @@ def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
     return patch
 
 
-def _near_folds(patch: Patch) -> Mask:
+def _near_folds(patch: Patch) -> Flags:
     """Vertices of faces turned over, and those around them."""
     near = np.zeros(len(patch.vertices), dtype=bool)
     near[patch.faces[patch.facing() < 0.0]] = True
@@ -325,10 +319,10 @@ def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
     return relaxed(flipped_edges(patch, _FLIPS))
 
 
-def _told(solid: Composite, sides: Sides) -> Mask:
+def _told(solid: Composite, sides: Sides) -> Flags:
     """Where the blend makes a difference."""
     added = np.abs(solid.blended(sides).value - solid.sharp(sides))
-    told: Mask = added > _TELLING * sides.reach
+    told: Flags = added > _TELLING * sides.reach
     return told
 
 
@@ -345,7 +339,7 @@ def _projected(solid: Composite, patch: Patch) -> Patch:
     )
 
 
-def _bad(solid: Composite, patch: Patch) -> Mask:
+def _bad(solid: Composite, patch: Patch) -> Flags:
     """Vertices that did not arrive, or of faces that are turned over."""
     sides = solid.sides(patch.vertices)
     reach = np.maximum(sides.reach, _LEFT * solid.reach)
@@ -355,7 +349,7 @@ def _bad(solid: Composite, patch: Patch) -> Mask:
     return bad
 
 
-def _held_back(solid: Composite, places: Points, step: float, retreat: float) -> Composite:
+def _held_back(solid: Composite, places: Floats, step: float, retreat: float) -> Composite:
     """The solid with a share of its blend around places (n, 3)."""
     left = solid.taming.share(places)
     whole = solid.sides(places).reach / np.maximum(left, 1e-300)

@@ -21,8 +21,6 @@ from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.extrude import straight_body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on
 
-__all__ = ["body_of", "solid_of"]
-
 _solids: Memory[SilhouetteSolid] = Memory(limit=256)
 _rests: Memory[Body] = Memory(limit=256)
 """In the object frame: what is moved or mirrored keeps the function of space that was fitted

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
@@ -18,25 +18,10 @@ from bozzetto.plugin import Memory, switched_on
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.part_solid import body_of
-
-__all__ = [
-    "carried",
-    "distances_under",
-    "drawn_profile",
-    "drawn_rings",
-    "groups_around",
-    "is_shown",
-    "on_sheet",
-    "outlined_parts",
-    "placement_of",
-    "shown_parts",
-    "stroke_in",
-]
-
-Array = NDArray[np.float64]
 
 PICKED_CELLS = 64
 """Resolution of the solids that the pen is held against: that of the preview, which has been
@@ -98,7 +83,7 @@ def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
     return stroke if moved.is_identity else stroke.moved(moved.inverse())
 
 
-def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Array:
+def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Floats:
     """A stroke drawn over a part as it stands now, on the part's sheet; shape (n, 2), mm.
 
     NaN where the line of sight misses the sheet.
@@ -107,7 +92,7 @@ def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Array:
     return part.sheet.from_pixels(there.points, there.camera)
 
 
-def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
+def drawn_rings(state: SilhouetteState, part: Part) -> list[Floats]:
     """The rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
 
     Raises
@@ -122,7 +107,7 @@ def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
     ]
 
 
-def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
+def drawn_profile(state: SilhouetteState, part: Part) -> list[Floats]:
     """The strokes of a part's profile where the part stands now; (n, 3) each, mm, model's frame.
 
     They lie in the plane upright on the sheet, through the middle of the part, that the hand
@@ -143,7 +128,9 @@ def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
     return found
 
 
-def distances_under(state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera) -> Array:
+def distances_under(
+    state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera
+) -> Floats:
     """How far before the eye a part's surface lies under canvas positions.
 
     Parameters

@@ -13,14 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Flags, Floats
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 
-__all__ = ["Surface", "extract"]
-
-Points = NDArray[np.float64]
-Faces = NDArray[np.int32]
 Nodes = NDArray[np.int64]
 
 BLOCK = 16
@@ -64,13 +61,13 @@ class Surface(NamedTuple):
         Unit, outwards.
     """
 
-    vertices: Points
+    vertices: Floats
     faces: Faces
-    normals: Points
+    normals: Floats
 
 
 def extract(
-    implicit: Implicit, bounds: Points, step: float, checkpoint: Checkpoint = ignore
+    implicit: Implicit, bounds: Floats, step: float, checkpoint: Checkpoint = ignore
 ) -> Surface:
     """The zero surface of an implicit solid inside a box, closed at the box's border.
 
@@ -107,7 +104,7 @@ def extract(
 
 
 def _narrow_band(
-    implicit: Implicit, origin: Points, step: float, blocks: Nodes, checkpoint: Checkpoint
+    implicit: Implicit, origin: Floats, step: float, blocks: Nodes, checkpoint: Checkpoint
 ) -> NDArray[np.float32]:
     """Values in cells on the lattice's nodes, exact where the surface may be; border negative."""
     shape = BLOCK * blocks + 1
@@ -151,7 +148,7 @@ def _narrow_band(
     return grid
 
 
-def _evaluated(implicit: Implicit, points: Points, checkpoint: Checkpoint) -> Points:
+def _evaluated(implicit: Implicit, points: Floats, checkpoint: Checkpoint) -> Floats:
     values = np.empty(len(points))
     for first in range(0, len(points), CHUNK):
         checkpoint(0.5, "surface")
@@ -162,12 +159,12 @@ def _evaluated(implicit: Implicit, points: Points, checkpoint: Checkpoint) -> Po
 
 def _polished(
     implicit: Implicit,
-    vertices: Points,
+    vertices: Floats,
     faces: Faces,
     step: float,
-    border: NDArray[np.bool_],
+    border: Flags,
     checkpoint: Checkpoint,
-) -> tuple[Points, Points]:
+) -> tuple[Floats, Floats]:
     """Vertices brought onto the zero surface, but for those on the border; and normals."""
     gradient = np.zeros_like(vertices)
     for turn in range(NEWTON_ROUNDS + 1):

@@ -9,8 +9,6 @@ from typing import TypeVar
 from bozzetto.errors import UserError
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 
-__all__ = ["put_together"]
-
 Solid = TypeVar("Solid")
 
 

@@ -16,9 +16,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Faces, Flags, Floats, Indices
 from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
@@ -30,11 +30,6 @@ from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.polygonize import Surface, extract
-
-__all__ = ["variational_combined"]
-
-Points = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 BAND = 0.3
 """Half width of the band around the crease, in blend radii: the widest blend, two radii, still
@@ -161,8 +156,8 @@ def _kept(
     operation: str,
     one: Constraints,
     other: Constraints,
-    depth: Points,
-    other_depth: Points,
+    depth: Floats,
+    other_depth: Floats,
     band: float,
 ) -> tuple[Flags, Flags]:
     """Which constraints stay; the band is narrowed where it would swallow a body."""
@@ -189,7 +184,7 @@ def _kept(
 
 
 def _surface(
-    points: Points, value: Points, bounds: Points, step: float, checkpoint: Checkpoint
+    points: Floats, value: Floats, bounds: Floats, step: float, checkpoint: Checkpoint
 ) -> tuple[VariationalSurface, Surface]:
     """The function through the constraints and its surface, without blobs far from them."""
     for turn in range(EXORCISMS):
@@ -211,7 +206,7 @@ def _surface(
     return held, mesh
 
 
-def _without_blobs(mesh: Surface, on: Points, reach: float) -> tuple[Surface, Points]:
+def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Floats]:
     """The mesh without the components that hold no constraint; their middles and signs, (k, 4)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -237,9 +232,7 @@ def _without_blobs(mesh: Surface, on: Points, reach: float) -> tuple[Surface, Po
     return Surface(vertices[stays], kept, normals[stays]), blobs
 
 
-def _origins(
-    first: Body, second: Body, points: Points, part: NDArray[np.intp], vertices: Points
-) -> NDArray[np.int32]:
+def _origins(first: Body, second: Body, points: Floats, part: Indices, vertices: Floats) -> Faces:
     """For every vertex the source of the vertex of its own body that is nearest."""
     from scipy.spatial import cKDTree
 

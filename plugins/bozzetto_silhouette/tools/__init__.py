@@ -11,10 +11,9 @@ from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.draw_profile import DrawProfile
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.mirror import MirrorCopy
-from bozzetto_silhouette.tools.oversketch import SketchOver
+from bozzetto_silhouette.tools.outline_edits import SketchOver, Smooth
 from bozzetto_silhouette.tools.paint import Paint
 from bozzetto_silhouette.tools.project_picture import ProjectPicture
-from bozzetto_silhouette.tools.smooth import Smooth
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 
 __all__ = ["DrawOutline", "all_tools"]

@@ -20,8 +20,6 @@ from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
 from bozzetto_silhouette.view.handles import ARRANGE, grip_of, handles_layer
 from bozzetto_silhouette.view.picking import touched_part
 
-__all__ = ["Arrange", "placed_anew"]
-
 Moved = TypeVar("Moved", bound=Part | Group)
 
 LIVE_CELLS = 48

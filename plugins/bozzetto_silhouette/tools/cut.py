@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
@@ -13,15 +12,12 @@ from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import sheet_under
 from bozzetto_silhouette.model.state import Cut, Part, SilhouetteState
-from bozzetto_silhouette.tools.carve_check import check_that_it_carves
 from bozzetto_silhouette.tools.cut_preview import cut_preview
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import landed
+from bozzetto_silhouette.tools.insert_node import check_that_it_carves, landed
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 from bozzetto_silhouette.tools.through_preview import trace_of
 from bozzetto_silhouette.view.picking import shape_seen
-
-__all__ = ["DrawCut"]
 
 LOOKS = 96
 """Lines of sight along the line."""
@@ -34,7 +30,6 @@ class DrawCut(TellsOfJoints):
     title = "Cut"
     icon = "icons/cut.svg"
     hint = "Draw a line right across the shape; the smaller side falls away."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Where the cut would run, carried on at its ends, and what would fall away."""

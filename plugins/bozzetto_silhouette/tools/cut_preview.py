@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.ink.curves.resample import resample
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.model.state import Cut
 from bozzetto_silhouette.model.view_rays import sight_through
 from bozzetto_silhouette.outline.cut_line import cut_side
@@ -15,10 +15,6 @@ from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.solids.extrude import corners_of
 from bozzetto_silhouette.tools.through_preview import trace_of
 from bozzetto_silhouette.view.picking import Touch
-
-__all__ = ["cut_preview"]
-
-Array = NDArray[np.float64]
 
 LOOKS = 160
 """Lines of sight along the side's outline."""
@@ -66,7 +62,7 @@ def cut_preview(cut: Cut, touch: Touch) -> Scene:
     return line + Scene((Layer("preview", (Shaded(mesh, "accent", TINT, pickable=False),)),))
 
 
-def _falling(cut: Cut, touch: Touch, local: Array, side: Outline) -> NDArray[np.int32]:
+def _falling(cut: Cut, touch: Touch, local: Floats, side: Outline) -> Faces:
     """The faces of a shape on the side of a cut that has less volume, (k, 3).
 
     Tetrahedra from a place on the cut add up to the volume of a side, as far as the cut is

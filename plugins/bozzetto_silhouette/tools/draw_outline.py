@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from bozzetto_silhouette.solids.placements import carried, outlined_parts, strok
 from bozzetto_silhouette.tools.erase import erased, without
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 
-__all__ = ["DrawOutline", "meets_itself"]
-
 OPEN_GAP = 0.2
 """Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
 as meant to be closed."""
@@ -33,7 +30,6 @@ class DrawOutline(TellsOfJoints):
     title = "Draw outline"
     icon = "icons/draw.svg"
     hint = "Draw a closed outline; inside a shape it becomes a hole."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """The shape swelling under the pen, from the ink so far."""

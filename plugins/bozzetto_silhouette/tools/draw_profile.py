@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Context, Gesture, Ink
-from bozzetto.scene import Scene
 from bozzetto_silhouette.inflation.profile import understood
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import shown_parts, stroke_in
 from bozzetto_silhouette.tools.erase import erased
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
-
-__all__ = ["DrawProfile"]
 
 
 class DrawProfile(TellsOfJoints):
@@ -25,11 +21,6 @@ class DrawProfile(TellsOfJoints):
     title = "Profile"
     icon = "icons/profile.svg"
     hint = "Turn the view to the side, then draw how thick the chosen part is."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Give the chosen part a profile.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import rings_of
 from bozzetto_silhouette.solids.placements import (
@@ -19,10 +19,6 @@ from bozzetto_silhouette.solids.placements import (
     placement_of,
     shown_parts,
 )
-
-__all__ = ["erased", "without"]
-
-Array = NDArray[np.float64]
 
 LOOKS = 9
 """Samples of the eraser's path that are looked at."""
@@ -83,14 +79,14 @@ def _along_profile(state: SilhouetteState, part: Part, path: Stroke) -> bool:
     return _runs_along(path, lines)
 
 
-def _line_of(state: SilhouetteState, cut: Part) -> list[Array]:
+def _line_of(state: SilhouetteState, cut: Part) -> list[Floats]:
     """The strokes of a cut where it stands now; (n, 3) each."""
     place = placement_of(state, cut)
     flat = [cut.sheet.from_pixels(stroke.points, stroke.camera) for stroke in cut.strokes]
     return [place.points(np.column_stack([line, np.zeros(len(line))])) for line in flat]
 
 
-def _runs_along(path: Stroke, lines: list[Array]) -> bool:
+def _runs_along(path: Stroke, lines: list[Floats]) -> bool:
     """Whether most of a path lies by one of some lines (n, 3), as they are seen."""
     import shapely
 

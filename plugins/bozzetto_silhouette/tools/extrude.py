@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
@@ -20,19 +18,15 @@ from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
-from bozzetto_silhouette.tools.carve_check import NOTHING, check_that_it_carves, volume_left
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import landed
+from bozzetto_silhouette.tools.insert_node import NOTHING, check_that_it_carves, landed, volume_left
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 from bozzetto_silhouette.tools.through_preview import parts_at, trace_of
 from bozzetto_silhouette.view.picking import Touch, shape_seen
-
-__all__ = ["Extrude"]
-
-Array = NDArray[np.float64]
 
 RING_SAMPLES = 64
 
@@ -78,9 +72,9 @@ class _Base:
         What it lies on.
     """
 
-    points: Array
-    middle: Array
-    outwards: Array
+    points: Floats
+    middle: Floats
+    outwards: Floats
     room: float
     parts: tuple[Part, ...]
 
@@ -92,7 +86,6 @@ class Extrude(TellsOfJoints):
     title = "Extrude"
     icon = "icons/extrude.svg"
     hint = "Draw a ring on the shape, then the outline of what grows out of it or into it."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """The ring on the surface, and what the second stroke swells to so far."""
@@ -163,12 +156,12 @@ def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
     return _Base(points, middle, outwards, room, tuple(parts_at(state, touch, points)))
 
 
-def _loop(stroke: Stroke) -> Array:
+def _loop(stroke: Stroke) -> Floats:
     """A ring as it was drawn, closed, in pixels."""
     return resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
 
 
-def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
+def _room(touch: Touch, points: Floats, middle: Floats, outwards: Floats) -> float:
     """How far the shape goes on inwards from the middle of the ring."""
     depth = (points - middle) @ outwards
     start = middle + (depth.min() - 1e-3 * np.ptp(points, axis=0).max()) * outwards
@@ -233,7 +226,7 @@ def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
     )
 
 
-def _check_ends(line: Array, ring: Array, width: float) -> None:
+def _check_ends(line: Floats, ring: Floats, width: float) -> None:
     from shapely import MultiPoint, Point
 
     hull = MultiPoint(ring).convex_hull
@@ -249,7 +242,9 @@ def _check_ends(line: Array, ring: Array, width: float) -> None:
         )
 
 
-def _root_stroke(line: Array, middle: Array, root: Array, sheet: Sheet, camera: Camera) -> Stroke:
+def _root_stroke(
+    line: Floats, middle: Floats, root: Floats, sheet: Sheet, camera: Camera
+) -> Stroke:
     """Half an ellipse from the end of a line to its start, as far as `root` beyond."""
     angle = np.linspace(0.0, np.pi, ROOT_STEPS + 1)
     places = middle + np.outer(np.cos(angle), line[-1] - middle) + np.outer(np.sin(angle), root)
@@ -257,6 +252,6 @@ def _root_stroke(line: Array, middle: Array, root: Array, sheet: Sheet, camera: 
     return Stroke(pixels[:, 0], pixels[:, 1], camera, tool="imported")
 
 
-def _point(values: Array) -> tuple[float, float, float]:
+def _point(values: Floats) -> tuple[float, float, float]:
     x, y, z = (float(v) for v in values)
     return x, y, z

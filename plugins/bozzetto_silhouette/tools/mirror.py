@@ -9,15 +9,12 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Tap
-from bozzetto.scene import Scene
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.tools.arrange import placed_anew
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 from bozzetto_silhouette.view.drag_motion import mirrored
 from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
-
-__all__ = ["MirrorCopy"]
 
 UP = (0.0, 0.0, 1.0)
 """The world's."""
@@ -39,10 +36,6 @@ class MirrorCopy(TellsOfJoints):
     icon = "icons/mirror.svg"
     hint = "Tap a part for its mirror image across the plane of symmetry; Shift: left and right."
     gesture: Literal["ink", "tap", "drag"] = "tap"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """A tap is over before anything could be shown."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add the twin.

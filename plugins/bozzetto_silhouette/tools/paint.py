@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, Tap
-from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 from bozzetto_silhouette.view.picking import touched_part
-
-__all__ = ["Paint"]
 
 MOST_TOUCHES = 32
 """Samples of a stroke at which the shape is looked at: parts are larger than the gaps."""
@@ -26,11 +22,6 @@ class Paint(TellsOfJoints):
     title = "Paint"
     icon = "icons/paint.svg"
     hint = "Draw over a part to give it the paint colour; the eraser takes it away."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Every part under the ink or the tap takes the colour.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture
+from bozzetto.scene import Scene
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.rigging.posing import joints_layer
-
-__all__ = ["DRAG_A_JOINT", "NO_JOINTS", "TellsOfJoints"]
 
 DRAG_A_JOINT: Final = (
     "Drag a joint and the skin follows; the end of a limb draws the limb along. "
@@ -20,9 +20,17 @@ NO_JOINTS: Final = (
 
 
 class TellsOfJoints:
-    """A tool whose hint gives way to the joints while the shape is posed."""
+    """A tool whose hint gives way to the joints while the shape is posed.
+
+    Without a preview of its own: there the ink, or the result, shows everything.
+    """
 
     hint: str
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """Return an empty scene."""
+        return Scene()
 
     def next_hint(self, state: SilhouetteState) -> str:
         """What to drag while the joints are shown, else what the tool waits for."""

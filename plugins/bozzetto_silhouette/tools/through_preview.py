@@ -6,16 +6,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.view.picking import Touch
-
-__all__ = ["Trace", "parts_at", "trace_of"]
-
-Array = NDArray[np.float64]
 
 RULED = 8
 """Every which line of sight is drawn from where it goes in to where it comes out."""
@@ -36,11 +32,11 @@ class Trace(NamedTuple):
     """
 
     touch: Touch
-    near: Array
-    far: Array
+    near: Floats
+    far: Floats
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Flags:
         """Which of them meet the shape."""
         return np.asarray(np.isfinite(self.near).all(axis=1) & np.isfinite(self.far).all(axis=1))
 
@@ -59,7 +55,7 @@ class Trace(NamedTuple):
         return Scene((Layer("preview", tuple(item for item in items if len(item.points))),))
 
 
-def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
+def trace_of(touch: Touch, pixels: Floats, camera: Camera) -> Trace:
     """Follow lines of sight through canvas positions (n, 2) into a shape and out of it."""
     rays = camera.rays(pixels)
     near = touch.hits(rays)
@@ -71,7 +67,7 @@ def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
     return Trace(touch, near.points, touch.hits(Rays(beyond, -rays.directions)).points)
 
 
-def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:
+def parts_at(state: SilhouetteState, touch: Touch, points: Floats) -> list[Part]:
     """The parts that made a shape's surface at points (n, 3) on it."""
     from scipy.spatial import cKDTree
 
@@ -83,14 +79,14 @@ def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:
     return [part for part in state.parts if part.id in sources]
 
 
-def _runs(line: Array, hit: NDArray[np.bool_]) -> list[Array]:
+def _runs(line: Floats, hit: Flags) -> list[Floats]:
     """The stretches of a line that lie on the shape."""
     places = np.flatnonzero(hit)
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [line[piece] for piece in pieces if len(piece) > 1]
 
 
-def _lines(runs: Sequence[Array] | Array, width: float) -> Lines:
+def _lines(runs: Sequence[Floats] | Floats, width: float) -> Lines:
     """Polylines (n, 3) each, as one item."""
     starts = np.cumsum([0, *(len(run) for run in runs[:-1])])
     points = np.concatenate([*runs, np.zeros((0, 3))]).astype(np.float32)

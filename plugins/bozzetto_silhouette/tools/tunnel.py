@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
@@ -14,15 +12,12 @@ from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
-from bozzetto_silhouette.tools.carve_check import check_that_it_carves
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import landed
+from bozzetto_silhouette.tools.insert_node import check_that_it_carves, landed
 from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
 from bozzetto_silhouette.tools.through_preview import Trace, trace_of
 from bozzetto_silhouette.view.picking import shape_seen
-
-__all__ = ["DrawTunnel"]
 
 LOOKS = 96
 """Lines of sight along the outline."""
@@ -35,7 +30,6 @@ class DrawTunnel(TellsOfJoints):
     title = "Tunnel"
     icon = "icons/tunnel.svg"
     hint = "Draw a closed outline over the shape; it goes straight through."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Where the tunnel goes in and comes out, and lines of sight through it."""

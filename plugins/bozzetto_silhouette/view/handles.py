@@ -5,15 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.scene import Handle, Layer, Lines
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import carried, is_shown, placement_of
-
-__all__ = ["ARRANGE", "Grip", "grip_of", "handles_layer", "members"]
-
-Array = NDArray[np.float64]
 
 ARRANGE = "arrange"
 """Id of the tool that shows handles: to any other pen they would only be in the way."""
@@ -41,12 +37,12 @@ class Grip:
         Of the ring.
     """
 
-    middle: Array
-    right: Array
-    up: Array
+    middle: Floats
+    right: Floats
+    up: Floats
     radius: float
 
-    def on_ring(self, angles: Array) -> Array:
+    def on_ring(self, angles: Floats) -> Floats:
         """Places on the ring, (n, 3)."""
         circle = np.outer(np.cos(angles), self.right) + np.outer(np.sin(angles), self.up)
         return np.asarray(self.middle + self.radius * circle, np.float64)
@@ -103,12 +99,12 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
     )
 
 
-def _handle(name: str, point: Array, tip: str) -> Handle:
+def _handle(name: str, point: Floats, tip: str) -> Handle:
     x, y, z = (float(v) for v in point)
     return Handle(name, (x, y, z), tip=tip)
 
 
-def _inked(state: SilhouetteState, part: Part) -> Array:
+def _inked(state: SilhouetteState, part: Part) -> Floats:
     """A part's ink where it stands now, (n, 3)."""
     lines = [part.sheet.from_pixels(s.points, s.camera) for s in part.strokes]
     points = np.concatenate([np.zeros((0, 2)), *lines])

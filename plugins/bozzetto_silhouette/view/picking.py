@@ -16,8 +16,6 @@ from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import tree_body
 
-__all__ = ["Touch", "shape_seen", "touched_part"]
-
 Array = NDArray[np.float64]
 
 TOUCHED_CELLS = 64
