@@ -71,7 +71,7 @@ class Silhouette:
         return SilhouetteState()
 
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
-        """What the pen can do, most used first."""
+        """Return the tools, most used first."""
         return all_tools()
 
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:
@@ -110,7 +110,7 @@ class Silhouette:
         return SilhouetteResult(body, *moved, final, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
-        """The solids in clay and the ink that made them, as a ghost.
+        """Return the shape in clay and, faintly, the ink that made it.
 
         Ink belongs to the shape at rest: while that is posed its joints are shown instead.
         """
@@ -161,11 +161,11 @@ class Silhouette:
     # -- parts --
 
     def parts(self, state: SilhouetteState) -> tuple[Part | Group, ...]:
-        """The nodes of the tree."""
+        """Return the nodes of the tree."""
         return state.nodes
 
     def selected_part(self, state: SilhouetteState) -> str:
-        """The node that is chosen."""
+        """Return the id of the node that is chosen."""
         return state.selected
 
     def is_group(self, part: Part | Group) -> bool:
@@ -175,15 +175,15 @@ class Silhouette:
     def with_parts(
         self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
     ) -> SilhouetteState:
-        """The same state with other nodes."""
+        """Return the same state with other nodes."""
         return replace(state, nodes=parts, selected=selected)
 
     def new_group(self, state: SilhouetteState) -> Group:
-        """An empty group."""
+        """Return an empty group."""
         return Group(id=state.unused_id(), name=state.unused_name("Group"))
 
     def released(self, part: Part | Group, group: Group) -> Part | Group:
-        """A node that stays where its group had moved it."""
+        """Return a node that stays where its group had moved it."""
         return replace(part, pose=group.pose.after(part.pose))
 
     # -- documents --

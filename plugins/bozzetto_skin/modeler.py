@@ -113,7 +113,7 @@ class RoughSkin:
         return ()
 
     def read_shapes(self, shapes: Shapes) -> SkinState:
-        """A state from the curves and patches of another model, or of a file."""
+        """Return a state with the curves and patches of another model, or of a file."""
         lines = polylines(shapes)
         lengths = [0, *(len(line) for line in lines[:-1])]
         return SkinState(np.vstack(lines), np.cumsum(lengths).astype(np.int32))
@@ -135,7 +135,7 @@ class RoughSkin:
         return Skin(mesh, curve_distances(state.curves, mesh))
 
     def scene(self, state: SkinState, result: Skin | None) -> Scene:
-        """The skin in clay, and the curves on it."""
+        """Return the skin, shaded in clay, and the curves on it."""
         curves = Lines(state.points.astype(np.float32), state.starts, color="ghost", width=1.0)
         layers = [Layer("curves", (curves,))] if len(state.starts) else []
         if result is not None and result.mesh is not None:
@@ -143,7 +143,7 @@ class RoughSkin:
         return Scene(tuple(layers))
 
     def shapes(self, state: SkinState, result: Skin) -> Shapes:
-        """The skin as a solid."""
+        """Return the skin as a solid."""
         if result.mesh is None:
             return Shapes()
         return Shapes(solids=(Solid(result.mesh, name="skin"),))

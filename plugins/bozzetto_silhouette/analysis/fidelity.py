@@ -136,7 +136,7 @@ _shadows: Memory[BaseGeometry] = Memory(limit=8)
 
 
 def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
-    """The projection of a solid; every ring of its outline is compared with the same."""
+    """Return the projection of a solid; remembered, for all rings of an outline need it."""
     return _shadows.recall(solid, lambda: shadow_of(solid.vertices, solid.faces))
 
 
@@ -164,7 +164,7 @@ def _hausdorff(one: object, other: object, spacing: float) -> tuple[float, tuple
 
 
 def _pieces(lines: object) -> np.ndarray:
-    """A line geometry as single segments, so that a tree can find the nearest."""
+    """Split a line geometry into single segments, so that a tree can find the nearest."""
     import shapely
 
     result = []

@@ -23,7 +23,7 @@ OVERLAP = 1e-6
 
 
 def shadow_of(vertices: Floats, faces: Faces) -> BaseGeometry:
-    """The projection of a closed mesh (v, 3), (f, 3) along z."""
+    """Project a closed mesh (v, 3), (f, 3) along z."""
     xy = np.asarray(vertices, np.float64)[:, :2]
     a, b, c = (xy[faces[:, corner]] for corner in range(3))
     (ux, uy), (vx, vy) = (b - a).T, (c - a).T
@@ -65,7 +65,7 @@ def _border(faces: Faces, count: int) -> list[list[int]]:
 
 
 def _union(rings: list[Floats]) -> BaseGeometry:
-    """What lies within an odd number of rings."""
+    """Return the region that lies within an odd number of rings."""
     import shapely
 
     parts = [shapely.Polygon(ring).buffer(0) for ring in rings if len(ring) >= 3]

@@ -41,11 +41,12 @@ def fidelity_of(solid: SilhouetteSolid, outline: Outline) -> Fidelity:
 def report_of(
     state: SilhouetteState, body: Body | None, solids: Mapping[str, SilhouetteSolid]
 ) -> dict[str, Any]:
-    """Plain JSON values: the whole, then every part, in mm; warnings in words.
+    """Return the figures of the whole, then of every part, in mm, and warnings; plain JSON values.
 
     Parameters
     ----------
     state : SilhouetteState
+        What was drawn.
     body : Body or None
         The whole shape; None where nothing is left.
     solids : mapping of str to SilhouetteSolid
@@ -90,7 +91,7 @@ def cautions_of(state: SilhouetteState) -> tuple[Caution, ...]:
 def _of_part(
     state: SilhouetteState, part: Part, solid: SilhouetteSolid, warnings: list[str]
 ) -> dict[str, Any]:
-    """The figures of a part where it stands now; what is amiss is added to the warnings."""
+    """Return the figures of a part where it stands now, and extend the warnings."""
     outline = outline_of(part)
     found = fidelity_of(solid, outline)
     place = placement_of(state, part)
@@ -125,7 +126,7 @@ def _of_part(
 
 
 def _of_whole(body: Body) -> dict[str, Any]:
-    """The figures of the whole shape."""
+    """Return the figures of the whole shape."""
     sound = topology_of(body.vertices, body.faces)
     walls = _walls.recall(body, lambda: walls_of(body.vertices, body.faces))
     return {
@@ -142,7 +143,7 @@ def _of_whole(body: Body) -> dict[str, Any]:
 
 
 def _print_problems(whole: dict[str, Any]) -> list[str]:
-    """What stands in the way of printing, in words."""
+    """Return what prevents printing, one sentence each."""
     found = []
     if not whole["watertight"] or whole["volume"] <= 0.0:
         found.append("The surface is not closed. Undo the last step.")

@@ -108,7 +108,7 @@ def walls_of(vertices: Floats, faces: Faces) -> Walls:
 
 
 def _first_wall(middle: Floats, thickness: Floats, area: Floats, order: Indices) -> int:
-    """The thinnest sample that is no tip; the thickest where all are."""
+    """Return the thinnest sample that is not at a tip; the thickest where all are."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(middle)

@@ -92,10 +92,12 @@ class Projection:
 
 
 def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
-    """A picture ready for a surface.
+    """Prepare a picture for a surface.
 
     Parameters
     ----------
+    picture : Picture
+        The picture and its rectangle.
     radius : float
         The largest inscribed radius of the solid, mm.
     detail : float
@@ -130,7 +132,7 @@ def axes_of(picture: Picture) -> Floats:
 
 
 def _level(picture: Picture, factor: int) -> Level:
-    """The picture with `factor` times `factor` pixels averaged into one."""
+    """Average `factor` times `factor` pixels of a picture into one."""
 
     def work() -> Level:
         pixels = picture.pixels

@@ -51,7 +51,7 @@ _textures: Memory[Texture] = Memory(limit=2)
 
 
 def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
-    """A body for the screen and for files."""
+    """Color a body's mesh, for the screen and for files."""
     checkpoint(1.0, "colours")  # the last step, and a short one
     plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
     parts = part_coat(state, body)
@@ -69,7 +69,7 @@ def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore)
 
 
 def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> Mesh:
-    """The mesh with a vertex more for every corner that has a colour of its own."""
+    """Add a vertex to the mesh for every corner that has a colour of its own."""
     count = len(plain.vertices)
     faces = plain.faces.copy()
     copied = faces[creases.face, creases.corner]
@@ -95,7 +95,7 @@ def _picture_coat(state: SilhouetteState, body: Body) -> Coat | None:
 
 
 def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
-    """The colours of a body as a picture wrapped around it; None where no picture is laid on.
+    """Return a body's colours as a texture; None where no picture is projected.
 
     Colours of parts alone are smooth enough for vertices.
     """

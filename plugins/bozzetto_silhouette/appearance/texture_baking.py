@@ -27,12 +27,15 @@ def baked(vertices: Floats, faces: Faces, axes: Floats, density: float, paint: P
     Parameters
     ----------
     vertices : (v, 3) float array
+        Corners of the mesh, mm.
     faces : (f, 3) int array
+        Oriented outwards.
     axes : (3, 3) float array
         Rows: orthonormal; along them the surface is projected.
     density : float
         Texels per mm that are wanted.
     paint : callable
+        Gives the colours of points on the surface.
     """
     layout = laid_out(vertices, faces, axes, density)
     texel, face, weights = _texels(layout)

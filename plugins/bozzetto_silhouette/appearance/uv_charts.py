@@ -65,7 +65,9 @@ def laid_out(vertices: Floats, faces: Faces, axes: Floats, density: float) -> La
     Parameters
     ----------
     vertices : (v, 3) float array
+        Corners of the mesh, mm.
     faces : (f, 3) int array
+        Oriented outwards.
     axes : (3, 3) float array
         Rows: orthonormal; charts are projected along them.
     density : float
@@ -88,7 +90,7 @@ def laid_out(vertices: Floats, faces: Faces, axes: Floats, density: float) -> La
 
 
 def _neighbours(faces: Faces) -> Index:
-    """The face beyond every edge, (f, 3); -1 where there is none."""
+    """Find the face beyond every edge, (f, 3); -1 where there is none."""
     begin, end = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
     count = int(faces.max(initial=0)) + 1
     forth, back = (begin * count + end).ravel(), (end * count + begin).ravel()
@@ -116,7 +118,7 @@ def _labels(corners: Floats, beside: Index) -> Index:
 
 
 def _components(beside: Index, kind: Index) -> Index:
-    """Number of the connected region of one kind that each face is in."""
+    """Return for each face the number of the connected region of one kind that it is in."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 

@@ -49,14 +49,14 @@ class Coat:
     cover: Floats
 
     def over(self, under: Coat) -> Coat:
-        """The coat laid on another one."""
+        """Lay the coat on another one."""
         bare_share = 1.0 - self.cover
         return Coat(
             self.rgb + bare_share[:, None] * under.rgb, self.cover + bare_share * under.cover
         )
 
     def mixed(self, other: Coat, share: Floats) -> Coat:
-        """The coat with a share (n,) of the other one's place in it, 0 to 1."""
+        """Mix in another coat, with a share (n,) from 0 to 1."""
         kept = 1.0 - share
         return Coat(
             kept[:, None] * self.rgb + share[:, None] * other.rgb,
@@ -64,11 +64,11 @@ class Coat:
         )
 
     def at(self, index: Indices) -> Coat:
-        """The coat of some of the points."""
+        """Return the coat of some of the points."""
         return Coat(self.rgb[index], self.cover[index])
 
     def joined(self, more: Coat) -> Coat:
-        """The coat of these points and then of more."""
+        """Append the coat of more points."""
         return Coat(np.concatenate([self.rgb, more.rgb]), np.concatenate([self.cover, more.cover]))
 
     def bytes(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
@@ -101,14 +101,14 @@ def bare(count: int) -> Coat:
 
 
 def color_of(part: Part) -> Color | None:
-    """A part's own colour, else that of its ink, else none."""
+    """Return a part's own colour, else that of its ink, else None."""
     if part.color is not None:
         return part.color
     return next((stroke.color for stroke in part.strokes if stroke.color is not None), None)
 
 
 def part_coat(state: SilhouetteState, body: Body, points: Floats | None = None) -> Coat | None:
-    """The colours of a body's vertices, or of other points on it; None where it has none.
+    """Return the colours of a body's vertices, or of other points on it; None without colours.
 
     A part that carves or intersects gives its colour to the walls that it makes; without a
     colour it leaves them that of what it acts on.
@@ -124,10 +124,14 @@ def part_coat(state: SilhouetteState, body: Body, points: Floats | None = None) 
 
 
 def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases | None:
-    """Where the colours of the vertices would run over a sharp edge; None where nowhere.
+    """Find where the colours of vertices would run over a sharp edge; None where they do not.
 
     Parameters
     ----------
+    state : SilhouetteState
+        What was drawn.
+    body : Body
+        The whole shape.
     coat : Coat
         Of the body's vertices.
     """
@@ -151,7 +155,7 @@ def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases |
 
 
 def _leaves(solid: Implicit) -> Iterator[Implicit]:
-    """The solids that a solid was put together from, in the order of its sources."""
+    """Return the solids that a solid was combined from, in the order of its sources."""
     if isinstance(solid, Placed):
         yield from _leaves(solid.inner)
     elif isinstance(solid, Composite):
@@ -194,10 +198,14 @@ class _Painted:
         self._tie = tie
 
     def at(self, solid: Implicit, points: Floats, slack: float) -> tuple[Floats, Coat]:
-        """Values and colours at points (n, 3).
+        """Return values and colours at points (n, 3).
 
         Parameters
         ----------
+        solid : Implicit
+            The solid, or one that it was combined from.
+        points : (n, 3) float array
+            Places in the frame of the solid.
         slack : float
             How far outside a solid it may still matter. Beyond, the value is only a bound.
         """

@@ -19,7 +19,7 @@ et al. 2013: the compact sextic, integrated along it)."""
 
 
 def flipped(sample: Sample) -> Sample:
-    """The sample of what is outside."""
+    """Return the sample of the complement."""
     return Sample(-sample.value, -sample.gradient, sample.curvature)
 
 
@@ -74,7 +74,7 @@ def summed(first: Sample, second: Sample, reach: Floats | float) -> Sample:
 
 
 def _mixed(value: Floats, one: Floats, first: Sample, other: Floats, second: Sample) -> Sample:
-    """A sample whose value grows by so much of the one and so much of the other."""
+    """Return a sample with a given value and the weighted sum of two gradients."""
     gradient = one[:, None] * first.gradient + other[:, None] * second.gradient
     total = np.maximum(one + other, 1e-300)
     curvature = (one * first.curvature + other * second.curvature) / total

@@ -40,7 +40,7 @@ class Taming:
 
     @classmethod
     def none(cls) -> Taming:
-        """The whole blend everywhere."""
+        """Return a limiter that leaves the whole blend everywhere."""
         return cls(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
 
     def share(self, points: Floats) -> Floats:

@@ -85,11 +85,11 @@ class Composite:
         return self.blended(self.sides(points))
 
     def scaled(self, share: float) -> Composite:
-        """The same with a share of its blend."""
+        """Return the same solid with a share of its blend."""
         return replace(self, blend=share * self.blend, reach=share * self.reach)
 
     def sides(self, points: Floats) -> Sides:
-        """Samples of both solids; where one cannot matter, only a bound of it."""
+        """Sample both solids; where one cannot matter, only its bound is given."""
         first, second = self._samples(points)
         reach = self._local_reach(first, second)
         if len(self.taming.places):
@@ -97,7 +97,7 @@ class Composite:
         return Sides(first, second, reach)
 
     def within(self, box: Floats, margin: float) -> Composite:
-        """The same with `localized` operands."""
+        """Return the same solid with `localized` operands."""
         first, second = (localized(side, box, margin) for side in (self.first, self.second))
         return replace(self, first=first, second=second)
 
@@ -109,7 +109,7 @@ class Composite:
         )
 
     def blended(self, sides: Sides) -> Sample:
-        """The two samples as one."""
+        """Combine two samples into one by the operation and its blend."""
         first, second, reach = sides
         if self.operation == "carve":
             return flipped(smooth_maximum(flipped(first), second, reach))
@@ -159,7 +159,7 @@ class Composite:
 
 
 def localized(solid: Implicit, box: Floats, margin: float) -> Implicit:
-    """A solid without the operands that are too far from a box (2, 3) to be felt in it.
+    """Drop the operands of a solid that are too far from a box (2, 3) to matter in it.
 
     In the box it is the same wherever the values that are blended lie between -margin and
     margin; beyond, it stays outside. A tree of many parts is as fast in a small place as a few.
@@ -181,7 +181,7 @@ def localized(solid: Implicit, box: Floats, margin: float) -> Implicit:
 
 
 def signature(solid: Implicit) -> object:
-    """What the values of a solid hang on: equal signatures are the same function."""
+    """Return a key of the solid's values: solids with equal keys are the same function."""
     if isinstance(solid, Placed):
         return (signature(solid.inner), solid.placement)
     if isinstance(solid, Composite):
@@ -215,7 +215,7 @@ def _where(
     wanted: Flags,
     known: Sample | None = None,
 ) -> Sample:
-    """A solid's sample where wanted; elsewhere what is known, else a bound of the value."""
+    """Sample a solid where wanted; give what is known, or a bound of the value, elsewhere."""
     if wanted.all():
         return solid.sample(points)
     if known is None:

@@ -202,15 +202,16 @@ _fields: Memory[ConvolutionField] = Memory(limit=16)
 def convolution_field(
     frame: Frame, *, softness: float = 1.4, kernel: Kernel = "scalis"
 ) -> ConvolutionField:
-    """Weights for a skeleton, from the outline; not yet corrected.
+    """Fit the weights of a skeleton to its outline; the field is not corrected yet.
 
     Parameters
     ----------
     frame : Frame
+        The outline, its samples and its skeleton.
     softness : float
         Support of the kernel in radii, 1.25 to 2: how far limbs blend into each other.
     kernel : str
-        What is summed along the skeleton.
+        The function that is summed along the skeleton.
     """
     return _fields.recall((frame, softness, kernel), lambda: _fitted(frame, softness, kernel))
 
@@ -232,7 +233,7 @@ def _fitted(frame: Frame, softness: float, kernel: Kernel) -> ConvolutionField:
 
 
 def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
-    """The same field, corrected so that its zero line in z = 0 is the sampled outline."""
+    """Correct a field so that its zero line in z = 0 is the sampled outline."""
     level = raw.raw_level(rim.points, np.zeros(len(rim.points)), rim.radius)
     # Never so much that the body would reach beyond the support of the kernel.
     most = 0.8 * (raw.softness**2 - 1.0)

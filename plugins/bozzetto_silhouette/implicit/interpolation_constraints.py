@@ -91,7 +91,7 @@ class Constraints:
     size: float
 
     def placed(self, placement: Placement) -> Constraints:
-        """The same, moved, turned, scaled or mirrored with the shape."""
+        """Return the constraints moved, turned, scaled or mirrored with the shape."""
         return Constraints(
             placement.points(self.points),
             self.values * placement.scale,
@@ -120,11 +120,12 @@ _fits: Memory[Fit] = Memory(limit=16)
 
 
 def fitted(frame: Frame, most: int = MOST_OUTLINE_POINTS) -> Fit:
-    """The variational surface through an outline.
+    """Fit the variational surface through an outline; remembered.
 
     Parameters
     ----------
     frame : Frame
+        The outline, its samples and its skeleton.
     most : int
         Boundary constraints, at most.
 
@@ -169,7 +170,7 @@ def _fit(frame: Frame, most: int) -> Fit:
 
 
 def _lengths(frame: Frame) -> Floats:
-    """The stretch of outline that each sample stands for."""
+    """Return the length of outline that each sample stands for, (m,)."""
     rim = frame.rim
     half = 0.5 * np.hypot(*(rim.points[rim.after] - rim.points).T)
     total: Floats = half + half[rim.before]
@@ -240,7 +241,7 @@ def _around(
 
 
 def _heights(frame: Frame) -> Floats:
-    """A point above every node of the skeleton and above the middle of every edge, (k, 3)."""
+    """Place a point above every node of the skeleton and above the middle of every edge, (k, 3)."""
     from scipy.spatial import cKDTree
 
     skeleton, rim = frame.skeleton, frame.rim

@@ -49,7 +49,7 @@ class Summation(Protocol):
         ...
 
     def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
-        """What a field reads like in squared radii, and its derivative by the field.
+        """Convert a field to a level in squared radii; return that and its derivative by the field.
 
         On a cylinder of the given radius it is ``1 - (distance / radius)^2``.
         """
@@ -57,13 +57,14 @@ class Summation(Protocol):
 
 
 def summation_of(skeleton: Skeleton, name: KernelName, softness: float, widest: float) -> Summation:
-    """The kernels of a name along a skeleton.
+    """Return the kernels of a given name along a skeleton.
 
     Parameters
     ----------
     skeleton : Skeleton
         In the frame of the sums.
     name : str
+        The kernel, as a part names it.
     softness : float
         Reach of the kernel in radii: in those at hand for "scalis"; in the largest one for the
         compact kernels, in the median one (see `CAUCHY_CORE`) for Cauchy's. The pure powers
@@ -204,7 +205,7 @@ class _LineSums:
         return [slice(k, k + rows) for k in range(0, max(len(self.xy), 1), rows)]
 
     def _tables(self, part: slice, height2: Floats, *, slope: bool) -> list[Floats]:
-        """The field of each segment, and on wish its derivative by the squared height."""
+        """Return the field of each segment, and if asked for its slope by the squared height."""
         lines, shape = self.lines, (len(self.xy[part]), len(self.lines.length))
         offset = self.xy[part][:, None, :] - lines.start
         along = (offset * lines.direction).sum(axis=2)

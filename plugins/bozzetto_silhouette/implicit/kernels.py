@@ -41,7 +41,7 @@ class Kernel(Protocol):
         ...
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """Derivatives of I0 and I1 by d2 (the ends of the interval held), (n,) each."""
+        """Return the derivatives of I0 and I1 by d2, (n,) each; a and b are held."""
         ...
 
     def cylinder(self, radius: Floats) -> Floats:
@@ -49,7 +49,7 @@ class Kernel(Protocol):
         ...
 
     def level(self, total: Floats) -> tuple[Floats, Floats]:
-        """A function of the field F, in units of the iso-value, that is linear in squares.
+        """Convert the field F, in units of the iso-value, to a level that is linear in squares.
 
         Around an endless line of radius r, ``level(F) = (r^2 - distance^2) / square(r)``.
         Returned with its derivative by F, which is positive.
@@ -57,7 +57,7 @@ class Kernel(Protocol):
         ...
 
     def square(self, radius: Floats) -> Floats:
-        """What the level has to be multiplied by to read as a squared length."""
+        """Return the factor that turns the level at a radius into a squared length."""
         ...
 
 
@@ -81,7 +81,7 @@ class InversePower:
         return self._zeroth(a, b, d2 + self.core2), self._first(self.power, a, b, d2 + self.core2)
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """Derivatives by d2: the same integrals of the power two higher."""
+        """Return the derivatives by d2: the same integrals with a power two higher."""
         p, c2 = self.power, d2 + self.core2
         ends = b * (c2 + b * b) ** (-0.5 * p) - a * (c2 + a * a) ** (-0.5 * p)
         higher = (ends + (p - 1) * self._zeroth(a, b, c2)) / (p * c2)
@@ -112,13 +112,13 @@ class InversePower:
         return 2.0 / c2 if self.power == 3 else 0.5 * np.pi * c2**-1.5
 
     def level(self, total: Floats) -> tuple[Floats, Floats]:
-        """One less a root of the field."""
+        """Return 1 - F**(-2 / (power - 1)) and its derivative."""
         root = -2.0 / (self.power - 1.0)
         power = total**root
         return 1.0 - power, -root * power / total
 
     def square(self, radius: Floats) -> Floats:
-        """Squared radius and core."""
+        """Return the squared radius plus the squared core."""
         return np.square(radius) + self.core2
 
 
@@ -156,7 +156,7 @@ class Compact:
         return self._integrated(self.power, a, b, d2)
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """Derivatives by d2: the same integrals of the power one lower."""
+        """Return the derivatives by d2: the same integrals with a power one lower."""
         factor = -self.power / self.reach**2
         zeroth, first = self._integrated(self.power - 1, a, b, d2)
         return factor * zeroth, factor * first
@@ -174,17 +174,17 @@ class Compact:
         return self.reach * zeroth, self.reach**2 * first
 
     def cylinder(self, radius: Floats) -> Floats:
-        """The integral over the chord of the ball of support."""
+        """Return the integral over the chord of the ball of support."""
         m = np.maximum(1.0 - np.square(radius / self.reach), 0.0)
         whole = 16.0 / 15.0 if self.power == 2 else 32.0 / 35.0
         return self.reach * whole * m ** (self.power + 0.5)
 
     def level(self, total: Floats) -> tuple[Floats, Floats]:
-        """A root of the field less one."""
+        """Return F**(2 / (2 power + 1)) - 1 and its derivative."""
         root = 1.0 / (self.power + 0.5)
         power = total**root
         return power - 1.0, root * power / total
 
     def square(self, radius: Floats) -> Floats:
-        """Squared reach less the squared radius."""
+        """Return the squared reach minus the squared radius."""
         return np.maximum(self.reach**2 - np.square(radius), 0.0)

@@ -48,12 +48,14 @@ stays in the cache, which makes it twice as fast."""
 
 
 def apart(points: Floats, spacing: float) -> Indices:
-    """Which points to keep so that no two are closer: the earlier one of two stays.
+    """Choose points so that no two are closer than a spacing: the earlier one of two stays.
 
     Parameters
     ----------
     points : (n, 3) float array
+        Places in space.
     spacing : float
+        Least distance of two points that are kept.
 
     Returns
     -------
@@ -99,7 +101,7 @@ class VariationalSurface:
     slope: float = 1.0
 
     def level(self, points: Floats) -> Floats:
-        """The function itself at points (n, 3), in units of length."""
+        """Evaluate the function itself at points (n, 3), in units of length."""
         value = np.empty(len(points))
         weight, ahead = np.ascontiguousarray(self.columns[:, 0]), self._ahead
         for first in range(0, len(points), CHUNK):
@@ -113,7 +115,7 @@ class VariationalSurface:
         return value * self.size
 
     def level_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
-        """The function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
+        """Evaluate the function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
         value, gradient = np.empty(len(points)), np.empty((len(points), 3))
         ahead = self._ahead
         for first in range(0, len(points), CHUNK):
@@ -164,7 +166,7 @@ class VariationalSurface:
         return self.bounds + margin * np.array([[-1.0], [1.0]])
 
     def _beyond(self, points: Floats) -> tuple[Floats, Floats]:
-        """The largest value there may be outside of the wide box; the distance from that."""
+        """Return the largest value allowed beyond the wide box, and the distance from it."""
         gap = np.sqrt(((points - np.clip(points, *self._box)) ** 2).sum(axis=1))
         return -MARGIN * float(np.ptp(self.bounds, axis=0).max()) - gap, gap
 
@@ -172,7 +174,7 @@ class VariationalSurface:
 def interpolated(
     points: Floats, values: Floats, bounds: Floats, *, mirrored: bool = False
 ) -> VariationalSurface:
-    """The smoothest function with given values at given points.
+    """Find the smoothest function with given values at given points.
 
     Parameters
     ----------
@@ -219,7 +221,7 @@ def interpolated(
 
 
 def _directions(p: Floats, *, planar: bool) -> Floats:
-    """Unit vectors in which the points are spread out, (k, 3): the linear terms there are."""
+    """Return unit vectors along which the points spread, (k, 3): one linear term each."""
     spread = p - p.mean(axis=0)
     if planar:
         spread[:, 2] = 0.0

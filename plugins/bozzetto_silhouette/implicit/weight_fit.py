@@ -88,6 +88,7 @@ def non_negative_least_squares(normal: Floats, right: Floats) -> Floats:
     normal : (n, n) float array
         Symmetric positive definite.
     right : (n,) float array
+        The linear term.
     """
     free = np.ones(len(right), dtype=bool)
     x = np.zeros(len(right))

@@ -48,18 +48,19 @@ def _local_radii(plan: Plan, square: Floats, distance: Floats) -> Floats:
 
 
 def faired(plan: Plan, square: Floats) -> Floats:
-    """Squared heights without ripples.
+    """Remove the ripples from squared heights.
 
     Parameters
     ----------
     plan : Plan
+        Triangles of the inside of the outline.
     square : (n,) float array
         Squared half thickness at the plan's points, 0 on the rim.
 
     Returns
     -------
     (n,) float array
-        Positive but on the rim.
+        Positive, 0 on the rim.
     """
     from scipy.sparse import diags_array
 

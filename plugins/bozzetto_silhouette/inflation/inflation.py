@@ -24,7 +24,7 @@ class Swelling(Protocol):
     """
 
     def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
-        """Squared half thickness at a plan's points, in the frame of the sums.
+        """Return the squared half thickness at a plan's points, in the frame of the sums.
 
         Parameters
         ----------
@@ -33,6 +33,7 @@ class Swelling(Protocol):
         rim : Rim
             The samples of the outline that the plan starts with.
         plan : Plan
+            Triangles of the inside of the outline.
 
         Returns
         -------

@@ -57,7 +57,7 @@ class Inflation:
 
 
 def _pieces(points: Floats) -> list[tuple[Floats, ...]]:
-    """What a closed, perhaps crossing, line encloses: rings of each piece, sorted out."""
+    """Return the rings of each piece that a closed, perhaps crossing, line encloses."""
     import shapely
 
     polygon = shapely.Polygon(points)
@@ -125,7 +125,7 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
 
 
 def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
-    """What an outline drawn on a sheet, (n, 2) so far, swells to; nothing where it is none."""
+    """Return a scene of the shape that an outline (n, 2), still being drawn, inflates to."""
     inflation = inflate(points)
     if inflation is None:
         return Scene()

@@ -72,7 +72,7 @@ class Soundness(Topology):
 
 
 def as_manifold(vertices: Floats, faces: Faces) -> Manifold:
-    """The mesh as manifold3d sees it, in double precision.
+    """Convert a mesh to a manifold3d solid, in double precision.
 
     It gets copies: manifold3d takes no read-only arrays, not even those that it gave.
     """
@@ -139,6 +139,6 @@ def volume_of(vertices: Floats, faces: Faces) -> float:
 
 
 def _wedges(vertices: Floats, faces: Faces) -> Floats:
-    """What each face adds to the volume, about a vertex so that far away no digits are lost."""
+    """Return each face's share of the volume, about a vertex to keep digits far away."""
     a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, np.float64)

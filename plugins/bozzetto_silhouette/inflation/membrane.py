@@ -38,7 +38,7 @@ class Membrane:
         return cls(plan, elements.mass[rim:], factorised(elements.stiffness()[rim:, rim:]))
 
     def blown(self, pressure: Floats | float) -> Floats:
-        """The shape u (n,), 0 on the rim, for a pressure at the inner points."""
+        """Solve for the shape u (n,), 0 on the rim, under a pressure at the inner points."""
         u = np.zeros(len(self.plan.points))
         u[len(self.plan.after) :] = self.factors.solve(self.mass * pressure)
         return np.maximum(u, 0.0)
@@ -83,7 +83,7 @@ class InflationSwelling:
 
 
 def _bodies(plan: Plan) -> Faces:
-    """Number of the connected piece of the plan that each point belongs to, (n,)."""
+    """Return for each point the number of the connected piece of the plan it is in, (n,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -42,7 +42,7 @@ class PenPressure:
 
     @classmethod
     def of(cls, part: Part) -> PenPressure:
-        """The pressure along a part's ink and what was drawn over it."""
+        """Read the pressure along a part's ink and along what was drawn over it."""
         over = (edit.stroke for edit in part.edits if isinstance(edit, Oversketch))
         strokes = [*part.strokes, *over]
         places, pressure = [np.zeros((0, 2))], [np.zeros(0)]
@@ -83,7 +83,7 @@ class PenPressure:
 
 
 def continued_harmonically(plan: Plan, on_rim: Floats) -> Floats:
-    """The function (n,) on a plan with values (m,) on its rim and no Laplacian inside."""
+    """Solve for the harmonic function (n,) on a plan with given values (m,) on its rim."""
     count = len(plan.after)
     values = np.zeros(len(plan.points))
     values[:count] = on_rim

@@ -70,7 +70,7 @@ class Profile:
     def factors(
         self, frame: Frame, plan: Plan, front: Floats, back: Floats
     ) -> tuple[Floats, Floats]:
-        """The wanted over the own height at every point's place along the axis."""
+        """Return the wanted height over the present one, at every point's place on the axis."""
         along = (plan.points * frame.scale + frame.origin) @ self.axis
         up = self._factor(plan, along, np.sqrt(front) * frame.scale, self.front)
         if self.back is self.front and back is front:
@@ -105,7 +105,7 @@ class Profile:
 
 
 def highest_crossings(x0: Floats, y0: Floats, x1: Floats, y1: Floats, columns: Floats) -> Floats:
-    """The highest place where segments cross each of evenly spaced columns; -inf where none do.
+    """Return the highest crossing of segments with each of evenly spaced columns; -inf for none.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def understood(part: Part) -> None:
 
 
 def profile_of(part: Part) -> Profile:
-    """The profile that a part's ink describes.
+    """Read the profile that a part's ink describes.
 
     The cameras of the strokes see the part where it was drawn, before its pose: ink that was
     drawn over a part that had been moved is moved back first (`Stroke.moved`).
@@ -210,7 +210,7 @@ def profile_of(part: Part) -> Profile:
 
 
 def _line_of_sight(part: Part, camera: Camera, middle: Floats) -> Floats:
-    """Unit vector away from the eye at a world point, in the object frame."""
+    """Return the unit vector away from the eye at a world point, in the object frame."""
     ahead = camera.axes[2]
     if camera.kind == "perspective":
         ahead = middle - camera.eye

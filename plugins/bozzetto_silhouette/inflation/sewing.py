@@ -41,7 +41,7 @@ def sewn_shell(plan: Plan, front: Floats, back: Floats) -> tuple[Floats, Faces]:
 
 
 def shell_normals(plan: Plan, front: Floats, back: Floats) -> Floats:
-    """Unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
+    """Return unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
 
     They come from the slope of u, which is nearly quadratic where z itself, upright at the
     rim, is hard to differentiate: the facets of the mesh do not show in them.
@@ -49,6 +49,7 @@ def shell_normals(plan: Plan, front: Floats, back: Floats) -> Floats:
     Parameters
     ----------
     plan : Plan
+        Triangles of the inside of the outline.
     front, back : (n,) float array
         u of either side, 0 on the rim.
 
@@ -102,7 +103,7 @@ def plan_gradients(plan: Plan, values: Floats) -> Floats:
 
 
 def vertex_normals(vertices: Floats, faces: Faces) -> Floats:
-    """Unit normals (v, 3), each face weighted by its angle at the vertex."""
+    """Return unit normals (v, 3), each face weighted by its angle at the vertex."""
     corner = vertices[faces]
     edge = np.roll(corner, -1, axis=1) - corner
     normal = np.cross(edge[:, 0], edge[:, 1])

@@ -90,7 +90,7 @@ class SilhouetteSolid:
 
 
 def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
-    """The samples of an outline and their plan; None where the samples cross themselves."""
+    """Sample an outline and triangulate its inside; None where the samples cross themselves."""
     rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
     if not rim.simple and not every_vertex:
         return None

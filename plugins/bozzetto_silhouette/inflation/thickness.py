@@ -21,13 +21,14 @@ class Thickness(Protocol):
     def factors(
         self, frame: Frame, plan: Plan, front: Floats, back: Floats
     ) -> tuple[Floats, Floats]:
-        """Factors on the heights towards the person and away, at a plan's points, (n,) each.
+        """Return factors on the heights towards the person and away, at a plan's points, (n,) each.
 
         Positive and finite. The same array twice where front and back are alike.
 
         Parameters
         ----------
         frame : Frame
+            The outline and its scale.
         plan : Plan
             In the frame of the sums.
         front, back : (n,) float array
@@ -45,7 +46,7 @@ class Uniform:
     def factors(
         self, frame: Frame, plan: Plan, front: Floats, back: Floats
     ) -> tuple[Floats, Floats]:
-        """The factor at every point, the same for front and back."""
+        """Return the factor at every point, the same for front and back."""
         same = np.full(len(plan.points), self.inflation)
         return same, same
 
@@ -59,7 +60,7 @@ class InTurn:
     def factors(
         self, frame: Frame, plan: Plan, front: Floats, back: Floats
     ) -> tuple[Floats, Floats]:
-        """The products of the factors."""
+        """Return the products of the factors of all steps."""
         up = down = np.ones(len(plan.points))
         for step in self.steps:
             so_far = front * up**2

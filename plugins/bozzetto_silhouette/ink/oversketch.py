@@ -89,7 +89,7 @@ class _Joint:
 
 
 def ring_drawn_over(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
-    """The number of the ring that a stroke is meant for.
+    """Return the number of the ring that a stroke is meant for.
 
     Parameters
     ----------
@@ -121,11 +121,12 @@ def ring_drawn_over(rings: Sequence[Floats | None], line: Floats, size: float) -
 
 
 def drawn_over(ring: Floats, line: Floats, size: float) -> Floats:
-    """A ring with a stretch replaced by a stroke, or with a closed stroke in its place.
+    """Replace a stretch of a ring by a stroke, or all of it by a closed stroke.
 
     Parameters
     ----------
     ring : (n, 2) float array
+        A closed line; the first vertex is not repeated.
     line : (m, 2) float array
         The stroke, in any direction.
     size : float
@@ -158,7 +159,7 @@ def drawn_over(ring: Floats, line: Floats, size: float) -> Floats:
 
 
 def _redrawn(rings: Sequence[Floats | None], line: Floats) -> int | None:
-    """The ring that a closed stroke takes the place of; None for an open one."""
+    """Return the number of the ring that a closed stroke replaces; None for an open stroke."""
     import shapely
 
     if len(line) < 3 or not is_closed_gesture(line):
@@ -177,7 +178,7 @@ def _redrawn(rings: Sequence[Floats | None], line: Floats) -> int | None:
 
 
 def _clean(line: Floats, middle: Floats, size: float) -> Floats:
-    """The stroke without clumps, hooks and tremor."""
+    """Remove clumps, hooks and jitter from a stroke."""
     stroke = without_hooks(thinned((line - middle) / size))
     if len(stroke) < 2:
         return stroke
@@ -198,7 +199,7 @@ def _at(line: Floats, arc: Floats, where: Floats) -> Floats:
 
 
 def _best_way(ring: Floats, stroke: Floats) -> _Way | None:
-    """The cheapest of all ways: least cut off, least moved, nearest to what it replaces."""
+    """Return the cheapest way: least cut off, least moved, nearest to what it replaces."""
     if len(stroke) < 2:
         return None
     closed, arc = _around(ring)
@@ -253,7 +254,7 @@ def _ways(
 
 
 def _spliced(ring: Floats, stroke: Floats, way: _Way) -> Floats:
-    """The ring with the stroke in it, its ends on the ring, the joints smooth."""
+    """Put the stroke into the ring, its ends on the ring, the joints smooth."""
     closed, arc = _around(ring)
     run = arc_length(stroke)
     inner = (run > way.head) & (run < way.tail)
@@ -277,7 +278,7 @@ def _spliced(ring: Floats, stroke: Floats, way: _Way) -> Floats:
 
 
 def _brought(piece: Floats, to: Floats) -> Floats:
-    """A line whose first point is moved to a place, the rest carried along less and less."""
+    """Move the first point of a line to a place; the rest follows less and less."""
     shift = to - piece[0]
     run = arc_length(piece)
     times, least = FADE
@@ -289,7 +290,7 @@ def _brought(piece: Floats, to: Floats) -> Floats:
 
 
 def _smooth_joints(ring: Floats, joints: Floats) -> Floats:
-    """A ring smoothed at those joints that turn little; corners stay."""
+    """Smooth a ring at those joints that turn little; corners stay."""
     closed, arc = _around(ring)
     length = float(arc[-1])
     count = int(np.clip(np.ceil(6.0 * length / JOINT), 16, 20_000))

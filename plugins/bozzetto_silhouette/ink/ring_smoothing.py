@@ -42,7 +42,7 @@ BROAD = 90
 
 
 def rubbed_ring(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
-    """The number of the ring that a stroke was rubbed along.
+    """Return the number of the ring that a stroke was rubbed along.
 
     Parameters
     ----------
@@ -71,11 +71,12 @@ def rubbed_ring(rings: Sequence[Floats | None], line: Floats, size: float) -> in
 
 
 def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
-    """A ring smoothed where a stroke was rubbed along it.
+    """Smooth a ring where a stroke was rubbed along it.
 
     Parameters
     ----------
     ring : (n, 2) float array
+        A closed line; the first vertex is not repeated.
     line : (m, 2) float array
         The stroke. How far it strays from the ring says how coarse the smoothing is; how
         often it comes by, how strong.
@@ -105,11 +106,12 @@ def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
 
 
 def softened(ring: Floats, covered: Flags, sigma: float) -> Floats:
-    """A ring filtered where it is covered, the edges of that blended.
+    """Filter a ring where it is covered, and blend at the edges of that.
 
     Parameters
     ----------
     ring : (n, 2) float array
+        A closed line; the first vertex is not repeated.
     covered : (k,) bool array
         At k equal steps along the ring, from its first vertex.
     sigma : float
@@ -147,7 +149,7 @@ def _length(ring: Floats) -> float:
 
 
 def _grown(mask: Flags, steps: float) -> Flags:
-    """A cyclic mask grown by some steps to both sides."""
+    """Grow a cyclic mask by some steps to both sides."""
     reach = int(min(steps, len(mask)))
     if reach == 0 or mask.all() or not mask.any():
         return mask
@@ -155,7 +157,7 @@ def _grown(mask: Flags, steps: float) -> Flags:
 
 
 def _gap(mask: Flags) -> Indices:
-    """Steps from each place of a ring to the nearest one where the mask holds."""
+    """Count the steps from each place of a ring to the nearest one where the mask holds."""
     count = len(mask)
     marked = np.flatnonzero(mask)
     around = np.concatenate([marked - count, marked, marked + count])

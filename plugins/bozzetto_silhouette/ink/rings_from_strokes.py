@@ -54,7 +54,7 @@ _REDRAW = "The outline crosses itself at the marked place. Draw it again, or lif
 def rings_from_strokes(
     strokes: Sequence[ArrayLike], *, tolerance: float | None = None
 ) -> list[Floats]:
-    """Closed simple rings that do not cross each other.
+    """Turn strokes into closed simple rings that do not cross each other.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def _chains(lines: list[Floats]) -> list[list[Floats]]:
 
 
 def _cost_of_closing(line: Floats) -> float:
-    """What it costs to join the two ends of one stroke; compare gaps between strokes."""
+    """Return the cost of joining the two ends of one stroke, comparable to gaps between strokes."""
     arcs = _arc(line)
     gap = float(np.hypot(*(line[0] - line[-1])))
     share = gap / max(float(arcs[-1]), 1e-12)

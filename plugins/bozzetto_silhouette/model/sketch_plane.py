@@ -75,7 +75,7 @@ class Sheet:
 
 
 def sheet_under(stroke: Stroke, context: Context) -> Sheet:
-    """The plane on which a stroke lies.
+    """Return the plane on which a stroke lies.
 
     From the front it is the plane of symmetry, y = 0. From anywhere else it is the plane
     parallel to the screen through what is under the stroke's first point; where nothing is,

@@ -335,20 +335,20 @@ class SilhouetteState:
         return tuple(node for node in self.nodes if isinstance(node, Part))
 
     def node(self, node_id: str) -> Part | Group:
-        """A node by its id; raises `KeyError`."""
+        """Return the node with an id; raise `KeyError` where there is none."""
         for node in self.nodes:
             if node.id == node_id:
                 return node
         raise KeyError(node_id)
 
     def with_node(self, node: Part | Group) -> SilhouetteState:
-        """With a node in the place of the one of its id, or at the end; it becomes chosen."""
+        """Replace the node with the same id, or append it; it becomes the chosen one."""
         return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def unused_id(self) -> str:
-        """An id that no node has."""
+        """Return an id that no node has."""
         return unused_id(self.nodes)
 
     def unused_name(self, stem: str = "Part") -> str:
-        """A name that no node has."""
+        """Return a name that no node has."""
         return unused_name(self.nodes, stem)

@@ -60,7 +60,7 @@ class Sight:
         return np.asarray((points[:, :2] - z[:, None] * self.slant) / self.width(z)[:, None])
 
     def before_eye(self, low: float, high: float) -> tuple[float, float]:
-        """The part of a range of heights that the eye can see; the sheet's own is in it."""
+        """Clip a range of heights to what the eye can see; the sheet's own height is in it."""
         if self.narrowing > 0.0:
             high = min(high, (1.0 - NEAREST) / self.narrowing)
         elif self.narrowing < 0.0:
@@ -69,7 +69,7 @@ class Sight:
 
 
 def sight_through(sheet: Sheet, camera: Camera) -> Sight:
-    """The lines of sight of a camera in the object frame of a sheet."""
+    """Return the lines of sight of a camera in the object frame of a sheet."""
     into = sheet.placement.inverse()
     if camera.kind == "orthographic":
         along, narrowing = into.directions(camera.axes[2])[0], 0.0

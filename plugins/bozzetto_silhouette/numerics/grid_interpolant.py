@@ -34,7 +34,7 @@ class Lattice:
 
     @classmethod
     def through(cls, low: Floats, step: float, values: Floats) -> Lattice:
-        """The spline through values (nx, ny) at the nodes."""
+        """Fit the spline through values (nx, ny) at the nodes."""
         from scipy.ndimage import spline_filter
 
         return cls(low, step, spline_filter(values, order=3, mode="mirror"))
@@ -74,7 +74,7 @@ def _mirrored(index: Indices, count: int) -> Indices:
 
 
 def _weights(t: Floats) -> tuple[Floats, Floats]:
-    """The four uniform cubic B-splines over a cell and their slopes, (4, n) each."""
+    """Return the four uniform cubic B-splines over a cell and their slopes, (4, n) each."""
     s = 1.0 - t
     weights = np.stack([s**3, 4.0 - 6.0 * t**2 + 3.0 * t**3, 4.0 - 6.0 * s**2 + 3.0 * s**3, t**3])
     slopes = np.stack([-(s**2), 3.0 * t**2 - 4.0 * t, 4.0 * s - 3.0 * s**2, t**2])
@@ -90,7 +90,7 @@ def on_nodes(
     step: float,
     shape: tuple[int, int],
 ) -> Floats:
-    """Values at the nodes of a lattice that lie in triangles, NaN at the others.
+    """Interpolate at the nodes of a lattice that lie in triangles; NaN at the others.
 
     With barycentric coordinates b the value is the sum of b_i (v_i + g_i (p - p_i) / 2), which
     is exact where the function is quadratic.
@@ -98,8 +98,9 @@ def on_nodes(
     Parameters
     ----------
     points, values, gradients : (n, 2), (n,), (n, 2) float array
-        Of the function, at the corners.
+        Places of the corners, and the function there.
     triangles : (t, 3) int array
+        Indices of their corners.
     low, step, shape
         Node (i, j) lies at ``low + step * (i, j)``.
 

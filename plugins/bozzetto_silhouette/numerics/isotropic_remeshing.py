@@ -60,11 +60,12 @@ class Patch:
 
 
 def halved(triangles: Indices, middles: Indices) -> Indices:
-    """Triangles cut where edges got a vertex.
+    """Cut triangles whose edges got a vertex.
 
     Parameters
     ----------
     triangles : (t, 3) int array
+        Indices of their corners.
     middles : (t, 3) int array
         New vertex on the edge from corner i to corner i + 1, or -1.
 

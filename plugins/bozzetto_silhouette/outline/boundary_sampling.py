@@ -206,7 +206,7 @@ def _arc_sample(ring: Floats, step: float) -> _Ring:
 
 
 def _spread(arc: Floats, spacing: float, corners: Indices) -> Indices:
-    """Samples of a ring about `spacing` apart where it has more, and all corners."""
+    """Choose samples of a ring, about `spacing` apart where it has more, and all corners."""
     place = np.floor(arc / spacing)
     first = np.flatnonzero(np.diff(place, prepend=-1.0))
     return np.union1d(first, corners)

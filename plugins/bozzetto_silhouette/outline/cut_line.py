@@ -34,13 +34,14 @@ ARC_STEP = np.deg2rad(6.0)
 
 
 def cut_side(cut: Cut, corners: Floats | None) -> Outline:
-    """What falls away: the line goes straight on beyond the object, and is closed around a side.
+    """Return the side that falls away: the line, carried on beyond the object and closed around it.
 
     Both sides share the line to the last digit, so that what they take away adds up.
 
     Parameters
     ----------
     cut : Cut
+        Its line, and which side of it falls away.
     corners : (n, 3) float array, optional
         Points around the object, in the cut's object frame.
 
@@ -77,7 +78,7 @@ def cut_side(cut: Cut, corners: Floats | None) -> Outline:
 
 
 def _calm(line: Floats) -> Floats:
-    """The line without tremor, in as few vertices as it needs."""
+    """Remove the jitter from the line, and the vertices that it does not need."""
     from shapely import LineString, get_coordinates
 
     if len(line) < FEW:
@@ -89,7 +90,7 @@ def _calm(line: Floats) -> Floats:
 
 
 def _carried_on(line: Floats) -> Floats:
-    """The line with both ends carried on to the unit circle.
+    """Carry both ends of the line on to the unit circle.
 
     They go on in the direction of the ink; where the line would cross itself, straight
     outwards.

@@ -102,7 +102,7 @@ def _apart(xy: Floats, spacing: Floats, fixed: Floats, fixed_spacing: Floats) ->
 
 
 def _lattice(rim: Rim, distance: RimDistance, last: Floats, step: float) -> Floats:
-    """A triangular lattice that begins where the rows end."""
+    """Return the nodes of a triangular lattice that begins where the rows end."""
     low, high = rim.points.min(axis=0), rim.points.max(axis=0)
     pitch = np.array([step, step * np.sqrt(3.0)])
     nodes = []

@@ -25,12 +25,14 @@ def size_of(rings: Rings) -> float:
 
 
 def edited(rings: Rings, edit: Edit, line: Floats) -> Rings:
-    """The rings after one more edit.
+    """Apply one more edit to the rings.
 
     Parameters
     ----------
     rings : tuple of (n, 2) float arrays
+        None where a ring is gone.
     edit : Edit
+        What to do, and to which ring.
     line : (m, 2) float array
         The edit's stroke, in the frame of the rings.
 
@@ -65,7 +67,7 @@ def _with(rings: Rings, number: int, ring: Floats | None) -> Rings:
 
 
 def _simple(ring: Floats, size: float) -> Floats:
-    """A smoothed ring without the small loops that thin limbs may have got."""
+    """Remove the small loops that smoothing may have made in thin limbs."""
     middle = ring[0]
     simple, places = untangled((ring - middle) / size)
     if simple is None or len(places):

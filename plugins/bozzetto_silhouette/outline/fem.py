@@ -51,7 +51,7 @@ class Elements:
         return cls(plan, local, mass)
 
     def stiffness(self, weight: Floats | None = None) -> csc_array[Any]:
-        """The matrix (n, n), each triangle multiplied by its weight (t,)."""
+        """Assemble the matrix (n, n), each triangle multiplied by its weight (t,)."""
         from scipy.sparse import coo_array
 
         t, count = self.plan.triangles, len(self.plan.points)
@@ -62,7 +62,7 @@ class Elements:
 
 
 def factorised(matrix: csc_array[Any]) -> Any:
-    """A symmetric positive definite matrix, ready to ``solve``.
+    """Factorise a symmetric positive definite matrix; the result has ``solve``.
 
     Rows of points that no triangle uses (degenerate ink) do not make it singular.
     """

@@ -41,7 +41,7 @@ def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
 
 
 def outline_of(part: Part) -> Outline:
-    """The closed rings that a part's ink describes, edits and all, in the part's object frame.
+    """Return the closed rings of a part's ink after all edits, in the part's object frame.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def outline_of(part: Part) -> Outline:
 
 
 def rings_of(part: Part) -> Rings:
-    """The rings by their numbers, as edits name them, in the part's object frame.
+    """Return the rings by their numbers, as edits name them, in the part's object frame.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def rings_of(part: Part) -> Rings:
 
 
 def _after(part: Part, before: Rings, count: int) -> Rings:
-    """The rings after so many edits, from those after one edit less."""
+    """Return the rings after so many edits, from those after one edit less."""
     edit = part.edits[count - 1] if count else None
     strokes = (edit.stroke,) if isinstance(edit, Oversketch | Smoothing) else tuple(part.strokes)
     lines = points_on_sheet(strokes, part.sheet)

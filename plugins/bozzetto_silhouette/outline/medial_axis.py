@@ -60,7 +60,7 @@ class Skeleton:
         return np.bincount(self.edges.ravel(), minlength=len(self.nodes))
 
     def transformed(self, scale: float, shift: Floats) -> Skeleton:
-        """The skeleton of the outline scaled, then shifted."""
+        """Return the skeleton of the outline scaled, then shifted."""
         nodes = self.nodes * scale
         nodes[:, :2] += shift
         return Skeleton(nodes, self.edges)
@@ -162,7 +162,7 @@ def _pruned(nodes: Floats, edges: Indices) -> Skeleton:
 
 
 def chordal_axis(outline: Outline) -> Skeleton:
-    """The pruned axis of an outline, one node for each triangle.
+    """Compute the pruned axis of an outline, one node for each triangle.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def chains(skeleton: Skeleton) -> list[list[int]]:
 
 
 def _douglas_peucker(chain: Floats, tolerance: float) -> list[int]:
-    """Indices of the vertices kept of an open polyline (n, d)."""
+    """Return the indices of the vertices kept of an open polyline (n, d)."""
     keep, stack = {0, len(chain) - 1}, [(0, len(chain) - 1)]
     while stack:
         a, b = stack.pop()
@@ -233,7 +233,7 @@ def _douglas_peucker(chain: Floats, tolerance: float) -> list[int]:
 
 
 def _tip(row: Floats, end: int, inwards: int) -> int:
-    """The node of a chain (n, 3) about `TIP` radii from its free end."""
+    """Return the node of a chain (n, 3) about `TIP` radii from its free end."""
     away = np.hypot(*(row[:, :2] - row[end, :2]).T)[::inwards]
     far = int(np.argmax(away >= TIP * row[end, 2]))
     return end + inwards * far
@@ -292,7 +292,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
 
 
 def with_lone_balls(nodes: Floats, edges: Indices) -> Skeleton:
-    """A skeleton in which a short segment stands for every ball without one, as in a disc."""
+    """Return a skeleton with a short segment for every ball without one, as in a disc."""
     lone = np.setdiff1d(np.arange(len(nodes)), edges)
     shift = np.column_stack([0.1 * nodes[lone, 2], np.zeros((len(lone), 2))])
     longer = np.concatenate([nodes, nodes[lone] + shift])

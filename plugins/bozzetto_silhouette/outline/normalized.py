@@ -114,7 +114,7 @@ def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
 
 
 def _papers(outline: Outline) -> Skeleton:
-    """The paper's skeleton; one of very many nodes without those that hardly tell."""
+    """Return the paper's skeleton; one of very many nodes is simplified."""
     skeleton, tolerance = paper_skeleton(outline), FINEST_TOLERANCE
     thinned = skeleton
     while len(thinned.nodes) > MOST_NODES and tolerance <= SKELETON_TOLERANCE:

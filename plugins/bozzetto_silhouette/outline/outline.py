@@ -43,7 +43,7 @@ class Outline:
         return tuple(i for i, parent in enumerate(self.parents) if parent < 0)
 
     def holes_of(self, outer: int) -> tuple[int, ...]:
-        """Indices of the holes inside the outer ring with index `outer`."""
+        """Return the indices of the holes inside the outer ring with index `outer`."""
         return tuple(i for i, parent in enumerate(self.parents) if parent == outer)
 
     @property
@@ -80,12 +80,12 @@ class Outline:
         return sum(signed_area(ring) for ring in self.rings)
 
     def transformed(self, scale: float, shift: ArrayLike) -> Outline:
-        """The same outline at ``scale * (x, y) + shift``; `scale` is positive."""
+        """Return the same outline at ``scale * (x, y) + shift``; `scale` is positive."""
         shift = np.asarray(shift, dtype=np.float64)
         return Outline(tuple(_frozen(r * scale + shift) for r in self.rings), self.parents)
 
     def polygon(self) -> MultiPolygon:
-        """The same region as a shapely geometry."""
+        """Return the same region as a shapely geometry."""
         import shapely
 
         return shapely.MultiPolygon(
@@ -166,7 +166,7 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
 def outline_from_strokes(
     strokes: Sequence[ArrayLike], *, tolerance: float | None = None
 ) -> Outline:
-    """Pen strokes to filtered, closed, nested rings.
+    """Turn pen strokes into filtered, closed, nested rings.
 
     Gaps are closed, overlapping ends trimmed at their crossing, hooks cut off, repeated
     samples dropped, tremor filtered without rounding corners, and an outline drawn in

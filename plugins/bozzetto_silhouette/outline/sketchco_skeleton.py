@@ -27,7 +27,7 @@ REDUNDANT = 0.85
 
 
 def paper_skeleton(outline: Outline) -> Skeleton:
-    """The skeleton of a sampled outline by the paper's rules.
+    """Compute the skeleton of a sampled outline by the paper's rules.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ class Armature:
     rigid: frozenset[str]
 
     def limbs_of(self, joint: int) -> Limbs:
-        """What a joint is in, by its number in the rig."""
+        """Return the limbs that a joint is in, by its number in the rig."""
         return next(one for one in reversed(self.limbs) if one.first <= joint)
 
 
@@ -124,7 +124,7 @@ _armatures: Memory[Armature | None] = Memory(limit=64)
 
 
 def armature_of(state: SilhouetteState) -> Armature | None:
-    """The joints of all parts that add to the shape; None where there are none.
+    """Return the joints of all parts that add to the shape; None where there are none.
 
     The largest piece has its root at its thickest joint. Every other one hangs on the largest
     of those it touches: there, its joint nearest to one of that piece becomes its root. What
@@ -133,6 +133,7 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
 
     Raises
     ------
@@ -188,13 +189,13 @@ def _armature_of(state: SilhouetteState) -> Armature | None:
 
 
 def _skeleton_of(part: Part) -> Skeleton:
-    """The skeleton of a part's solid, in the object frame."""
+    """Return the skeleton of a part's solid, in the object frame."""
     frame = frame_of(outline_of(part), part.skeleton)
     return frame.skeleton.transformed(frame.scale, frame.origin)
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
-    """The visible parts that add to the shape: what comes first in a group always does."""
+    """Return the visible parts that add to the shape: what comes first in a group always does."""
     first = True
     for node in state.nodes:
         if node.within != within or not node.visible:
@@ -226,7 +227,7 @@ def _touch(one: _Piece, other: _Piece) -> bool:
 
 
 def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
-    """The joints of a piece as a tree; loops are cut where they are thinnest."""
+    """Order the joints of a piece as a tree; loops are cut where they are thinnest."""
     nodes, links = piece.joints.nodes, piece.joints.links
     axis = {(a, b): path for (a, b), path in zip(links.tolist(), piece.joints.paths, strict=True)}
     axis |= {(b, a): path[::-1] for (a, b), path in axis.items()}

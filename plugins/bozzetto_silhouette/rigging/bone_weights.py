@@ -90,7 +90,7 @@ class _Axis(NamedTuple):
         return cls(nodes.astype(np.float32), lengths.astype(np.float32))
 
     def nearest(self, x: Singles, y: Singles, square: Singles) -> Gaps:
-        """The nearest ball to each of n points.
+        """Find the nearest ball to each of n points.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class Bones:
         return np.ascontiguousarray(shares.T), Gaps(scale * nearest.gap, scale * nearest.radius)
 
     def _part(self, bone: int, along: Singles) -> Singles:
-        """The part of a joint's say that each bone has there: together they have one."""
+        """Divide a joint's weight among the bones that meet there; the shares sum to one."""
         part = np.ones_like(along)
         for joint, away in zip(self._links[bone], (along, 1.0 - along), strict=True):
             others = 1.0 - 1.0 / self._degrees[joint]

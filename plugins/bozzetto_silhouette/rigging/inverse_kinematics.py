@@ -21,7 +21,7 @@ STRAIGHT = 1e-12
 
 
 def limb_of(parents: Faces, number: int) -> list[int]:
-    """The joints that move when one is dragged, from the one that stays to the dragged one."""
+    """Return the joints that move with a dragged one, from the fixed one to the dragged one."""
     children = np.bincount(parents[parents >= 0], minlength=len(parents))
     row = [int(parents[number]), number]
     while children[number] == 0 and parents[row[0]] >= 0:
@@ -55,14 +55,14 @@ def reached(row: Floats, target: Floats, sideways: Floats) -> Floats:
 
 
 def _at_length(start: Floats, towards: Floats, length: float) -> Floats:
-    """The place at a distance from one place towards another."""
+    """Return the place at a distance from one place towards another."""
     away = towards - start
     size = float(np.linalg.norm(away))
     return np.asarray(start + away * (length / size)) if size > 0.0 else start
 
 
 def least_turn(old: Floats, new: Floats, spare: Floats) -> Floats:
-    """The rotation by the least angle from one direction to another, (3, 3).
+    """Return the rotation by the least angle from one direction to another, (3, 3).
 
     Half a turn is about `spare`; directions without length turn nothing.
     """

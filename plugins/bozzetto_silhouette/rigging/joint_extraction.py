@@ -91,7 +91,7 @@ class _Limb:
         return float(np.hypot(*np.diff(self.path[:, :2], axis=0).T).sum())
 
     def turned(self) -> _Limb:
-        """The same from the other end."""
+        """Return the same limb from its other end."""
         return _Limb(self.path[::-1], self.end, self.start)
 
     def beyond(self, size: float) -> float:
@@ -108,7 +108,7 @@ class _Limb:
 
 
 def joints_of(skeleton: Skeleton) -> list[Joints]:
-    """The joints of a part, one graph for each piece of its skeleton, the largest first.
+    """Find the joints of a part, one graph for each piece of its skeleton, the largest first.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def joints_of(skeleton: Skeleton) -> list[Joints]:
 
 
 def _pieces(limbs: list[_Limb]) -> list[list[_Limb]]:
-    """The limbs sorted by which hang together."""
+    """Group the limbs that are connected."""
     pieces: list[tuple[set[int], list[_Limb]]] = []
     for limb in limbs:
         ends, members = {limb.start, limb.end}, [limb]
@@ -197,7 +197,7 @@ def _joined(limbs: list[_Limb]) -> list[_Limb]:
 
 
 def _led(limb: _Limb, gone: int, kept: int, place: Floats) -> _Limb:
-    """A limb led on from a junction that goes to the one that stays."""
+    """Lead a limb on from a junction that goes to the one that stays."""
     path, start, end = limb.path, limb.start, limb.end
     if start == gone:
         path, start = np.concatenate([place, path]), kept
@@ -308,13 +308,14 @@ def _between(
 
 
 def _with_bends(cuts: list[float], at: Floats, places: Floats, slack: float) -> list[float]:
-    """Stops along a limb and, in between, those where its axis lies too far beside a bone.
+    """Add stops along a limb where its axis lies too far beside a bone.
 
     Parameters
     ----------
     cuts : list of float
         Ascending, as lengths along the limb.
     at : (n,) float array
+        Samples of the axis, as lengths along the limb.
     places : (n, 3) float array
         x, y and radius of the axis there.
     slack : float

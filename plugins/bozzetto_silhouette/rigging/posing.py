@@ -72,7 +72,7 @@ _rests: Memory[_Rest] = Memory(limit=16)
 
 
 def rig_of(state: SilhouetteState) -> Rig | None:
-    """The rig of a state as it was turned; None without joints.
+    """Return the rig of a state with its turned joints; None without joints.
 
     Turns whose joint is not there (the ink was changed) wait until it is there again.
     """
@@ -86,14 +86,16 @@ def skinned(
     look: Painted,
     checkpoint: Checkpoint = ignore,
 ) -> Posed:
-    """A shape as its joints were turned, and what it hangs on.
+    """Return a shape in the pose of its turned joints, and its skin weights.
 
     Parameters
     ----------
     state : SilhouetteState
+        What was drawn, and how its joints were turned.
     body, look : Body, Painted
         The shape at rest.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
     """
     armature = armature_of(state)
     if armature is None:
@@ -140,7 +142,7 @@ def joints_layer(state: SilhouetteState) -> Layer | None:
 
 
 def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
-    """The state after a joint was dragged parallel to the screen.
+    """Return the state after a joint was dragged parallel to the screen.
 
     Raises
     ------
@@ -176,7 +178,7 @@ def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
 
 
 def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
-    """What `posed` would show: the shape that was there before, moved by its skin alone."""
+    """Return a scene of what `posed` would give: the shape from before, moved by its skin alone."""
     try:
         after = posed(state, drag)
     except UserError:
@@ -190,7 +192,7 @@ def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
 
 
 def _turn_of(armature: Armature, joint: int, matrix: Floats) -> Turn:
-    """A joint turned by a rotation in the model's frame."""
+    """Return the turn of a joint by a rotation in the model's frame."""
     from scipy.spatial.transform import Rotation
 
     limbs = armature.limbs_of(joint)
@@ -202,7 +204,7 @@ def _turn_of(armature: Armature, joint: int, matrix: Floats) -> Turn:
 
 
 def _carried_axis(placement: Placement, axis: Floats) -> Floats:
-    """The axis of a rotation seen from another frame: a mirror also reverses its sense."""
+    """Carry the axis of a rotation into another frame: a mirror also reverses its sense."""
     return np.asarray((-1.0 if placement.mirrors else 1.0) * placement.directions(axis)[0])
 
 
@@ -231,7 +233,7 @@ def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
 
 
 def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
-    """The rig with the turns of the joints that are there."""
+    """Return the rig with the turns of the joints that it has."""
     matched = _matched(armature, turns)
     if not matched:
         return armature.rig

@@ -52,14 +52,16 @@ Follower = Callable[[Floats], Table]
 def followed(
     armature: Armature, body: Body, checkpoint: Checkpoint = ignore
 ) -> tuple[NDArray[np.uint16], Singles]:
-    """Joints and weights of a body's vertices.
+    """Assign joints and weights to the vertices of a body.
 
     Parameters
     ----------
     armature : Armature
         In the body's frame.
     body : Body
+        The whole shape.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
@@ -117,7 +119,7 @@ def _mixed(bones: Sequence[Bones], points: Floats) -> Table:
 
 
 def _strongest(table: Table) -> tuple[NDArray[np.uint16], Singles]:
-    """The joints with the largest shares, (n, 4), and their weights.
+    """Return the joints with the largest shares, (n, 4), and their weights.
 
     What the fifth has is taken off the others, so that nothing jumps where two joints change
     places in this row.
@@ -189,6 +191,6 @@ def _near(points: Floats, others: Floats, width: float) -> tuple[Indices, Floats
 
 
 def _thickness(armature: Armature, part: str) -> float:
-    """The largest radius of a part; of all parts for one without bones."""
+    """Return the largest radius of a part; of all parts for one without bones."""
     own = [limbs.radii.max() for limbs in armature.limbs if limbs.part == part]
     return float(max(own, default=armature.radii.max()))

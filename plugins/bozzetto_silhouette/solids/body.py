@@ -79,11 +79,11 @@ class Body:
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
     def __sizeof__(self) -> int:
-        """What it takes besides its arrays, bytes: mostly the mesh as manifold3d sees it."""
+        """Return the bytes besides its arrays: mostly the copy of the mesh in manifold3d."""
         return object.__sizeof__(self) + VERTEX * len(self.vertices)
 
     def placed(self, placement: Placement) -> Body:
-        """The body moved, turned, scaled or mirrored."""
+        """Return the body moved, turned, scaled or mirrored."""
         if placement.is_identity:
             return self
         return replace(

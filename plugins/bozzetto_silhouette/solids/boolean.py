@@ -38,7 +38,7 @@ def combined(
     blend: float,
     checkpoint: Checkpoint = ignore,
 ) -> Body | None:
-    """One body of two.
+    """Combine two bodies into one.
 
     Parameters
     ----------
@@ -49,6 +49,7 @@ def combined(
     blend : float
         Radius of the blend as a share of the smaller `radius` of the two; 0 is a sharp crease.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
@@ -92,7 +93,7 @@ def _boolean(first: Body, second: Body, operation: Operation) -> Manifold:
 
 
 def _apart(first: Body, second: Body, operation: Operation) -> Body | None:
-    """What two bodies become whose boxes do not touch."""
+    """Combine two bodies whose boxes do not touch."""
     if operation == "carve":
         return first
     if operation == "intersect":
@@ -112,7 +113,7 @@ def _apart(first: Body, second: Body, operation: Operation) -> Body | None:
 
 
 def _sharp(first: Body, second: Body, operation: Operation, whole: Manifold) -> Body:
-    """The body of a boolean, with what its vertices were before."""
+    """Make a body of a boolean's mesh; normals and origins come from the vertices before it."""
     mesh = whole.to_mesh64()
     vertices = np.array(mesh.vert_properties, np.float64)[:, :3]
     faces = np.array(mesh.tri_verts).astype(np.int32)
@@ -185,7 +186,7 @@ def _crease_normals(vertices: Floats, faces: Faces, on_crease: Indices) -> Float
 
 
 def _normals_of(solid: Composite, points: Floats) -> Floats:
-    """Unit normals, outwards, by differences of the value at the corners of a tetrahedron."""
+    """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
     width = _DIFFERENCE * solid.sides(points).reach[:, None, None]
     corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
     values = solid.value(corners).reshape(-1, 4)

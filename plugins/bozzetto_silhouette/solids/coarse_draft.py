@@ -28,11 +28,12 @@ class _Draft(NamedTuple):
 
 
 def draft_surface(state: SilhouetteState, cells: int) -> Surface | None:
-    """The surface of all nodes that are switched on; None for nothing.
+    """Polygonize all nodes that are switched on; None for nothing.
 
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
     cells : int
         Along the longest side of the whole.
 

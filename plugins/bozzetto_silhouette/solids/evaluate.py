@@ -41,7 +41,7 @@ class Tree(NamedTuple):
 def tree_body(
     state: SilhouetteState, resolution: int, checkpoint: Checkpoint = ignore
 ) -> Body | None:
-    """The body of all nodes that are switched on, in the model's frame; None for nothing."""
+    """Return the body of all nodes that are switched on, in the model's frame; None for nothing."""
     return evaluated(state, resolution, checkpoint).body
 
 

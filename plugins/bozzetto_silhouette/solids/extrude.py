@@ -137,7 +137,7 @@ def acts_on(part: Part) -> bool:
 
 
 def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
-    """The body of a part that goes straight through, in the frame of the part's group.
+    """Return the body of a part that goes straight through, in the frame of the part's group.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
 
 
 def corners_of(box: Floats) -> Floats:
-    """The eight corners of a box (2, 3); (8, 3)."""
+    """Return the eight corners (8, 3) of a box (2, 3)."""
     grid = np.meshgrid(*box.T, indexing="ij")
     return np.stack([axis.ravel() for axis in grid], axis=1)
 
@@ -217,7 +217,7 @@ def _inscribed_radius(outline: Outline) -> float:
 
 
 def _plan(outline: Outline, step: float) -> Plan:
-    """The inside of an outline in triangles, `step` apart in the thick places.
+    """Triangulate the inside of an outline, `step` apart in the thick places.
 
     Every drawn vertex is kept: both sides of a cut then have the same wall.
     """

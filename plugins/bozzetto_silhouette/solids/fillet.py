@@ -133,7 +133,7 @@ def filleted(
     step: float,
     checkpoint: Checkpoint = ignore,
 ) -> Fillet:
-    """The mesh of the sharp operation brought onto the blended solid.
+    """Bring the mesh of the sharp operation onto the blended solid.
 
     Every crease is done by itself. Where its fillet finds no place, as where it would be larger
     than what it joins, it is tried with less around there, and at last stays sharp there.
@@ -147,6 +147,7 @@ def filleted(
     step : float
         Spacing of the finer of the two meshes.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
     """
     near = _in_place(solid, vertices)
     crease = _creases(near, vertices, faces)
@@ -168,7 +169,7 @@ def filleted(
 
 
 def _in_order(vertices: Floats, faces: Indices) -> tuple[Indices, Indices]:
-    """Some faces by themselves, in an order that hangs on their places alone.
+    """Return some faces by themselves, in an order that depends on their places alone.
 
     Returns
     -------
@@ -190,7 +191,7 @@ def _in_order(vertices: Floats, faces: Indices) -> tuple[Indices, Indices]:
 def _set_in(
     vertices: Floats, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
 ) -> Fillet:
-    """What is left of a mesh, and fillets, each of some vertices (by number) of it."""
+    """Put fillets, each of some vertices (by number) of a mesh, into the rest of that mesh."""
     count = len(vertices)
     rows: list[Indices] = [rest]
     points: list[Floats] = [vertices]
@@ -218,7 +219,7 @@ def _set_in(
 def _made(
     vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Fillet:
-    """The fillet of a mesh that is nothing but the surroundings of one crease."""
+    """Make the fillet of a mesh that is only the surroundings of one crease."""
     may = _creases(solid, vertices, faces) >= 0
     for attempt in range(_ATTEMPTS):
         checkpoint(0.4 + 0.5 * attempt / _ATTEMPTS, "blend")
@@ -233,7 +234,7 @@ def _made(
 
 
 def _in_place(solid: Composite, vertices: Floats) -> Composite:
-    """The solid as it is where the blend tells, which is faster to ask."""
+    """Reduce the solid to what matters where it is blended: that is faster to evaluate."""
     felt = vertices[solid.felt(vertices)]
     if not len(felt):
         return solid
@@ -261,7 +262,7 @@ def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
 
 
 def _patch(vertices: Floats, faces: Indices) -> Patch:
-    """A mesh with no vertex free yet."""
+    """Return a mesh as a patch with no vertex free yet."""
     count = len(vertices)
     return Patch(
         vertices,
@@ -274,7 +275,7 @@ def _patch(vertices: Floats, faces: Indices) -> Patch:
 
 
 def _rounded(patch: Patch, may: Flags, solid: Composite, step: float) -> Patch:
-    """The patch moved onto the blended solid, by stages.
+    """Move the patch onto the blended solid, by stages.
 
     `may` tells of every vertex of the mesh whether it can be set free.
     """
@@ -314,13 +315,13 @@ def _near_folds(patch: Patch) -> Flags:
 
 
 def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
-    """Projected, without slivers, and relaxed."""
+    """Project the patch, collapse its slivers, and relax it."""
     patch = collapsed(_projected(solid, patch), _SLIVER, _SLIVER * step, _COLLAPSES)
     return relaxed(flipped_edges(patch, _FLIPS))
 
 
 def _told(solid: Composite, sides: Sides) -> Flags:
-    """Where the blend makes a difference."""
+    """Return where the blend makes a difference, (n,)."""
     added = np.abs(solid.blended(sides).value - solid.sharp(sides))
     told: Flags = added > _TELLING * sides.reach
     return told
@@ -350,7 +351,7 @@ def _bad(solid: Composite, patch: Patch) -> Flags:
 
 
 def _held_back(solid: Composite, places: Floats, step: float, retreat: float) -> Composite:
-    """The solid with a share of its blend around places (n, 3)."""
+    """Return the solid with only a share of its blend around places (n, 3)."""
     left = solid.taming.share(places)
     whole = solid.sides(places).reach / np.maximum(left, 1e-300)
     share = retreat * left

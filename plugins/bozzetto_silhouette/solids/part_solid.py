@@ -31,7 +31,7 @@ _bodies: Memory[Body] = Memory(limit=256)
 
 
 def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> SilhouetteSolid:
-    """The solid of a part in its object frame, at a resolution.
+    """Return the solid of a part in its object frame, at a resolution; remembered.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Si
 
 
 def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Body:
-    """The same as a body, in the frame of the part's group; a slab where it goes straight."""
+    """Return a part as a body, in the frame of its group; a slab where it goes straight through."""
     if part.surface == "straight":
         return straight_body(part, None, resolution)
     rest = _rests.recall(
@@ -66,7 +66,7 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
 
 
 def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
-    """A part's body in its object frame: the same for all that were drawn alike."""
+    """Return a part's body in its object frame: the same for all parts drawn alike."""
     relief = Relief(solid)
     return Body(
         solid.vertices,

@@ -32,7 +32,7 @@ _meshes: Memory[Mesh] = Memory(limit=64)
 
 
 def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
-    """The groups that a node is in, the innermost first."""
+    """Return the groups that a node is in, the innermost first."""
     groups = {other.id: other for other in state.nodes if isinstance(other, Group)}
     found: list[Group] = []
     within = node.within
@@ -62,17 +62,17 @@ def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
 
 
 def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:
-    """The parts that can be seen and touched, in the order of the tree."""
+    """Return the parts that can be seen and touched, in the order of the tree."""
     return tuple(node for node in switched_on(state.nodes) if isinstance(node, Part))
 
 
 def outlined_parts(state: SilhouetteState) -> tuple[Part, ...]:
-    """Those of them that have a closed outline; the line of a cut is open."""
+    """Return the shown parts that have a closed outline; the line of a cut is open."""
     return tuple(part for part in shown_parts(state) if not isinstance(part, Cut))
 
 
 def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
-    """A stroke drawn over a part as it stands now, carried to where the part was drawn.
+    """Carry a stroke drawn over a part as it stands now to where the part was drawn.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
 
 
 def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Floats:
-    """A stroke drawn over a part as it stands now, on the part's sheet; shape (n, 2), mm.
+    """Project a stroke drawn over a part as it stands now onto the part's sheet; (n, 2), mm.
 
     NaN where the line of sight misses the sheet.
     """
@@ -93,7 +93,7 @@ def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Floats:
 
 
 def drawn_rings(state: SilhouetteState, part: Part) -> list[Floats]:
-    """The rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
+    """Return the rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def drawn_rings(state: SilhouetteState, part: Part) -> list[Floats]:
 
 
 def drawn_profile(state: SilhouetteState, part: Part) -> list[Floats]:
-    """The strokes of a part's profile where the part stands now; (n, 3) each, mm, model's frame.
+    """Return a profile's strokes where its part stands now; (n, 3) each, mm, model's frame.
 
     They lie in the plane upright on the sheet, through the middle of the part, that the hand
     looked at; what was drawn out of sight of it is left out.
@@ -131,11 +131,18 @@ def drawn_profile(state: SilhouetteState, part: Part) -> list[Floats]:
 def distances_under(
     state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera
 ) -> Floats:
-    """How far before the eye a part's surface lies under canvas positions.
+    """Measure how far before the eye a part's surface lies under canvas positions.
 
     Parameters
     ----------
+    state : SilhouetteState
+        The parts as they stand now.
+    part : Part
+        The one that is looked at.
     pixels : (n, 2) array_like
+        Canvas positions.
+    camera : Camera
+        What they are seen through.
 
     Returns
     -------

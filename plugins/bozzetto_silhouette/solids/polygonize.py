@@ -69,11 +69,12 @@ class Surface(NamedTuple):
 def extract(
     implicit: Implicit, bounds: Floats, step: float, checkpoint: Checkpoint = ignore
 ) -> Surface:
-    """The zero surface of an implicit solid inside a box, closed at the box's border.
+    """Extract the zero surface of an implicit solid inside a box, closed at the box's border.
 
     Parameters
     ----------
     implicit : Implicit
+        The solid.
     bounds : (2, 3) float array
         The box. The lattice is a cell wider on every side; what sticks out is cut off.
     step : float

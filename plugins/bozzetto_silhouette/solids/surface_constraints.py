@@ -40,11 +40,12 @@ something else is near."""
 
 
 def constraints_on(solid: SilhouetteSolid, implicit: Implicit) -> Constraints:
-    """Constraints on and outside a solid.
+    """Return constraints on and outside a solid.
 
     Parameters
     ----------
     solid : SilhouetteSolid
+        The part as a mesh.
     implicit : Implicit
         The same solid as a function of space.
 

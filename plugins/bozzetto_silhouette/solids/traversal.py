@@ -19,7 +19,7 @@ def put_together(
     joined: Callable[[Solid, Solid, Part | Group], Solid | None],
     within: str = "",
 ) -> Solid | None:
-    """The nodes of a group that are switched on, from the first to the last; None for nothing.
+    """Combine the nodes of a group that are switched on, from first to last; None for nothing.
 
     The first node is the shape that the others act on, whatever its own operation. Where it
     is switched off, or nothing is left, the next node that adds begins anew.
@@ -27,6 +27,7 @@ def put_together(
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
     part : callable
         A part by itself, in the frame of its group; gets what comes before it, None for
         nothing.

@@ -67,7 +67,7 @@ def variational_combined(
     blend: float,
     checkpoint: Checkpoint = ignore,
 ) -> Body | None:
-    """One variational body of two.
+    """Combine two variational bodies into one.
 
     Parameters
     ----------
@@ -78,6 +78,7 @@ def variational_combined(
     blend : float
         Radius of the blend as a share of the smaller `radius` of the two.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
@@ -186,7 +187,7 @@ def _kept(
 def _surface(
     points: Floats, value: Floats, bounds: Floats, step: float, checkpoint: Checkpoint
 ) -> tuple[VariationalSurface, Surface]:
-    """The function through the constraints and its surface, without blobs far from them."""
+    """Return the function through the constraints and its surface, without blobs far from them."""
     for turn in range(EXORCISMS):
         checkpoint(0.2, "solve")
         held = interpolated(points, value, bounds)
@@ -207,7 +208,7 @@ def _surface(
 
 
 def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Floats]:
-    """The mesh without the components that hold no constraint; their middles and signs, (k, 4)."""
+    """Drop components without constraints; return the mesh, their middles and signs (k, 4)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree

@@ -20,7 +20,7 @@ __all__ = ["DrawOutline", "all_tools"]
 
 
 def all_tools() -> tuple[Tool[Any], ...]:
-    """The tools in the order of the rail, most used first."""
+    """Return the tools in the order of the rail, most used first."""
     return (
         DrawOutline(),
         SketchOver(),

@@ -36,7 +36,7 @@ class Arrange(TellsOfJoints):
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The whole shape as it would be, coarse; it stands in for the shape shown."""
+        """Show the whole shape as it would be, coarsely, in place of the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
         if gesture.handle.startswith(JOINT):
@@ -89,7 +89,7 @@ class Arrange(TellsOfJoints):
 
 
 def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:
-    """A node after a motion in the model's frame.
+    """Return a node after a motion in the model's frame.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved
 
 
 def _chosen(state: SilhouetteState, part: Part) -> str:
-    """What a tap on a part chooses: its outermost group, at the next tap what is in that."""
+    """Return what a tap on a part chooses: its outermost group, at the next tap what is in that."""
     chain = [part, *groups_around(state, part)]
     ids = [node.id for node in chain]
     deeper = ids.index(state.selected) - 1 if state.selected in ids else -1

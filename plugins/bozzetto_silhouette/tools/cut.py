@@ -83,7 +83,7 @@ def _cut(state: SilhouetteState, stroke: Stroke, context: Context) -> Cut:
 
 
 def _under(state: SilhouetteState, stroke: Stroke) -> list[Part]:
-    """The parts that a line is drawn over."""
+    """Return the parts that a line is drawn over."""
     touch = shape_seen(state)
     if touch is None:
         return []

@@ -27,7 +27,7 @@ PROUD = 2e-3
 
 
 def cut_preview(cut: Cut, touch: Touch) -> Scene:
-    """The line of a cut on a shape, carried on at its ends, and the smaller side tinted.
+    """Show the line of a cut on a shape, carried on at its ends, and tint the smaller side.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def cut_preview(cut: Cut, touch: Touch) -> Scene:
 
 
 def _falling(cut: Cut, touch: Touch, local: Floats, side: Outline) -> Faces:
-    """The faces of a shape on the side of a cut that has less volume, (k, 3).
+    """Return the faces of a shape on the side of a cut that has less volume, (k, 3).
 
     Tetrahedra from a place on the cut add up to the volume of a side, as far as the cut is
     flat: its own face has none with that place.

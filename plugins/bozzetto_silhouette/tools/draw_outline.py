@@ -32,7 +32,7 @@ class DrawOutline(TellsOfJoints):
     hint = "Draw a closed outline; inside a shape it becomes a hole."
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The shape swelling under the pen, from the ink so far."""
+        """Show the shape that the ink so far inflates to."""
         from bozzetto_silhouette.inflation.live_preview import swollen
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
@@ -77,7 +77,7 @@ def meets_itself(strokes: tuple[Stroke, ...]) -> bool:
 
 
 def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
-    """The state with a new part.
+    """Add a new part to the state.
 
     Inside another one on a parallel sheet it is a hole; it takes in those that it is drawn
     around as its holes; anywhere else it stands for itself. Parts are where they have been
@@ -107,13 +107,13 @@ def _faces_as(state: SilhouetteState, part: Part, new: Part) -> bool:
 
 
 def _as_seen(state: SilhouetteState, part: Part) -> tuple[Stroke, ...]:
-    """A part's ink where the part stands now."""
+    """Return a part's ink where the part stands now."""
     moved = carried(state, part)
     return tuple(s if moved.is_identity else s.moved(moved) for s in part.strokes)
 
 
 def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
-    """The first of some parts with an outline around them; they all become its holes.
+    """Return the first of some parts with an outline around them; they all become its holes.
 
     The rings keep their order, so that edits find theirs again.
     """
@@ -130,7 +130,7 @@ def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
 
 
 def _renumbered(state: SilhouetteState, first: Part, other: Part, edit: Edit, count: int) -> Edit:
-    """An edit of one part as an edit of another, among whose rings its rings come later."""
+    """Turn an edit of one part into an edit of another, whose own rings come first."""
     if isinstance(edit, Removal):
         return replace(edit, ring=edit.ring + count)
     moved = carried(state, other)

@@ -42,7 +42,7 @@ class DrawProfile(TellsOfJoints):
 
 
 def _meant(state: SilhouetteState) -> Part:
-    """The chosen part, or the only one.
+    """Return the chosen part, or the only one.
 
     Raises
     ------

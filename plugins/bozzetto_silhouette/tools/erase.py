@@ -31,7 +31,7 @@ PROFILE_REACH = 8.0
 
 
 def erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
-    """Without what most of the eraser's path lies over.
+    """Remove what most of the eraser's path lies over.
 
     That is a cut or the profile of the chosen part, if the path runs along it; else the newest part
     whose surface is under it; else the hole that it is in. What is switched off stays.
@@ -64,7 +64,7 @@ def erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
 
 
 def without(state: SilhouetteState, gone: set[str]) -> SilhouetteState:
-    """Without some nodes; what was chosen stays chosen unless it is among them."""
+    """Remove some nodes; what was chosen stays chosen unless it is among them."""
     nodes = tuple(node for node in state.nodes if node.id not in gone)
     chosen = "" if state.selected in gone else state.selected
     return replace(state, nodes=nodes, selected=chosen)
@@ -80,7 +80,7 @@ def _along_profile(state: SilhouetteState, part: Part, path: Stroke) -> bool:
 
 
 def _line_of(state: SilhouetteState, cut: Part) -> list[Floats]:
-    """The strokes of a cut where it stands now; (n, 3) each."""
+    """Return the strokes of a cut where it stands now; (n, 3) each."""
     place = placement_of(state, cut)
     flat = [cut.sheet.from_pixels(stroke.points, stroke.camera) for stroke in cut.strokes]
     return [place.points(np.column_stack([line, np.zeros(len(line))])) for line in flat]
@@ -101,7 +101,7 @@ def _runs_along(path: Stroke, lines: list[Floats]) -> bool:
 
 
 def _hole_around(state: SilhouetteState, part: Part, path: Stroke) -> int | None:
-    """The number of the ring, inside another, that most of a path lies in."""
+    """Return the number of the ring, inside another, that most of a path lies in."""
     import shapely
 
     points = on_sheet(state, part, path)

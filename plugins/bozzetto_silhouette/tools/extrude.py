@@ -88,7 +88,7 @@ class Extrude(TellsOfJoints):
     hint = "Draw a ring on the shape, then the outline of what grows out of it or into it."
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ring on the surface, and what the second stroke swells to so far."""
+        """Show the ring on the surface, and the shape that the second stroke inflates to so far."""
         from bozzetto_silhouette.inflation.live_preview import swollen
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
@@ -157,7 +157,7 @@ def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
 
 
 def _loop(stroke: Stroke) -> Floats:
-    """A ring as it was drawn, closed, in pixels."""
+    """Return a ring as it was drawn, closed, in pixels."""
     return resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
 
 
@@ -170,7 +170,7 @@ def _room(touch: Touch, points: Floats, middle: Floats, outwards: Floats) -> flo
 
 
 def _facing(base: _Base, camera: Camera) -> Sheet:
-    """The plane parallel to the screen through the base."""
+    """Return the plane parallel to the screen through the base."""
     right, up, _ = camera.axes
     return Sheet(_point(base.middle), _point(right), _point(up))
 
@@ -178,7 +178,7 @@ def _facing(base: _Base, camera: Camera) -> Sheet:
 def _drawn_so_far(
     state: SilhouetteState, base: _Base, stroke: Stroke
 ) -> tuple[Sequence[Stroke], Sheet]:
-    """The outline of what grows, with its root as soon as the stroke has come back."""
+    """Return the outline of what grows, with its root as soon as the stroke has come back."""
     try:
         part = _grown(state, base, stroke)
     except UserError:
@@ -187,7 +187,7 @@ def _drawn_so_far(
 
 
 def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
-    """What the second stroke describes, on the plane parallel to the screen through the base."""
+    """Return the part that the second stroke describes, on the plane parallel to the screen."""
     camera = stroke.camera
     right, up, _ = camera.axes
     sheet = _facing(base, camera)

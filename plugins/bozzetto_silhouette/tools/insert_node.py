@@ -26,7 +26,7 @@ def volume_left(state: SilhouetteState) -> float:
 
 
 def check_that_it_carves(before: SilhouetteState, after: SilhouetteState) -> float:
-    """The volume that is left.
+    """Return the volume that is left, mm³.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def check_that_it_carves(before: SilhouetteState, after: SilhouetteState) -> flo
 
 
 def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> SilhouetteState:
-    """The state with a new node, drawn in the model's frame, that belongs to some parts.
+    """Add a node, drawn in the model's frame, to the group of the parts that it acts on.
 
     It is the last of the innermost group around all of them in which it does to the shape what
     it would do after everything: so it moves with that group, and does not spare what it was
@@ -54,8 +54,11 @@ def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> Silho
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
     node : Part
-    touched : parts of the state
+        The new one.
+    touched : iterable of Part
+        The parts that it acts on.
 
     Raises
     ------
@@ -77,7 +80,7 @@ def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> Silho
 
 
 def _around_all(state: SilhouetteState, parts: Iterable[Part]) -> list[Group]:
-    """The groups that some parts are all in, the innermost first."""
+    """Return the groups that all of some parts are in, the innermost first."""
     chains = [groups_around(state, part) for part in parts]
     if not chains:
         return []

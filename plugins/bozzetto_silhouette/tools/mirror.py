@@ -73,7 +73,7 @@ class MirrorCopy(TellsOfJoints):
 
 
 def _name_of_twin(state: SilhouetteState, part: Part) -> str:
-    """The name of a twin; numbered only where it is not the first."""
+    """Return the name of a twin, with a number only where it is not the first."""
     name = f"{part.name} mirrored"
     taken = any(node.name == name for node in state.nodes)
     return state.unused_name(name) if taken else name

@@ -32,10 +32,12 @@ MakeEdit = Callable[[Stroke, int], Edit]
 
 
 def edited_part(state: SilhouetteState, stroke: Stroke, choose: ChooseRing, make: MakeEdit) -> Part:
-    """The part that a stroke is meant for, with one more edit.
+    """Return the part that a stroke is meant for, with one more edit.
 
     Parameters
     ----------
+    state : SilhouetteState
+        The parts as they stand now.
     stroke : Stroke
         As drawn over the parts as they stand now.
     choose : callable
@@ -72,7 +74,7 @@ def edited_part(state: SilhouetteState, stroke: Stroke, choose: ChooseRing, make
 
 
 def _likely(state: SilhouetteState, stroke: Stroke) -> list[Part]:
-    """The parts that a stroke may be meant for: the chosen one, then by nearness in the picture."""
+    """Return the parts a stroke may be meant for: the chosen one, then the nearest seen."""
     import shapely
 
     found = []
@@ -94,7 +96,7 @@ def _likely(state: SilhouetteState, stroke: Stroke) -> list[Part]:
 
 
 def _as_seen(problem: UserError, mirrored: bool, stroke: Stroke) -> UserError:
-    """The places of a problem on the canvas of the stroke, where a part stands mirrored."""
+    """Return a problem with its places on the canvas of the stroke, where a part is mirrored."""
     if not mirrored:
         return problem
     width = stroke.camera.viewport[0]

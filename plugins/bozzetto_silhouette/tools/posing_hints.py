@@ -33,7 +33,7 @@ class TellsOfJoints:
         return Scene()
 
     def next_hint(self, state: SilhouetteState) -> str:
-        """What to drag while the joints are shown, else what the tool waits for."""
+        """Return how to drag the joints while they are shown, else the tool's own hint."""
         if not state.posing or not state.nodes:
             return self.hint
         try:

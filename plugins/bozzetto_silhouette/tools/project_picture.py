@@ -46,7 +46,7 @@ class ProjectPicture(TellsOfJoints):
 
 
 def _within(pixels: NDArray[np.uint8], most: int) -> NDArray[np.uint8]:
-    """The picture made smaller until no side is longer than `most`."""
+    """Shrink a picture until no side is longer than `most`."""
     height, width = pixels.shape[:2]
     if max(height, width) <= most:
         return pixels

@@ -41,12 +41,12 @@ class Trace(NamedTuple):
         return np.asarray(np.isfinite(self.near).all(axis=1) & np.isfinite(self.far).all(axis=1))
 
     def parts(self, state: SilhouetteState) -> list[Part]:
-        """The parts that made the surface there."""
+        """Return the parts whose surface is met."""
         points = np.concatenate([self.near[self.hit], self.far[self.hit]])
         return parts_at(state, self.touch, points)
 
     def scene(self, *, through: bool) -> Scene:
-        """The line on the surface; with `through` also that on the far side, and between."""
+        """Show the line on the surface; with `through` also the far side and lines between."""
         sides = (self.near, self.far) if through else (self.near,)
         items = [_lines([run for side in sides for run in _runs(side, self.hit)], WIDTHS[0])]
         if through:
@@ -68,7 +68,7 @@ def trace_of(touch: Touch, pixels: Floats, camera: Camera) -> Trace:
 
 
 def parts_at(state: SilhouetteState, touch: Touch, points: Floats) -> list[Part]:
-    """The parts that made a shape's surface at points (n, 3) on it."""
+    """Return the parts that made a shape's surface at points (n, 3) on it."""
     from scipy.spatial import cKDTree
 
     if not len(points):
@@ -80,7 +80,7 @@ def parts_at(state: SilhouetteState, touch: Touch, points: Floats) -> list[Part]
 
 
 def _runs(line: Floats, hit: Flags) -> list[Floats]:
-    """The stretches of a line that lie on the shape."""
+    """Return the stretches of a line that lie on the shape."""
     places = np.flatnonzero(hit)
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [line[piece] for piece in pieces if len(piece) > 1]

@@ -73,7 +73,7 @@ class DrawTunnel(TellsOfJoints):
 
 
 def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:
-    """The lines of sight through an outline on a sheet; None where there is no shape."""
+    """Follow the lines of sight through an outline on a sheet; None where there is no shape."""
     touch = shape_seen(state)
     if touch is None:
         return None

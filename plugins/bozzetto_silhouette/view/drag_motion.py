@@ -30,13 +30,14 @@ AIM = 4.0
 def moved(
     middle: Floats, camera: Camera, start: Floats, end: Floats, *, along_axis: bool = False
 ) -> Placement:
-    """A shift parallel to the screen, or along one axis of the world.
+    """Return a shift parallel to the screen, or along one axis of the world.
 
     Parameters
     ----------
     middle : (3,) float array
         What is moved; its depth tells how far a pixel goes.
     camera : Camera
+        What the drag is seen through.
     start, end : (2,) float array
         Canvas pixels.
     along_axis : bool
@@ -62,7 +63,7 @@ def moved(
 def turned(
     middle: Floats, camera: Camera, start: Floats, end: Floats, *, stepped: bool = False
 ) -> Placement:
-    """A turn about the line of sight; `stepped` rounds it to 15 degrees."""
+    """Return a turn about the line of sight; `stepped` rounds it to 15 degrees."""
     first, last = _from_middle(middle, camera, start, end)
     angle = float(np.arctan2(-last[1], last[0]) - np.arctan2(-first[1], first[0]))
     if stepped:
@@ -71,20 +72,20 @@ def turned(
 
 
 def resized(middle: Floats, camera: Camera, start: Floats, end: Floats) -> Placement:
-    """A change of size about the middle."""
+    """Return a change of size about the middle."""
     first, last = _from_middle(middle, camera, start, end)
     share = np.hypot(*last) / np.hypot(*first)
     return _about(middle, np.eye(3), float(np.clip(share, *SIZES)))
 
 
 def mirrored(point: Floats, normal: Floats) -> Placement:
-    """The mirror image in a plane through a point."""
+    """Return the reflection in a plane through a point."""
     unit = np.asarray(normal, np.float64) / np.linalg.norm(normal)
     return _about(np.asarray(point, np.float64), np.eye(3) - 2.0 * np.outer(unit, unit), 1.0)
 
 
 def settled(placement: Placement) -> Placement:
-    """The same with the nearest rotation and a size in bounds: errors do not add up."""
+    """Return a placement with the nearest rotation and a size in bounds: errors do not add up."""
     left, _, right = np.linalg.svd(np.reshape(placement.rotation, (3, 3)))
     rotation = tuple(float(v) for v in (left @ right).ravel())
     return Placement(rotation, float(np.clip(placement.scale, *SIZES)), placement.offset)
@@ -93,7 +94,7 @@ def settled(placement: Placement) -> Placement:
 def _from_middle(
     middle: Floats, camera: Camera, start: Floats, end: Floats
 ) -> tuple[Floats, Floats]:
-    """Pixels from the middle as seen; apart from it."""
+    """Return both positions relative to the middle as it is seen, px; never zero."""
     seen, _ = camera.project(middle)
     first, last = start - seen[0], end - seen[0]
     if not np.isfinite(seen).all() or np.hypot(*first) < AIM:
@@ -104,7 +105,7 @@ def _from_middle(
 
 
 def _nearest_axis(shift: Floats, camera: Camera) -> Floats:
-    """The world's axis whose picture runs most like a shift on the screen."""
+    """Return the world's axis that is seen to run most like a shift on the screen."""
     right, up, _ = camera.axes
     pictures = np.column_stack([np.eye(3) @ right, np.eye(3) @ up])
     length = np.hypot(pictures[:, 0], pictures[:, 1])
@@ -126,7 +127,7 @@ def _along(middle: Floats, axis: Floats, camera: Camera, pixel: Floats) -> float
 
 
 def _rotation(axis: Floats, angle: float) -> Floats:
-    """The matrix of a turn about a unit vector, counter-clockwise seen against it."""
+    """Return the matrix of a turn about a unit vector, counter-clockwise seen against it."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     matrix: Floats = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
@@ -139,6 +140,6 @@ def _shift(by: Floats) -> Placement:
 
 
 def _about(middle: Floats, matrix: Floats, scale: float) -> Placement:
-    """Turned and sized so that the middle stays."""
+    """Return a rotation and scaling that leaves the middle where it is."""
     x, y, z = (float(v) for v in middle - scale * (matrix @ middle))
     return Placement(tuple(float(v) for v in matrix.ravel()), scale, (x, y, z))

@@ -49,7 +49,7 @@ class Grip:
 
 
 def members(state: SilhouetteState, node: Part | Group) -> tuple[Part, ...]:
-    """The part itself, or all parts of a group and of the groups in it."""
+    """Return the part itself, or all parts of a group and of the groups in it."""
     if isinstance(node, Part):
         return (node,)
     inside, size = {node.id}, 0
@@ -78,7 +78,7 @@ def grip_of(state: SilhouetteState, node: Part | Group) -> Grip | None:
 
 
 def handles_layer(state: SilhouetteState) -> Layer | None:
-    """The handles of the chosen node; None where nothing is chosen that can be seen."""
+    """Return the handles of the chosen node; None where nothing is chosen that can be seen."""
     node = next((node for node in state.nodes if node.id == state.selected), None)
     if node is None or not is_shown(state, node):
         return None
@@ -105,7 +105,7 @@ def _handle(name: str, point: Floats, tip: str) -> Handle:
 
 
 def _inked(state: SilhouetteState, part: Part) -> Floats:
-    """A part's ink where it stands now, (n, 3)."""
+    """Return a part's ink where it stands now, (n, 3)."""
     lines = [part.sheet.from_pixels(s.points, s.camera) for s in part.strokes]
     points = np.concatenate([np.zeros((0, 2)), *lines])
     points = points[np.isfinite(points).all(axis=1)]

@@ -38,7 +38,7 @@ _deviations: Memory[list[tuple[Floats, Floats]]] = Memory(limit=16)
 
 
 def ink_layer(state: SilhouetteState) -> Layer:
-    """The ink of all parts that are shown, where they stand now.
+    """Return the ink of all parts that are shown, where they stand now.
 
     Of a part whose outline was changed since, the outline takes the place of the ink. The
     profile is shown of the part that is chosen.
@@ -77,7 +77,7 @@ def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) 
 
 
 def _ink(state: SilhouetteState, part: Part, color: str) -> Lines:
-    """A part's ink, as wide as the hand pressed."""
+    """Return a part's ink, as wide as the hand pressed."""
     pose = carried(state, part)
     thin, thick = INK_WIDTH
     lines, widths = [], []
@@ -120,7 +120,7 @@ def _joined(
 
 
 def _runs(points: Floats, marked: Flags) -> list[Floats]:
-    """The stretches of a line whose points are marked, each with the point after it."""
+    """Return the stretches of a line whose points are marked, each with the point after it."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
     return [
         points[first : min(last + 1, len(points))]
