@@ -42,7 +42,7 @@ class SilhouetteResult:
     mesh, shown : Mesh or None
         The same for files, and for the screen (`Painted`), as its joints were turned.
     skin : Skin or None
-        What `mesh` hangs on where it is posed; files get a skin in any case.
+        The joints and weights of `mesh` where it is posed; files get a skin in any case.
     final : bool
         Whether this is more than a preview.
     solids : dict of str to SilhouetteSolid
@@ -67,7 +67,7 @@ class Silhouette:
     part_types = (Part, Cut, Group)
 
     def create(self, context: Context) -> SilhouetteState:
-        """No part yet."""
+        """Return a state without parts."""
         return SilhouetteState()
 
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
@@ -75,7 +75,7 @@ class Silhouette:
         return all_tools()
 
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:
-        """All strokes of a drawing as one part; nested outlines are holes.
+        """Read all strokes of a drawing as one part; nested outlines are holes.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class Silhouette:
         return SilhouetteState().with_node(part)
 
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
-        """One watertight solid; what did not change is remembered."""
+        """Make one watertight solid; what did not change is remembered."""
         resolution = state.resolution
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
@@ -127,7 +127,7 @@ class Silhouette:
         return Scene(tuple(layer for layer in layers if layer is not None))
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
-        """One solid and the skeleton of each part."""
+        """Return one solid and the skeleton of each part."""
         if result.mesh is None or result.shown is None or result.body is None:
             return Shapes()
         skin = result.skin
@@ -149,13 +149,13 @@ class Silhouette:
         )
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
-        """How truly every part keeps its outline, and how sound the whole is."""
-        told = report_of(state, result.body, result.solids)
+        """Report how close every part is to its outline, and whether the whole can be printed."""
+        figures = report_of(state, result.body, result.solids)
         rig = None if result.body is None else rig_of(state)
-        return told if rig is None else {**told, "rig": rig_facts(rig)}
+        return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 
     def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
-        """Strokes that are not in the shape."""
+        """Return cautions about strokes that are not in the shape."""
         return cautions_of(state)
 
     # -- parts --
@@ -206,7 +206,7 @@ class Silhouette:
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:
-    """Where the chosen part's silhouette is not the one that was drawn."""
+    """Show where the chosen part's silhouette is not the one that was drawn."""
     chosen = [part for part in shown_parts(state) if part.id == state.selected]
     if not chosen or chosen[0].id not in result.solids:
         return None

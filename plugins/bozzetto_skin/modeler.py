@@ -105,11 +105,11 @@ class RoughSkin:
     state_version = 1
 
     def create(self, context: Context) -> SkinState:
-        """No curves."""
+        """Return a state without curves."""
         return SkinState()
 
     def tools(self) -> Sequence[Tool[SkinState]]:
-        """None: curves are drawn with other modelers."""
+        """Return no tools: curves are drawn with other modelers."""
         return ()
 
     def read_shapes(self, shapes: Shapes) -> SkinState:
@@ -149,7 +149,7 @@ class RoughSkin:
         return Shapes(solids=(Solid(result.mesh, name="skin"),))
 
     def report(self, state: SkinState, result: Skin) -> Mapping[str, Any]:
-        """How far the curves are from the skin."""
+        """Report how far the curves are from the skin."""
         if result.mesh is None:
             return {"curves": 0}
         told: dict[str, Any] = {
@@ -169,5 +169,5 @@ class RoughSkin:
         return told
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """There is no older form yet."""
+        """Return the state: there is no older form yet."""
         return state

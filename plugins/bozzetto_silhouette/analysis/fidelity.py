@@ -1,4 +1,4 @@
-"""How true the solid is to the drawing."""
+"""Measures of how close a solid is to its drawing."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
 
 
 def deviation_along(solid: SilhouetteSolid, ring: Floats) -> tuple[Floats, Floats]:
-    """How far a solid's silhouette is from a drawn ring, along the ring.
+    """Measure how far a solid's silhouette is from a drawn ring, along the ring.
 
     Returns
     -------
@@ -141,13 +141,13 @@ def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
 
 
 def area_of(vertices: Floats, faces: Faces) -> float:
-    """Area of a mesh (v, 3), (f, 3)."""
+    """Return the area of a mesh (v, 3), (f, 3)."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
 def _hausdorff(one: object, other: object, spacing: float) -> tuple[float, tuple[float, float]]:
-    """Hausdorff distance of two line geometries, and the place where it occurs."""
+    """Return the Hausdorff distance of two line geometries, and the place where it occurs."""
     import shapely
 
     if shapely.is_empty(one) or shapely.is_empty(other):

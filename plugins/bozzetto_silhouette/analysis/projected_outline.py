@@ -36,7 +36,7 @@ def shadow_of(vertices: Floats, faces: Faces) -> BaseGeometry:
 
 
 def _border(faces: Faces, count: int) -> list[list[int]]:
-    """Rings of vertices along the edges that no neighbour runs along the other way."""
+    """Return the rings of border edges: those that no neighbour runs along the other way."""
     start = faces.astype(np.int64)
     end = np.roll(start, -1, axis=1)
     forth, back = (start * count + end).ravel(), (end * count + start).ravel()

@@ -34,7 +34,7 @@ _walls: Memory[Walls] = Memory(limit=64)
 
 
 def fidelity_of(solid: SilhouetteSolid, outline: Outline) -> Fidelity:
-    """How true a part's solid is to its outline; remembered."""
+    """Compare a part's solid with its outline; remembered."""
     return _fidelities.recall((solid, outline), lambda: measure(solid, outline))
 
 
@@ -78,14 +78,14 @@ def report_of(
 
 
 def cautions_of(state: SilhouetteState) -> tuple[Caution, ...]:
-    """Strokes that are too small to be part of an outline."""
-    told = []
+    """Return a caution for each part with strokes that are too small for an outline."""
+    found = []
     for part in shown_parts(state):
         unused = specks(points_on_sheet(tuple(part.strokes), part.sheet)) if part.strokes else 0
         if unused:
             strokes, are = _counted(unused, "stroke"), "is" if unused == 1 else "are"
-            told.append(Caution(f"{strokes} of “{part.name}” {are} too small and {are} not used."))
-    return tuple(told)
+            found.append(Caution(f"{strokes} of “{part.name}” {are} too small and {are} not used."))
+    return tuple(found)
 
 
 def _of_part(

@@ -1,4 +1,4 @@
-"""How thin a solid gets: what a printer has to hold.
+"""The thinnest walls of a solid, for printing.
 
 From inside every facet a ray goes straight in, to the facet on the other side; where both are
 about parallel its length is the thickness of a wall (the shape diameter of Shapira, Shamir and
@@ -43,12 +43,12 @@ FINEST = 0.01
 """Share of the surface that may be thinner than the smallest detail: tips."""
 
 INSIDE = 1e-4
-"""How far inside a facet its ray starts, as a share of the size."""
+"""Distance inside a facet from which its ray starts, as a share of the size."""
 
 
 @dataclass(frozen=True)
 class Walls:
-    """How thin a solid is.
+    """Wall thickness of a solid.
 
     Attributes
     ----------

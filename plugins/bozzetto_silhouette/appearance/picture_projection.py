@@ -75,7 +75,7 @@ class Projection:
     inset: float
 
     def coat(self, points: Floats, normals: Floats) -> Coat:
-        """Colours of surface points (n, 3) with unit normals (n, 3)."""
+        """Return the colours of surface points (n, 3) with unit normals (n, 3)."""
         picture = self.picture
         edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
         facing = normals @ axes_of(picture)[2]
@@ -115,14 +115,14 @@ def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
 
 
 def texel_of(picture: Picture) -> float:
-    """Size of a pixel of the picture, mm."""
+    """Return the size of a pixel of the picture, mm."""
     height, width = picture.pixels.shape[:2]
     across, down = (float(np.linalg.norm(edge)) for edge in (picture.across, picture.down))
     return float(max(min(across / width, down / height), 1e-300))
 
 
 def axes_of(picture: Picture) -> Floats:
-    """Rows: right and down in the picture, and towards its viewer; orthonormal, (3, 3)."""
+    """Return orthonormal rows (3, 3): the picture's right, its down, and towards its viewer."""
     edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
     square = np.linalg.qr(edges, mode="complete")[0].T
     along = np.sign((square[:2] * edges.T).sum(axis=1))
@@ -158,7 +158,7 @@ def _softened(level: Level, sigma: float) -> Level:
 
 
 def _sampled(level: Level, uv: Floats) -> Pixels:
-    """Bilinear values (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
+    """Sample a picture (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
     width = level.pixels.shape[1]
     places = np.clip(uv, 0.0, 1.0) * level.extent + 0.5
     corner = places.astype(np.intp)

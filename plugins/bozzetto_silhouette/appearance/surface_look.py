@@ -1,4 +1,4 @@
-"""What a surface looks like: the colours of its parts, and a picture over them."""
+"""The look of a surface: the colours of its parts, and a picture over them."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Painted(NamedTuple):
 
 
 _textures: Memory[Texture] = Memory(limit=2)
-"""By what they show; a large one takes 64 MB."""
+"""By the content; a large one takes 64 MB."""
 
 
 def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
@@ -125,7 +125,7 @@ def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
 
 
 def _corner_coat(state: SilhouetteState, body: Body) -> Floats | None:
-    """Colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
+    """Return the colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
     coat = part_coat(state, body)
     if coat is None:
         return None

@@ -54,7 +54,7 @@ def baked(vertices: Floats, faces: Faces, axes: Floats, density: float, paint: P
 
 
 def _texels(layout: Layout) -> tuple[Index, Index, Floats]:
-    """Texels of the atlas, the face that each shows, and where on it.
+    """Return the texels of the atlas, the face that each shows, and the place on it.
 
     A face too thin to cover the middle of a texel shows at those that its corners are in, if
     nothing else does.
@@ -78,7 +78,7 @@ def _texels(layout: Layout) -> tuple[Index, Index, Floats]:
 
 
 def _barycentric(corners: Floats, points: Floats) -> Floats:
-    """Weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
+    """Return the weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
     (ax, ay), (bx, by) = (corners[:, k].T - corners[:, 0].T for k in (1, 2))
     px, py = points.T - corners[:, 0].T
     area = ax * by - ay * bx

@@ -1,6 +1,6 @@
 """Charts: a surface cut into pieces that lie flat side by side in one picture.
 
-Faces whose normals are nearest to the same of six directions hang together as one chart and
+Faces whose normals are nearest to the same of six directions form one chart and
 are projected along that direction, so nothing is drawn out by more than the square root of
 three. Where a chart would cover itself, what is behind becomes a chart of its own.
 """
@@ -39,7 +39,7 @@ one by one."""
 
 
 class Layout(NamedTuple):
-    """Where every face lies in the atlas.
+    """Places of all faces in the atlas.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ def _neighbours(faces: Faces) -> Index:
 
 
 def _labels(corners: Floats, beside: Index) -> Index:
-    """Which of six directions each face looks to: 2 axis + (1 where it looks against it)."""
+    """Return the direction that each face looks to: 2 axis + (1 where it looks against that)."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     towards = np.stack([normal, -normal], axis=2).reshape(-1, 6)
@@ -130,7 +130,7 @@ def _components(beside: Index, kind: Index) -> Index:
 
 
 def _flat(corners: Floats, label: Index) -> Floats:
-    """Corners projected along the direction of their chart, (f, 3, 2)."""
+    """Project corners along the direction of their chart, (f, 3, 2)."""
     axis = label // 2
     right, down = np.where(axis == 0, 2, 0), np.where(axis == 1, 2, 1)
     rows = np.arange(len(label))[:, None]
@@ -139,7 +139,7 @@ def _flat(corners: Floats, label: Index) -> Floats:
 
 
 def _packed(flat: Floats, chart: Index, density: float) -> Layout:
-    """Charts on shelves, the highest first, in the smallest atlas that holds them."""
+    """Pack charts on shelves, the highest first, in the smallest atlas that holds them."""
     count = int(chart.max(initial=0)) + 1
     low = np.full((count, 2), np.inf)
     high = np.full((count, 2), -np.inf)
@@ -162,7 +162,7 @@ def _extents(spans: Floats, density: float) -> Index:
 
 
 def _shelved(extents: Index, most: int) -> tuple[Index, tuple[int, int]] | None:
-    """Top left corners of rectangles (n, 2) in an atlas, and its size; None if they do not fit."""
+    """Place rectangles (n, 2): their top left corners and the atlas's size; None if too many."""
     order = np.argsort(-extents[:, 1], kind="stable")
     least = int(extents.prod(axis=1).sum())
     for width, height in _sizes(most):
@@ -184,7 +184,7 @@ def _shelved(extents: Index, most: int) -> tuple[Index, tuple[int, int]] | None:
 
 
 def _sizes(most: int) -> list[tuple[int, int]]:
-    """Atlases from the smallest to the largest: squares and those of half the height."""
+    """Return sizes of atlases, ascending: squares and those of half the height."""
     sizes, side = [], 64
     while side <= most:
         sizes += [(side, side // 2), (side, side)]
@@ -193,7 +193,7 @@ def _sizes(most: int) -> list[tuple[int, int]]:
 
 
 def _hidden(layout: Layout, corners: Floats, label: Index) -> Index:
-    """Faces that lie behind another one somewhere in the atlas; fills `layout.texels`."""
+    """Find faces that lie behind another one somewhere in the atlas, and fill `layout.texels`."""
     axis, against = label // 2, label % 2
     depth = corners[np.arange(len(label))[:, None], np.arange(3)[None], axis[:, None]]
     depth = np.where(against[:, None] == 1, -depth, depth)

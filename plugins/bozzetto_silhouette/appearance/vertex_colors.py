@@ -72,7 +72,7 @@ class Coat:
         return Coat(np.concatenate([self.rgb, more.rgb]), np.concatenate([self.cover, more.cover]))
 
     def bytes(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-        """RGBA (n, 4) and cover (n,) as meshes have them."""
+        """Return RGBA (n, 4) and cover (n,) as bytes, as meshes have them."""
         rgba = np.full((len(self.cover), 4), 255, np.uint8)
         own = self.rgb / np.maximum(self.cover, 1e-9)[:, None]
         rgba[:, :3] = np.rint(np.clip(own, 0.0, 255.0))
@@ -96,7 +96,7 @@ class Creases:
 
 
 def bare(count: int) -> Coat:
-    """No colour."""
+    """Return a coat without colour."""
     return Coat(np.zeros((count, 3)), np.zeros(count))
 
 
@@ -237,7 +237,7 @@ class _Painted:
         return np.minimum(first, second), whole
 
     def _share(self, first: Floats, second: Floats, solid: Composite) -> Floats:
-        """How much of a point belongs to the second of two, by how far it exceeds the first."""
+        """Return the share of the second of two solids, by how far it exceeds the first."""
         if solid.reach <= 0.0:
             return np.asarray(second - first >= -self._tie, np.float64)
         t = np.clip(0.5 + 0.5 * (second - first) / solid.reach, 0.0, 1.0)

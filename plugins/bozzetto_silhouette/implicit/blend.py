@@ -24,7 +24,7 @@ def flipped(sample: Sample) -> Sample:
 
 
 def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Sample:
-    """Union that knows the angle: sides that meet smoothly are not swollen.
+    """Unite two samples by the angle between them: sides that meet smoothly do not bulge.
 
     The polynomial smooth maximum ``max + (k - |a - b|)^2 / 4k`` with the reach
     ``k = reach * clip(1 - cos, 0, 1)`` of the angle between the gradients. It is a simplified
@@ -51,7 +51,7 @@ def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Samp
 
 
 def summed(first: Sample, second: Sample, reach: Floats | float) -> Sample:
-    """Union as of one field: the potentials of both are added.
+    """Unite two samples as one field: their potentials are added.
 
     Around a tube of radius r the scale-invariant kernel of support r + k makes the potential
     ``((r + k)^2 - (r - d)^2)^(7/2)`` at the depth d, which is ``(1 + d / k)^(7/2)`` but for the

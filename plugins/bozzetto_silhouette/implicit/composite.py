@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
-from bozzetto_silhouette.implicit.blend_limiter import Taming
+from bozzetto_silhouette.implicit.blend_limiter import BlendLimiter
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
 from bozzetto_silhouette.model.state import Operation
 
@@ -41,7 +41,7 @@ class Sides(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """What an operation makes of two implicit solids.
+    """The result of an operation on two implicit solids.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Composite:
         crease.
     reach : float
         The largest radius of the blend, as a length.
-    taming : Taming
+    limiter : BlendLimiter
         Where less of it was found to fit.
     """
 
@@ -62,7 +62,7 @@ class Composite:
     operation: Operation
     blend: float
     reach: float
-    taming: Taming = field(default_factory=Taming.none)
+    limiter: BlendLimiter = field(default_factory=BlendLimiter.none)
 
     @cached_property
     def bounds(self) -> Floats:
@@ -77,11 +77,11 @@ class Composite:
         return np.stack([np.minimum(low, other_low) - swell, np.maximum(high, other_high) + swell])
 
     def value(self, points: Floats) -> Floats:
-        """Values at points (n, 3)."""
+        """Return the values at points (n, 3)."""
         return self.sample(points).value
 
     def sample(self, points: Floats) -> Sample:
-        """Values and gradients at points (n, 3)."""
+        """Return the values and gradients at points (n, 3)."""
         return self.blended(self.sides(points))
 
     def scaled(self, share: float) -> Composite:
@@ -92,8 +92,8 @@ class Composite:
         """Sample both solids; where one cannot matter, only its bound is given."""
         first, second = self._samples(points)
         reach = self._local_reach(first, second)
-        if len(self.taming.places):
-            reach = reach * self.taming.share(points)
+        if len(self.limiter.places):
+            reach = reach * self.limiter.share(points)
         return Sides(first, second, reach)
 
     def within(self, box: Floats, margin: float) -> Composite:
@@ -102,7 +102,7 @@ class Composite:
         return replace(self, first=first, second=second)
 
     def felt(self, points: Floats) -> Flags:
-        """Where (n,) the blend may make a difference, by the boxes alone."""
+        """Return where (n,) the blend may make a difference, by the boxes alone."""
         far = self.reach / _FALL
         return (box_distance(points, self.first.bounds) <= far) & (
             box_distance(points, self.second.bounds) <= far
@@ -120,7 +120,7 @@ class Composite:
         return smooth_maximum(first, second, reach)
 
     def sharp(self, sides: Sides) -> Floats:
-        """Values (n,) without the blend."""
+        """Return the values (n,) without the blend."""
         one, other = sides.first.value, sides.second.value
         if self.operation == "carve":
             return np.minimum(one, -other)
@@ -143,7 +143,7 @@ class Composite:
         return first, _where(self.second, points, far, late, second)
 
     def _local_reach(self, first: Sample, second: Sample) -> Floats:
-        """Reach of the blend (n,): of the thinner of the two there, and nowhere the largest.
+        """Return the reach of the blend (n,): that of the thinner solid there, below the largest.
 
         A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and
         MATISSE (Bernhardt et al., 2008) ask of a blend: not to wash out what is small.
@@ -185,7 +185,7 @@ def signature(solid: Implicit) -> object:
     if isinstance(solid, Placed):
         return (signature(solid.inner), solid.placement)
     if isinstance(solid, Composite):
-        own = (solid.operation, solid.blend, solid.reach, solid.taming.signature)
+        own = (solid.operation, solid.blend, solid.reach, solid.limiter.signature)
         return (signature(solid.first), signature(solid.second), *own)
     return solid
 
@@ -196,13 +196,13 @@ def _corners(box: Floats) -> Floats:
 
 
 def _box_gap(box: Floats, other: Floats) -> float:
-    """Distance between two boxes (2, 3)."""
+    """Return the distance between two boxes (2, 3)."""
     beyond = np.maximum(np.maximum(box[0] - other[1], other[0] - box[1]), 0.0)
     return float(np.sqrt((beyond**2).sum()))
 
 
 def box_distance(points: Floats, bounds: Floats) -> Floats:
-    """Distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
+    """Return the distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
     beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
     distance: Floats = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
     return distance

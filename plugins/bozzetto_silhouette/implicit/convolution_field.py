@@ -32,7 +32,7 @@ FLOOR = 0.45
 pruned skeleton does not reach (sharp tips, serifs) there is still a body."""
 
 CORRECTION_DEPTH = 0.9
-"""How deep the correction reaches, in local radii."""
+"""Depth that the correction reaches, in local radii."""
 
 RIPPLE_DEPTH = 0.3
 """The part of that depth that the quickly varying share of the correction reaches."""
@@ -50,7 +50,7 @@ _FAINT = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Correction:
-    """What is added to the level at points of the plane, whatever their depth.
+    """The amount added to the level at points of the plane, whatever their depth.
 
     Attributes
     ----------
@@ -106,15 +106,17 @@ class ConvolutionField:
     _distance: RimDistance = field(repr=False)
 
     def correction(self, xy: Floats) -> Correction:
-        """Correction at points (n, 2) of the frame of the sums."""
-        feet = self._distance(xy)
-        following = self.rim.after[feet.segment]
+        """Return the correction at points (n, 2) of the frame of the sums."""
+        closest = self._distance(xy)
+        following = self.rim.after[closest.segment]
 
         def between(values: Floats) -> Floats:
-            return (1.0 - feet.along) * values[feet.segment] + feet.along * values[following]
+            return (1.0 - closest.along) * values[closest.segment] + closest.along * values[
+                following
+            ]
 
         radius = between(self.rim.radius)
-        depth = np.square(feet.distance / (CORRECTION_DEPTH * radius))
+        depth = np.square(closest.distance / (CORRECTION_DEPTH * radius))
         calm = between(self.calm_excess)
         lift = calm * np.square(np.clip(1.0 - depth, 0.0, 1.0))
         # What varies faster along the outline than the limb is thick stays at the rim.
@@ -125,10 +127,10 @@ class ConvolutionField:
             gap2 = ((xy[:, None, :] - self.summits[None, :, :2]) ** 2).sum(axis=2)
             bump = np.square(np.clip(1.0 - gap2 / np.square(self.summits[:, 2]), 0.0, 1.0))
             lift += bump @ self.summits[:, 3] / np.maximum(bump.sum(axis=1), 1.0)
-        return Correction(lift, feet.distance, radius)
+        return Correction(lift, closest.distance, radius)
 
     def raw_level(self, xy: Floats, height2: Floats, radius: Floats) -> Floats:
-        """Level U at points (n, 2) and squared heights, not corrected, in local radii."""
+        """Return the uncorrected level U at points (n, 2) and squared heights, in local radii."""
         level, _ = self._summed(self.summation.over(xy), height2, radius, slope=False)
         return level
 
@@ -141,13 +143,13 @@ class ConvolutionField:
     def _summed(
         self, sums: Sums, height2: Floats, radius: Floats, *, slope: bool
     ) -> tuple[Floats, Floats | None]:
-        """Uncorrected level U and its derivative by z^2."""
+        """Return the uncorrected level U and its derivative by z^2."""
         total, descent = sums.total(self.weights, height2, slope=slope)
         level, rise = self.summation.level(np.maximum(total, _FAINT), radius)
         return level, None if descent is None else rise * descent
 
     def heights(self, xy: Floats) -> Floats:
-        """Half thickness of the solid at points (n, 2) of the plane; 0 outside."""
+        """Return the half thickness of the solid at points (n, 2) of the plane; 0 outside."""
         sums = self.summation.over(xy)
         corrected = self.correction(xy)
         square = np.maximum(corrected.floor, 0.0) * corrected.radius**2

@@ -54,11 +54,11 @@ class Implicit(Protocol):
         ...
 
     def value(self, points: Floats) -> Floats:
-        """Values at points (n, 3)."""
+        """Return the values at points (n, 3)."""
         ...
 
     def sample(self, points: Floats) -> Sample:
-        """Values and gradients at points (n, 3)."""
+        """Return the values and gradients at points (n, 3)."""
         ...
 
 
@@ -79,11 +79,11 @@ class Placed:
         return np.stack([moved.min(axis=0), moved.max(axis=0)])
 
     def value(self, points: Floats) -> Floats:
-        """Values at points (n, 3)."""
+        """Return the values at points (n, 3)."""
         return self.inner.value(self.placement.inverse().points(points)) * self.placement.scale
 
     def sample(self, points: Floats) -> Sample:
-        """Values and gradients at points (n, 3)."""
+        """Return the values and gradients at points (n, 3)."""
         value, gradient, curvature = self.inner.sample(self.placement.inverse().points(points))
         scale = self.placement.scale
         return Sample(value * scale, self.placement.directions(gradient), curvature / scale)

@@ -1,4 +1,4 @@
-"""What a variational surface is held by: points on the outline, beside it, and above the axis.
+"""Constraints of a variational surface: points on the outline, beside it, and above the axis.
 
 As in Kukelova and Durikovic, "SketchCo", 2007: boundary constraints on the outline (value 0),
 normal constraints beside it, and above and below every node of the skeleton a constraint at
@@ -52,7 +52,7 @@ OFFSET = 0.004
 more rounds corners off, less leaves the function to itself in between."""
 
 HALVINGS = 4
-"""How often the offset is halved where the place is nearer to another stretch of outline."""
+"""Halvings of the offset where the place is nearer to another stretch of outline."""
 
 TRUE_OFFSET = 0.6
 """A normal constraint is dropped where its distance is not at least this share of its offset."""
@@ -178,7 +178,7 @@ def _lengths(frame: Frame) -> Floats:
 
 
 def _spread(frame: Frame, count: int) -> Indices:
-    """About so many samples of the outline, closer together where limbs are thin."""
+    """Choose about so many samples of the outline, closer together where limbs are thin."""
     rim = frame.rim
     density = _lengths(frame) / np.maximum(rim.radius, SPACING)
     share = count / density.sum()
@@ -193,7 +193,7 @@ def _spread(frame: Frame, count: int) -> Indices:
 
 
 def _worst(frame: Frame, miss: Floats, chosen: Indices, count: int) -> Indices:
-    """In the stretches between chosen samples with the most area missed, the worst sample."""
+    """Find the worst sample in each of the stretches with the most area missed."""
     rim = frame.rim
     taken = np.zeros(len(miss), bool)
     taken[chosen] = True
@@ -210,7 +210,7 @@ def _worst(frame: Frame, miss: Floats, chosen: Indices, count: int) -> Indices:
 def _around(
     frame: Frame, distance: RimDistance, chosen: Indices, heights: Floats
 ) -> tuple[Floats, Floats]:
-    """Boundary constraints at samples of the outline, normal and height constraints."""
+    """Return boundary constraints at samples of the outline, and normal and height constraints."""
     rim = frame.rim
     edge = rim.points[rim.after] - rim.points
     edge /= np.maximum(np.hypot(*edge.T), 1e-300)[:, None]

@@ -31,13 +31,13 @@ class Sums(Protocol):
     """The kernels of a skeleton's segments at points of the plane, whatever their height."""
 
     def shares(self, height2: Floats) -> Floats:
-        """Field of each segment alone at the squared heights (n,); shape (n, s)."""
+        """Return the field of each segment alone at the squared heights (n,); shape (n, s)."""
         ...
 
     def total(
         self, weights: Floats, height2: Floats, *, slope: bool
     ) -> tuple[Floats, Floats | None]:
-        """Weighted field (n,), and on wish its derivative by the squared height."""
+        """Return the weighted field (n,), and if asked for its derivative by the squared height."""
         ...
 
 
@@ -45,7 +45,7 @@ class Summation(Protocol):
     """Kernels along the segments of a skeleton."""
 
     def over(self, xy: Floats) -> Sums:
-        """Made ready for points (n, 2) of the plane."""
+        """Prepare the sums for points (n, 2) of the plane."""
         ...
 
     def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
@@ -97,7 +97,7 @@ class ScaleInvariant:
 
     @classmethod
     def of(cls, skeleton: Skeleton, softness: float) -> ScaleInvariant:
-        """Along a skeleton, with a support of `softness` radii."""
+        """Return the kernels along a skeleton, with a support of `softness` radii."""
         return cls(scalis.Segments.of(skeleton, softness, THINNEST))
 
     def over(self, xy: Floats) -> Sums:
@@ -106,7 +106,7 @@ class ScaleInvariant:
         return _ScaleInvariantSums(self.segments, pairs, len(xy))
 
     def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
-        """Independent of the radius: the kernel knows it."""
+        """Return the level, which does not depend on the radius, and its derivative."""
         room = self.segments.sigma**2 - 1.0
         return room * (total ** (2.0 / 7.0) - 1.0), room * (2.0 / 7.0) * total ** (-5.0 / 7.0)
 
@@ -162,7 +162,7 @@ class LineSummation:
 
     @classmethod
     def of(cls, skeleton: Skeleton, kernel: Kernel) -> LineSummation:
-        """Along a skeleton; radii below `THINNEST` are raised to it."""
+        """Return the kernels along a skeleton; radii below `THINNEST` are raised to it."""
         a, b = skeleton.nodes[skeleton.edges.T]
         span = (b - a)[:, :2]
         length = np.maximum(np.hypot(*span.T), 1e-12)
@@ -170,11 +170,11 @@ class LineSummation:
         return cls(kernel, a[:, :2], span / length[:, None], length, begin, (end - begin) / length)
 
     def over(self, xy: Floats) -> Sums:
-        """Nothing to prepare: all segments reach everywhere."""
+        """Return the sums at points (n, 2): all segments reach everywhere."""
         return _LineSums(self, xy)
 
     def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
-        """By the kernel's own root of the field, in units of the squared radius."""
+        """Return the level by the kernel's own root of the field, and its derivative."""
         level, rise = self.kernel.level(total)
         unit = self.kernel.square(radius) / np.square(radius)
         return unit * level, unit * rise

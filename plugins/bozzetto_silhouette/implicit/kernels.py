@@ -27,7 +27,7 @@ NEARLY_COLLINEAR = 0.03
 antiderivatives at both ends are nearly equal, and a series is summed instead."""
 
 TERMS = 12
-"""Of that series; the first one left out is below 0.03^12."""
+"""Terms of that series; the first term left out is below 0.03^12."""
 
 POINT = 1e-12
 """Squared core (in squares of the size) of the kernels that have a pole on the skeleton."""
@@ -37,7 +37,7 @@ class Kernel(Protocol):
     """A falling function h of the distance, and what belongs to it."""
 
     def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """I0 and I1 over ``a <= s <= b`` at squared distances d2 from the line, (n,) each."""
+        """Return I0 and I1 over ``a <= s <= b`` at squared distances d2 from the line; (n,) each."""
         ...
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
@@ -45,7 +45,7 @@ class Kernel(Protocol):
         ...
 
     def cylinder(self, radius: Floats) -> Floats:
-        """Field at a distance from an endless line of weight 1."""
+        """Return the field at a distance from an endless line of weight 1."""
         ...
 
     def level(self, total: Floats) -> tuple[Floats, Floats]:
@@ -77,7 +77,7 @@ class InversePower:
     core2: float = POINT
 
     def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """I0 and I1."""
+        """Return I0 and I1."""
         return self._zeroth(a, b, d2 + self.core2), self._first(self.power, a, b, d2 + self.core2)
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
@@ -107,7 +107,7 @@ class InversePower:
         return result
 
     def cylinder(self, radius: Floats) -> Floats:
-        """2 / c^2 for the cube and pi / (2 c^3) for the fourth power."""
+        """Return 2 / c^2 for the cube and pi / (2 c^3) for the fourth power."""
         c2 = np.square(radius) + self.core2
         return 2.0 / c2 if self.power == 3 else 0.5 * np.pi * c2**-1.5
 
@@ -123,7 +123,7 @@ class InversePower:
 
 
 def _collinear(power: int, a: Floats, b: Floats, c2: Floats) -> tuple[Floats, Indices]:
-    """Integral of ``(c2 + s^2)^(-power / 2)`` where the interval lies far off to one side."""
+    """Integrate ``(c2 + s^2)^(-power / 2)`` where the interval lies far off to one side."""
     nearest2 = np.square(np.minimum(np.abs(a), np.abs(b)))
     where = np.flatnonzero((a * b > 0.0) & (c2 < NEARLY_COLLINEAR * nearest2))
     # By symmetry to the positive side.
@@ -152,7 +152,7 @@ class Compact:
     reach: float
 
     def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """I0 and I1."""
+        """Return I0 and I1."""
         return self._integrated(self.power, a, b, d2)
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:

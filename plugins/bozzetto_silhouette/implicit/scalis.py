@@ -34,7 +34,7 @@ _CHUNK = 16384
 
 
 def iso_value(sigma: float) -> float:
-    """Value of the field on an endless cylinder of the nominal radius.
+    """Return the value of the field on an endless cylinder of the nominal radius.
 
     The integral of ``(1 - (1 + s^2) / sigma^2)^3`` over ``|s| <= sqrt(sigma^2 - 1)``,
     which is ``32/35 (sigma^2 - 1)^(7/2) / sigma^6``.
@@ -163,7 +163,7 @@ def pairs_within_reach(xy: Floats, segments: Segments, *, tiles: int = 24) -> Pa
 
 @cache
 def _gauss_legendre(nodes: int) -> tuple[Singles, Singles]:
-    """Abscissae on [-1, 1] and weights; computing them takes longer than using them."""
+    """Return abscissae on [-1, 1] and weights; computing them takes longer than using them."""
     abscissae, weights = np.polynomial.legendre.leggauss(nodes)
     return abscissae.astype(np.float32), weights.astype(np.float32)
 
@@ -172,7 +172,7 @@ def segment_integrals(
     segments: Segments, pairs: Pairs, height2: Floats | float = 0.0, *, slope: bool = False,
     nodes: int = GAUSS_NODES,
 ) -> tuple[Singles, Singles | None]:  # fmt: skip
-    """Kernel integral of every pair, and its derivative by the squared height.
+    """Integrate the kernel for every pair; return that and its derivative by the squared height.
 
     Parameters
     ----------

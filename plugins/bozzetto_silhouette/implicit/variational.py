@@ -134,12 +134,12 @@ class VariationalSurface:
 
     @cached_property
     def _ahead(self) -> Floats:
-        """What ``(p, |p|^2, 1)`` is multiplied by to give the squared distances, (5, n)."""
+        """The factor (5, n) that turns ``(p, |p|^2, 1)`` into squared distances."""
         square = (self.centres**2).sum(axis=1)
         return np.stack([*(-2.0 * self.centres.T), np.ones(len(square)), square])
 
     def value(self, points: Floats) -> Floats:
-        """About the signed distance to the surface at points (n, 3), positive inside.
+        """Return about the signed distance to the surface at points (n, 3), positive inside.
 
         The level over its typical slope: `sample`, which knows the slope at every point, comes
         closer, and takes half as long again.
@@ -149,7 +149,7 @@ class VariationalSurface:
         return np.where(gap > 0.0, np.minimum(value, beyond), value)
 
     def sample(self, points: Floats) -> Sample:
-        """About the signed distance, and its gradient, at points (n, 3)."""
+        """Return about the signed distance, and its gradient, at points (n, 3)."""
         level, gradient = self.level_and_slope(points)
         steepness = np.sqrt((gradient**2).sum(axis=1))
         scale = 1.0 / np.maximum(steepness, FLATTEST * self.slope)
@@ -231,7 +231,7 @@ def _directions(p: Floats, *, planar: bool) -> Floats:
 
 
 def _solved(p: Floats, wanted: Floats, paired: Flags, directions: Floats) -> tuple[Floats, Floats]:
-    """Weights (n,) and tail (4,): Turk and O'Brien, equation 8, bordered by the tail's rows."""
+    """Solve for weights (n,) and tail (4,): Turk and O'Brien, equation 8, with the tail's rows."""
     from scipy.spatial.distance import cdist
 
     n, k = len(p), 1 + len(directions)

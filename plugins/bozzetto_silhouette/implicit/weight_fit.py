@@ -65,7 +65,7 @@ def fit_weights(skeleton: Skeleton, summation: Summation, samples: Floats) -> Fl
 
 
 def _unevenness(skeleton: Skeleton) -> Floats:
-    """Quadratic form (s, s): squared differences of weights that meet where a limb goes on."""
+    """Return the quadratic form (s, s) of squared differences of neighbouring weights in a limb."""
     ends = skeleton.edges.ravel()
     order = np.argsort(ends, kind="stable")
     first = np.searchsorted(ends[order], np.flatnonzero(skeleton.degrees == 2))

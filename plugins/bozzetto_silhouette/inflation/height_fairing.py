@@ -27,7 +27,7 @@ REACH = 0.2
 """Length over which the pressure is averaged, in local radii."""
 
 ROUNDS = 4
-"""How often what the filter took off is fed through it: more keeps the heights better,
+"""Rounds in which what the filter took off is fed through it: more keeps the heights better,
 fewer the surface calmer."""
 
 LEAST = 0.3
@@ -35,7 +35,7 @@ LEAST = 0.3
 
 
 def _local_radii(plan: Plan, square: Floats, distance: Floats) -> Floats:
-    """For every triangle the radius of the circle that its section would be of, (t,).
+    """Return for every triangle the radius of the circle that its section fits, (t,).
 
     At depth d below the rim a circle of radius r stands ``u = d (2 r - d)`` high.
     """
@@ -68,7 +68,7 @@ def faired(plan: Plan, square: Floats) -> Floats:
     elements = Elements.of(plan)
     depth = RimDistance(plan.points[:rim], plan.after)(plan.points[rim:]).distance
     reach = REACH * _local_radii(plan, square, np.maximum(depth, 1e-9))
-    # On the rim the pressure is not known (the membrane is held there): it has no say.
+    # On the rim the pressure is not known (the membrane is held there): it does not count.
     mass = elements.mass.copy()
     mass[:rim] = 0.0
     stiffness = elements.stiffness()

@@ -35,7 +35,7 @@ _MOST_NODES = 1_000_000
 """Nodes of the lattice at most: eight megabytes a side."""
 
 _REACH = 0.5
-"""What the lattice reaches beyond the outline, as a share of the largest height."""
+"""Margin of the lattice beyond the outline, as a share of the largest height."""
 
 _CALM = 2.0
 """Width of the filter, in nodes, that takes the corners of the sampled rim out of its distance.
@@ -56,7 +56,7 @@ class _Side:
     radii: Floats
 
     def curvature(self, xy: Floats) -> Floats:
-        """One over the local radius at points (n, 2)."""
+        """Return one over the local radius at points (n, 2)."""
         from scipy.ndimage import map_coordinates
 
         at = ((xy - self.squares.low) / self.squares.step).T
@@ -78,11 +78,11 @@ class Relief:
         return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
 
     def value(self, points: Floats) -> Floats:
-        """Values at points (n, 3)."""
+        """Return the values at points (n, 3)."""
         return self.sample(points).value
 
     def sample(self, points: Floats) -> Sample:
-        """Values and gradients at points (n, 3)."""
+        """Return the values and gradients at points (n, 3)."""
         front, back = self._sides
         low, high = front.squares.bounds
         xy = np.clip(points[:, :2], low, high)
@@ -108,7 +108,7 @@ class Relief:
         return Sample(value, gradient, curvature)
 
     def _fitted(self, side: _Side, xy: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
-        """Distance by the fitted ball, the direction in which it grows, and its curvature."""
+        """Return the distance by the fitted ball, its gradient's direction, and the curvature."""
         u, slope = side.squares.sample(xy)
         half = np.column_stack([0.5 * slope, -z])
         g2 = np.einsum("ij,ij->i", half, half)
@@ -141,13 +141,13 @@ class Relief:
             gradients = plan_gradients(solid.plan, squares)
             values = on_nodes(points, solid.plan.triangles, squares, gradients, low, step, (nx, ny))
             outside = np.isnan(values)
-            feet = distance(low + step * np.argwhere(outside))
+            closest = distance(low + step * np.argwhere(outside))
             radius = self._rim_radius(gradients[:rim])
             radius = (
-                radius[feet.segment] * (1.0 - feet.along)
-                + radius[solid.plan.after[feet.segment]] * feet.along
+                radius[closest.segment] * (1.0 - closest.along)
+                + radius[solid.plan.after[closest.segment]] * closest.along
             )
-            gap = np.abs(feet.distance)
+            gap = np.abs(closest.distance)
             values[outside] = -(2.0 * radius + gap) * gap
             calm = 2.0 * gaussian_filter(values, _CALM) - gaussian_filter(values, _CALM * 2**0.5)
             share = np.clip(gap / (_CALM * step) - 0.5, 0.0, 1.0)
@@ -163,7 +163,7 @@ class Relief:
         return front, front if same else side(solid.back)
 
     def _rim_radius(self, gradients: Floats) -> Floats:
-        """Radius of the section at every sample of the rim, calmed along it."""
+        """Return the radius of the section at every sample of the rim, averaged along it."""
         after = self.solid.plan.after
         radius: Floats = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
         for _ in range(_ROUNDS):

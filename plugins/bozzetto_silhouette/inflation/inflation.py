@@ -1,4 +1,4 @@
-"""How deep a surface is over the inside of its outline: one function for every kind."""
+"""Depth of a surface over the inside of its outline: one class for every kind of surface."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
 
 
-class Swelling(Protocol):
+class HeightModel(Protocol):
     """A kind of surface: given an outline, the square of its half thickness anywhere inside.
 
     Squares, because the surface stands upright on the outline: there the height itself has
@@ -44,7 +44,7 @@ class Swelling(Protocol):
 
 
 @dataclass(frozen=True)
-class ConvolutionSwelling:
+class ConvolutionHeights:
     """The convolution surface around the skeleton, corrected at the rim, and faired.
 
     Attributes
@@ -59,7 +59,7 @@ class ConvolutionSwelling:
     kernel: Kernel = "scalis"
 
     def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
-        """Squared half thickness at a plan's points."""
+        """Return the squared half thickness at a plan's points."""
         raw = convolution_field(frame, softness=self.softness, kernel=self.kernel)
         field = with_correction(raw, rim)
         square = np.zeros(len(plan.points))

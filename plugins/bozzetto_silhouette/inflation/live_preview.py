@@ -26,7 +26,7 @@ from bozzetto_silhouette.outline.signed_distance import RimDistance
 SPECK = 1e-3
 """Enclosed area, as a share of the square of the size, below which nothing is shown."""
 
-TANGLE = 100
+MOST_CROSSINGS = 100
 """A line that crosses itself more often is a scribble: what it encloses would take seconds
 to sort out, and is no shape."""
 
@@ -61,7 +61,7 @@ def _pieces(points: Floats) -> list[tuple[Floats, ...]]:
     import shapely
 
     polygon = shapely.Polygon(points)
-    if not polygon.is_valid and len(self_crossings(points, closed=True)) > TANGLE:
+    if not polygon.is_valid and len(self_crossings(points, closed=True)) > MOST_CROSSINGS:
         return []
     valid = polygon if polygon.is_valid else shapely.make_valid(polygon)
     result = []
@@ -124,7 +124,7 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
     return Inflation(vertices, faces.astype(np.int32), np.concatenate([n for _, _, n in shells]))
 
 
-def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
+def inflated_scene(points: ArrayLike, sheet: Sheet) -> Scene:
     """Return a scene of the shape that an outline (n, 2), still being drawn, inflates to."""
     inflation = inflate(points)
     if inflation is None:
@@ -144,7 +144,7 @@ def _inflated(rings: tuple[Floats, ...], step: float) -> tuple[Floats, Faces, Fl
     plan = plan_of(rim, np.zeros((0, 2)), step)
     # A plan may have had to halve edges of its rim: the samples' radii come by the feet.
     count = len(plan.after)
-    feet = RimDistance(rim.points, rim.after)(plan.points[count:])
-    square = Membrane.of(plan).round(feet.distance, rim.radius[feet.segment])
+    closest = RimDistance(rim.points, rim.after)(plan.points[count:])
+    square = Membrane.of(plan).round(closest.distance, rim.radius[closest.segment])
     height = np.sqrt(square)
     return *sewn_shell(plan, height, height), shell_normals(plan, square, square)

@@ -1,4 +1,4 @@
-"""Whether the mesh is a solid, and the one that was drawn."""
+"""Checks that a mesh is a solid, and has the topology that was drawn."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Topology:
-    """What a mesh is.
+    """Topology of a mesh.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Topology:
 
 @dataclass(frozen=True)
 class Soundness(Topology):
-    """What was found and what was expected.
+    """The topology that was found, and the one that the drawing has.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def soundness_of(vertices: Floats, faces: Faces, outline: Outline) -> Soundness:
 
 
 def topology_of(vertices: Floats, faces: Faces) -> Topology:
-    """Look at a mesh (v, 3), (f, 3).
+    """Find the topology of a mesh (v, 3), (f, 3).
 
     Notes
     -----
@@ -134,7 +134,7 @@ def _status(vertices: Floats, faces: Faces) -> str:
 
 
 def volume_of(vertices: Floats, faces: Faces) -> float:
-    """Volume by the divergence theorem."""
+    """Return the volume of a mesh by the divergence theorem."""
     return float(_wedges(vertices, faces).sum())
 
 

@@ -33,7 +33,7 @@ class Membrane:
 
     @classmethod
     def of(cls, plan: Plan) -> Membrane:
-        """Held at the plan's rim."""
+        """Make a membrane that is held at the plan's rim."""
         elements, rim = Elements.of(plan), len(plan.after)
         return cls(plan, elements.mass[rim:], factorised(elements.stiffness()[rim:, rim:]))
 
@@ -44,7 +44,7 @@ class Membrane:
         return np.maximum(u, 0.0)
 
     def round(self, depth: Floats, radius: Floats) -> Floats:
-        """Squared heights that are round on tubes and on balls.
+        """Return squared heights that are round on tubes and on balls.
 
         Parameters
         ----------
@@ -65,11 +65,11 @@ class Membrane:
 
 
 @dataclass(frozen=True)
-class InflationSwelling:
+class MembraneHeights:
     """The membrane under one pressure, each body as high as its largest inscribed ball."""
 
     def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
-        """Squared half thickness at a plan's points."""
+        """Return the squared half thickness at a plan's points."""
         from scipy.spatial import cKDTree
 
         square = Membrane.of(plan).blown(1.0)

@@ -31,7 +31,7 @@ class PenPressure:
     places : (k, 2) float array
         Ink in the object frame.
     pressure : (k,) float array
-        0 to 1; NaN where the device told none.
+        0 to 1; NaN where the device gave none.
     strength : float
         0 to 1: how much of it tells.
     """
@@ -47,7 +47,7 @@ class PenPressure:
         strokes = [*part.strokes, *over]
         places, pressure = [np.zeros((0, 2))], [np.zeros(0)]
         for stroke, xy in zip(strokes, points_on_sheet(strokes, part.sheet), strict=True):
-            told = (
+            known = (
                 stroke.pressure.astype(float) if stroke.has_pressure else np.full(len(xy), np.nan)
             )
             arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))])
@@ -55,28 +55,28 @@ class PenPressure:
             between = np.linspace(0.0, arc[-1], 2 + int(arc[-1] / max(SPACING * size, 1e-300)))
             at = np.union1d(arc, between if size > 0.0 else arc[:1])
             places.append(np.stack([np.interp(at, arc, column) for column in xy.T], axis=1))
-            pressure.append(np.interp(at, arc, told))
+            pressure.append(np.interp(at, arc, known))
         return cls(np.concatenate(places), np.concatenate(pressure), part.pressure)
 
     def factors(
         self, frame: Frame, plan: Plan, front: Floats, back: Floats
     ) -> tuple[Floats, Floats]:
-        """Above 1 where the pen was pressed harder than usual."""
+        """Return factors, above 1 where the pen was pressed harder than usual."""
         from scipy.spatial import cKDTree
 
         rim = frame.rim
         _, near = cKDTree(self.places).query(rim.points * frame.scale + frame.origin)
         pressure = self.pressure[near]
-        told = np.isfinite(pressure)
-        usual = float(np.median(pressure[told])) if told.any() else 0.0
+        known = np.isfinite(pressure)
+        usual = float(np.median(pressure[known])) if known.any() else 0.0
         if usual <= 0.0:
             same = np.ones(len(plan.points))
             return same, same
-        ratio = np.where(told, pressure / usual, 1.0)
+        ratio = np.where(known, pressure / usual, 1.0)
         power = rim.averaged(self.strength * np.log(np.clip(ratio, LEAST, MOST)))
-        feet = RimDistance(rim.points, rim.after)(plan.points[: len(plan.after)])
-        on_rim = (1.0 - feet.along) * power[feet.segment] + feet.along * power[
-            rim.after[feet.segment]
+        closest = RimDistance(rim.points, rim.after)(plan.points[: len(plan.after)])
+        on_rim = (1.0 - closest.along) * power[closest.segment] + closest.along * power[
+            rim.after[closest.segment]
         ]
         same = np.exp(continued_harmonically(plan, on_rim))
         return same, same

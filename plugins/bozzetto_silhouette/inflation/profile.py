@@ -41,7 +41,7 @@ LEAST, MOST = 0.05, 20.0
 """Bounds of the factor."""
 
 CALM = 0.012
-"""Half width of the averaging of the factor along the part, as a share of it: tremor."""
+"""Half width over which the factor is averaged along the part, as a share of it: jitter goes."""
 
 FADE = 0.12
 """Beyond the ends of the profile the factor goes back to 1 within this share of the part."""
@@ -169,8 +169,8 @@ def profile_of(part: Part) -> Profile:
     axis = np.array([-across[1], across[0]])
     segments = []
     for stroke in part.profile:
-        sight = _line_of_sight(part, stroke.camera, middle)
-        if float(sight[:2] @ across) < ASLANT * FACE_ON:
+        view_rays = _line_of_sight(part, stroke.camera, middle)
+        if float(view_rays[:2] @ across) < ASLANT * FACE_ON:
             raise UserError(
                 "This line was drawn from another side than the profile so far. Draw the whole "
                 "profile from one view."
@@ -220,7 +220,7 @@ def _line_of_sight(part: Part, camera: Camera, middle: Floats) -> Floats:
 
 
 def _without_gaps(side: Floats) -> Floats:
-    """Missing values between drawn ones, from their neighbours."""
+    """Fill in missing values between drawn ones, from their neighbours."""
     known = np.flatnonzero(np.isfinite(side))
     if not len(known):
         return side

@@ -1,4 +1,4 @@
-"""From a plan with heights to a closed surface: lifted, sewn, oriented, with normals."""
+"""A closed surface from a plan with heights: both sides sewn along the rim, with normals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ROUNDS = 3
 
 
 def sewn_shell(plan: Plan, front: Floats, back: Floats) -> tuple[Floats, Faces]:
-    """Front and back of a relief over a plan, sewn along the rim.
+    """Sew the front and the back of a height field along the rim of its plan.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def _normals(plan: Plan, square: Floats) -> Floats:
 
 
 def plan_gradients(plan: Plan, values: Floats) -> Floats:
-    """Gradients at the points of a plan (n, 2), exact for quadratic functions.
+    """Return gradients at the points of a plan (n, 2), exact for quadratic functions.
 
     Along an edge e a quadratic function grows by the mean of its end gradients times e.
     So every point fits its gradient to its edges by least squares, the change of gradient

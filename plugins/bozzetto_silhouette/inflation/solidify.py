@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.arrays import Faces, Floats
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.inflation.thickness import Thickness, Uniform
@@ -31,7 +31,7 @@ FINEST = 0.2
 """Smallest spacing along the outline, in cells."""
 
 _ATTEMPTS = ((1.0, False), (0.6, False), (0.6, True))
-"""What is tried until the solid is sound: the spacing as a share of the one asked for, and
+"""Attempts until the solid is sound: the spacing as a share of the one asked for, and
 whether every drawn vertex is kept."""
 
 
@@ -43,12 +43,12 @@ _squares: Memory[Floats] = Memory(limit=64)
 """Neither depends on the thickness, and the plan on nothing but the outline: who drags one of
 them does not wait for the others."""
 
-CONVOLUTION = ConvolutionSwelling()
+CONVOLUTION = ConvolutionHeights()
 UNIFORM = Uniform()
 
 
 def ignore(fraction: float, step: str) -> None:
-    """Checkpoint that does nothing."""
+    """Do nothing: the checkpoint of those who have none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def solidify(
     outline: Outline,
     *,
     resolution: int = 128,
-    swelling: Swelling = CONVOLUTION,
+    height_model: HeightModel = CONVOLUTION,
     thickness: Thickness = UNIFORM,
     rule: SkeletonRule = "exact",
     checkpoint: Checkpoint = ignore,
@@ -114,7 +114,7 @@ def solidify(
         What was drawn.
     resolution : int
         Cells along the longest side; where walls or gaps are thin the mesh is finer.
-    swelling : Swelling
+    height_model : HeightModel
         The kind of surface.
     thickness : Thickness
         Factors on the height and on the depth; the silhouette stays.
@@ -144,7 +144,9 @@ def solidify(
             continue
         rim, plan = layout
         checkpoint(0.4, "surface")
-        square = _squares.recall((plan, swelling), partial(swelling.squares, frame, rim, plan))
+        square = _squares.recall(
+            (plan, height_model), partial(height_model.squares, frame, rim, plan)
+        )
         checkpoint(0.8, "mesh")
         up, down = thickness.factors(frame, plan, square, square)
         front = square * up**2

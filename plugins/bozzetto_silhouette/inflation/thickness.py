@@ -13,7 +13,7 @@ from bozzetto_silhouette.outline.normalized import Frame
 
 
 class Thickness(Protocol):
-    """How much deeper or flatter than round a solid is, from place to place.
+    """Factors by which a solid is deeper or flatter than round, from place to place.
 
     The outline stays whatever the factors are: they multiply heights that are 0 there.
     """

@@ -1,4 +1,4 @@
-"""Filtering of tremor that keeps corners and does not shrink.
+"""A filter for the jitter of a hand that keeps corners and does not shrink.
 
 Local quadratic fits (Savitzky and Golay, 1964) along the arc, one piece from corner to
 corner. The window grows with the measured noise, and clean outlines are left alone.
@@ -36,7 +36,7 @@ def _resampled(ring: Floats, spacing: float) -> Floats:
 
 
 def noise_of(ring: Floats) -> float:
-    """Typical high-frequency deviation of a ring's own samples, robust to corners.
+    """Estimate the high-frequency deviation of a ring's samples, robust to corners.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def noise_of(ring: Floats) -> float:
 
     Notes
     -----
-    The sine of the turn, alternating in sign, is what tremor adds to a smooth line: the
+    The sine of the turn, alternating in sign, is what jitter adds to a smooth line: the
     estimate is the median deviation of each vertex from the line through its neighbours
     minus what both neighbours agree on (curvature).
     """
@@ -55,7 +55,7 @@ def noise_of(ring: Floats) -> float:
     span = np.maximum(np.hypot(chord[:, 0], chord[:, 1]), 1e-12)
     away = ring - np.roll(ring, 1, axis=0)
     bend = (away[:, 0] * chord[:, 1] - away[:, 1] * chord[:, 0]) / span
-    # On a smooth line neighbours bend alike; tremor makes them differ.
+    # On a smooth line neighbours bend alike; jitter makes them differ.
     differ = bend - 0.5 * (np.roll(bend, 1) + np.roll(bend, -1))
     usable = length < 0.03
     # Long edges between short ones: a polygon given by its corners, not ink.
@@ -72,7 +72,7 @@ def filtered(ring: Floats, noise: float | None = None) -> Floats:
     ring : (n, 2) float array
         Longest side of the drawing about 1.
     noise : float, optional
-        Size of the tremor; measured when not given.
+        Size of the jitter; measured when not given.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def filtered(ring: Floats, noise: float | None = None) -> Floats:
         size = noise_of(ring) if noise is None else noise
         if size < UNNOTICED or len(ring) < 24:
             return ring
-        # Heavy tremor makes the line much longer than the shape it stands for, and the
+        # Heavy jitter makes the line much longer than the shape it stands for, and the
         # window so much narrower on it: measure again on the filtered line.
         calm = _filtered_once(ring, size)
         if calm is ring or noise is not None:
@@ -93,8 +93,8 @@ def filtered(ring: Floats, noise: float | None = None) -> Floats:
 
 
 def _filtered_once(ring: Floats, noise: float) -> Floats:
-    """One pass of the filter for tremor of a given size."""
-    # Where samples lie closer than the tremor is wide, the line runs to and fro: averaging
+    """Run one pass of the filter for jitter of a given size."""
+    # Where samples lie closer than the jitter is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
     spacing = float(np.median(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
     if spacing < _TO_AND_FRO * noise:
@@ -120,7 +120,7 @@ def _filtered_once(ring: Floats, noise: float) -> Floats:
 
 
 def _quadratic(points: Floats, half: int) -> Floats:
-    """Savitzky-Golay smoothing of a closed ring, quadratic, window 2 half + 1."""
+    """Smooth a closed ring by Savitzky and Golay, quadratic, window 2 half + 1."""
     k = np.arange(-half, half + 1)
     design = np.stack([np.ones_like(k), k, k**2], axis=1).astype(np.float64)
     kernel = np.linalg.pinv(design)[0]
@@ -129,7 +129,7 @@ def _quadratic(points: Floats, half: int) -> Floats:
 
 
 def _corners(ring: Floats, half: int) -> Indices:
-    """Local maxima of the turn over the window, above the corner angle."""
+    """Find local maxima of the turn over the window, above the corner angle."""
     ahead = np.roll(ring, -half, axis=0) - ring
     behind = ring - np.roll(ring, half, axis=0)
     turn = np.abs(

@@ -30,7 +30,7 @@ TRIMMED = 0.3
 """Share of the stroke that may be cut off at an end where it crosses the ring."""
 
 TRIM_COST = 0.25
-"""What a unit of ink cut off costs, against a unit that an end is moved to the ring."""
+"""Cost of a unit of ink cut off, against a unit that an end is moved to the ring."""
 
 MOST_JOINTS = 4
 """Places on the ring that are tried for each end: both walls of a thin limb, and some."""
@@ -217,16 +217,16 @@ def _best_way(ring: Floats, stroke: Floats) -> _Way | None:
 
 
 def _joints(closed: Floats, arc: Floats, stroke: Floats) -> list[_Joint]:
-    """Where the beginning of a stroke may meet a ring: at the nearest places, at crossings."""
+    """Find where the beginning of a stroke may meet a ring: at the nearest places, at crossings."""
     begin, step = closed[:-1], np.diff(closed, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
     share = np.clip(((stroke[0] - begin) * step).sum(axis=1) / squared, 0.0, 1.0)
     away = np.hypot(*(begin + share[:, None] * step - stroke[0]).T)
     near = (away <= np.roll(away, 1)) & (away < np.roll(away, -1)) & (away <= REACH)
-    feet = np.flatnonzero(near)
-    feet = feet[np.argsort(away[feet])][:MOST_JOINTS]
+    closest = np.flatnonzero(near)
+    closest = closest[np.argsort(away[closest])][:MOST_JOINTS]
     found = [
-        _Joint(0.0, float(arc[k] + share[k] * np.sqrt(squared[k])), float(away[k])) for k in feet
+        _Joint(0.0, float(arc[k] + share[k] * np.sqrt(squared[k])), float(away[k])) for k in closest
     ]
     met = crossings(stroke, closed)
     run = arc_length(stroke)
@@ -241,7 +241,7 @@ def _joints(closed: Floats, arc: Floats, stroke: Floats) -> list[_Joint]:
 def _ways(
     closed: Floats, arc: Floats, stroke: Floats, run: Floats, head: _Joint, tail: _Joint
 ) -> Iterator[_Way]:
-    """Both stretches of the ring between two joints, each with what replacing it costs."""
+    """Yield both stretches of the ring between two joints, each with the cost of replacing it."""
     length = float(arc[-1])
     kept = _at(stroke, run, np.linspace(head.at, tail.at, COMPARED))
     for start, end, backwards in ((head.on, tail.on, False), (tail.on, head.on, True)):

@@ -20,7 +20,7 @@ SPACING = 2e-3
 """Spacing of the samples that a ring is filtered on, as a share of the size."""
 
 MOST_SAMPLES = 20_000
-"""Of one ring: the rim of the finest certificate has a tenth of that."""
+"""Samples of one ring: the scalloped rim of a certificate has a tenth of that."""
 
 REACH = 0.06
 """A rub farther than this from every ring, share of the size, is meant for something else."""
@@ -93,11 +93,11 @@ def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
     fine = _fine(ring, size)
     step = _length(ring) / len(fine)
     path = resample(line, count=int(np.clip(arc_length(line)[-1] / step, 2, MOST_SAMPLES)))
-    away, feet = cKDTree(fine).query(path)
+    away, closest = cKDTree(fine).query(path)
     breadth = float(np.percentile(away, BROAD))
     brush = max(breadth, FINEST * size)
     touched = np.zeros(len(fine), bool)
-    touched[feet] = True
+    touched[closest] = True
     # Gaps that the hand left are closed, and a brush's width is added at both ends.
     covered = ~_grown(~_grown(touched, 2.0 * brush / step), brush / step)
     passes = float(np.clip(arc_length(path)[-1] / (step * max(covered.sum(), 1)), 1, MOST_PASSES))
@@ -168,7 +168,7 @@ def _gap(mask: Flags) -> Indices:
 
 
 def _faded(covered: Flags, steps: float) -> Floats:
-    """1 where covered, falling smoothly to 0 over some steps beside it."""
+    """Return 1 where covered, falling smoothly to 0 over some steps beside it."""
     if covered.all() or not covered.any():
         return covered.astype(np.float64)
     t = np.clip(1.0 - _gap(covered) / max(2.0 * steps, 1.0), 0.0, 1.0)

@@ -29,7 +29,7 @@ five seconds. A hand draws a few hundred."""
 HOOK = 0.022
 """A hook at the start or end of a stroke is not longer than this."""
 HOOK_TURN = np.deg2rad(50.0)
-"""It turns away by more than this."""
+"""Turn of a hook: it is larger than this."""
 
 OWN_GAP = 0.5
 """A stroke whose ends are farther apart than this share of its length is not closed by
@@ -61,7 +61,7 @@ def rings_from_strokes(
     strokes : sequence of (n, 2) array_like
         Samples, in any unit.
     tolerance : float, optional
-        Size of the tremor to be filtered, in the same unit; measured when not given.
+        Size of the jitter to be filtered, in the same unit; measured when not given.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def rings_from_strokes(
 
 
 def specks(strokes: Sequence[ArrayLike]) -> int:
-    """How many strokes are too small beside the others to be part of an outline."""
+    """Count the strokes that are too small beside the others to be part of an outline."""
     given = [np.asarray(s, dtype=np.float64)[:, :2] for s in strokes]
     everything = np.concatenate(given)
     size = float(np.ptp(everything, axis=0).max())
@@ -131,7 +131,7 @@ def _places(points: Floats, size: float, middle: Floats) -> list[tuple[float, fl
 
 
 def _arc(line: Floats) -> Floats:
-    """Arc length at the vertices of an open line (n, 2)."""
+    """Return the arc length at the vertices of an open line (n, 2)."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
@@ -329,7 +329,7 @@ def _from(line: Floats, arc: Floats, cut: float, start: Floats) -> Floats:
 
 
 def _bridge(a: Floats, b: Floats) -> Floats:
-    """Points that lead on from the end of `a` to the start of `b`, both excluded.
+    """Return points that lead from the end of `a` to the start of `b`, both excluded.
 
     A cubic that leaves and arrives in the direction of the ink, as long as that is roughly
     where it has to go; else nothing: a straight line.

@@ -1,4 +1,4 @@
-"""Where rings cross themselves or each other, and which crossings are only clumsiness."""
+"""Crossings of rings with themselves and each other; those of an unsteady hand are mended."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ trembled in a thin place."""
 FLAT = 1e-5
 """A ring thinner than this (standard deviation, share of the size) is a straight line."""
 
-TANGLE = 100
+MOST_CROSSINGS = 100
 """A ring that crosses itself more often is a scribble and is not mended: a trembling hand
 comes to a few dozen crossings, and mending takes a look at every loop in turn."""
 
@@ -30,7 +30,7 @@ SHOWN = 8
 
 
 def _crossings(ring: Floats) -> tuple[Indices, Indices, Floats]:
-    """Pairs of edges of a closed ring that cross, first < second, and where, (k, 2).
+    """Find pairs of edges of a closed ring that cross, first < second, and the places (k, 2).
 
     Edge i runs from vertex i to the next.
     """
@@ -41,7 +41,7 @@ def _crossings(ring: Floats) -> tuple[Indices, Indices, Floats]:
 
 
 def rings_that_cross(rings: list[Floats]) -> Floats:
-    """Places where different rings cross, (k, 2)."""
+    """Return the places where different rings cross, (k, 2)."""
     import shapely
 
     lines = [shapely.LinearRing(r) for r in rings]
@@ -82,7 +82,7 @@ def untangled(ring: Floats) -> tuple[Floats | None, Floats]:
         first, second, places = _crossings(ring)
         if not len(first):
             break
-        if len(first) > TANGLE:
+        if len(first) > MOST_CROSSINGS:
             return ring, _some(places)
         loops = [
             np.vstack([p, ring[i + 1 : j + 1]])

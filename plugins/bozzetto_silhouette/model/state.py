@@ -63,7 +63,7 @@ Edit = Oversketch | Smoothing | Removal
 
 @dataclass(frozen=True)
 class Node:
-    """What parts and groups have in common.
+    """Properties that parts and groups share.
 
     Parameters
     ----------
@@ -140,11 +140,12 @@ class Part(Node):
         Surface,
         Parameter(
             "Surface",
-            help="What is put around the outline.",
+            help="How the shape gets its depth: round limbs; one smooth surface exactly through "
+            "the outline; blown up like a balloon; or straight through.",
             choices=(
-                ("convolution", "Round (convolution)"),
-                ("variational", "Interpolate exactly (variational)"),
-                ("inflation", "Inflate (membrane)"),
+                ("convolution", "Round"),
+                ("variational", "Interpolate exactly"),
+                ("inflation", "Inflate"),
                 ("straight", "Straight through"),
             ),
         ),
@@ -176,7 +177,7 @@ class Part(Node):
             0.0,
             1.0,
             step=0.05,
-            help="How much the pressure along the outline tells in the thickness.",
+            help="How much thicker the shape gets where the pen was pressed harder.",
         ),
     ] = 0.0
     kernel: Annotated[
@@ -184,7 +185,7 @@ class Part(Node):
         Parameter(
             "Kernel",
             advanced=True,
-            help="What is summed along the skeleton of a convolution surface.",
+            help="The function that makes round limbs; the default keeps thin ones as thin as drawn.",
             choices=(
                 ("scalis", "Scale-invariant (default)"),
                 ("cauchy", "Cauchy"),
@@ -207,12 +208,12 @@ class Part(Node):
 
     @property
     def placement(self) -> Placement:
-        """From the part's object frame to the frame of its group."""
+        """The placement from the part's object frame to the frame of its group."""
         return self.pose.after(self.sheet.placement)
 
     @property
     def recipe(self) -> Part:
-        """What its shape in the object frame hangs on; equal recipes have equal shapes."""
+        """All that its shape in the object frame depends on; equal recipes have equal shapes."""
         plain = Part()
         return replace(
             self,
@@ -316,7 +317,7 @@ class SilhouetteState:
         Literal["hole", "apart"],
         Parameter(
             "Drawn inside",
-            help="What an outline becomes that is drawn inside another one on its sheet.",
+            help="Whether an outline drawn inside another one is a hole or a part of its own.",
             choices=(("hole", "A hole"), ("apart", "A part of its own")),
         ),
     ] = "hole"

@@ -46,7 +46,7 @@ class Lattice:
         return self.low + self.step * np.stack([np.full(2, BORDER), last - BORDER])
 
     def sample(self, xy: Floats) -> tuple[Floats, Floats]:
-        """Values (n,) and gradients (n, 2) at points (n, 2) between the first and last node."""
+        """Return values (n,) and gradients (n, 2) at points (n, 2) within the lattice."""
         parts = [self._sample(xy[i : i + _CHUNK]) for i in range(0, max(1, len(xy)), _CHUNK)]
         value, x, y = np.concatenate(parts, axis=1)
         return value, np.stack([x, y], axis=1)

@@ -8,13 +8,13 @@ from bozzetto_silhouette.arrays import Floats
 
 
 def side_lengths(corners: Floats) -> Floats:
-    """Lengths (t, 3) of the sides opposite to each corner of triangles (t, 3, 2)."""
+    """Return the lengths (t, 3) of the sides opposite to each corner of triangles (t, 3, 2)."""
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
     return np.asarray(np.hypot(opposite[..., 0], opposite[..., 1]), np.float64)
 
 
 def circumcircles(corners: Floats) -> tuple[Floats, Floats]:
-    """Centres (t, 2) and radii (t,) of the circles through the corners (t, 3, 2).
+    """Return the centres (t, 2) and radii (t,) of the circles through the corners (t, 3, 2).
 
     A triangle without area has an infinite radius, around its first corner.
     """
@@ -29,7 +29,7 @@ def circumcircles(corners: Floats) -> tuple[Floats, Floats]:
 
 
 def incircles(corners: Floats) -> tuple[Floats, Floats]:
-    """Centres (t, 2) and radii (t,) of the circles that touch the three sides."""
+    """Return the centres (t, 2) and radii (t,) of the circles that touch the three sides."""
     side = side_lengths(corners)
     perimeter = np.maximum(side.sum(axis=1), 1e-300)
     centre = (side[..., None] * corners).sum(axis=1) / perimeter[:, None]
@@ -38,7 +38,7 @@ def incircles(corners: Floats) -> tuple[Floats, Floats]:
 
 
 def covered_share(gap: Floats, radius: Floats, other: Floats) -> Floats:
-    """Share of discs of a radius that discs of another radius cover, `gap` apart; all (n,)."""
+    """Return the share of discs that discs of another radius cover, `gap` apart; all (n,)."""
     small, large = np.minimum(radius, other), np.maximum(radius, other)
     gap = np.clip(gap, large - small, large + small)
     with np.errstate(divide="ignore", invalid="ignore"):

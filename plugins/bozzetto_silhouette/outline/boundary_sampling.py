@@ -74,7 +74,7 @@ class Rim:
         return bool(shapely.is_simple(shapely.MultiLineString(closed)))
 
     def averaged(self, values: Floats) -> Floats:
-        """Values at the samples averaged along the outline, over `CALM` radii."""
+        """Average values at the samples along the outline, over `CALM` radii."""
         result = np.empty_like(values)
         ends = np.flatnonzero(self.after <= np.arange(len(values)))
         first = 0
@@ -90,7 +90,7 @@ class Rim:
 
 
 def corner_mask(ring: Floats) -> Flags:
-    """Vertices of a closed ring (n, 2) that turn by more than `CORNER_TURN`."""
+    """Mark vertices of a closed ring (n, 2) that turn by more than `CORNER_TURN`."""
     edge = np.roll(ring, -1, axis=0) - ring
     back = np.roll(edge, 1, axis=0)
     turn = np.arctan2(back[:, 0] * edge[:, 1] - back[:, 1] * edge[:, 0], (back * edge).sum(axis=1))
@@ -98,7 +98,7 @@ def corner_mask(ring: Floats) -> Flags:
 
 
 def _frames(points: Floats, after: Indices, before: Indices) -> tuple[Floats, Floats]:
-    """Inward unit normals and exterior angles at the vertices of rings."""
+    """Return inward unit normals and exterior angles at the vertices of rings."""
     edge = points[after] - points
     edge /= np.maximum(np.hypot(edge[:, 0], edge[:, 1]), 1e-300)[:, None]
     back = edge[before]
@@ -113,7 +113,7 @@ def _frames(points: Floats, after: Indices, before: Indices) -> tuple[Floats, Fl
 def tangent_radii(
     points: Floats, inward: Floats, limit: float, asked: Indices | None = None
 ) -> Floats:
-    """Radius of the largest ball on one side of the outline that touches it at each point.
+    """Return the radius of the largest ball on one side of the outline that touches each point.
 
     The shrinking ball of Ma, Bae and Choi, "3D medial axis point approximation using
     nearest neighbors and the normal field", 2012, in the plane.
@@ -189,7 +189,7 @@ def smoothed(values: Floats, arc: Floats, length: float, width: Floats) -> Float
 
 
 def _arc_sample(ring: Floats, step: float) -> _Ring:
-    """Vertices of the ring plus points in between, no farther apart than `step`.
+    """Return the vertices of the ring and points in between, no farther apart than `step`.
 
     Returns points, arc length, the original vertex index or -1, and the ring's length.
     """
@@ -215,7 +215,7 @@ def _spread(arc: Floats, spacing: float, corners: Indices) -> Indices:
 def _radii(
     points: Floats, inward: Floats, limit: float, dense: list[_Ring], asked: list[Indices]
 ) -> Floats:
-    """`tangent_radii` at the samples asked for, and in between by the arc."""
+    """Return `tangent_radii` at the samples asked for, and interpolate by the arc in between."""
     firsts = np.cumsum([0] + [len(ring[0]) for ring in dense[:-1]])
     places = np.concatenate([at + first for at, first in zip(asked, firsts, strict=True)])
     known = tangent_radii(points, inward, limit, places)

@@ -10,12 +10,12 @@ from bozzetto.errors import UserError
 from bozzetto.ink.curves.smooth import smooth
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut
-from bozzetto_silhouette.model.view_rays import sight_through
+from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.from_ink import points_on_sheet
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
 CALM = 1.2e-2
-"""Width of the filter for tremor, as a share of the line's length."""
+"""Width of the filter for jitter, as a share of the line's length."""
 
 FEW = 12
 """A line of fewer samples is exact, not ink."""
@@ -60,10 +60,10 @@ def cut_side(cut: Cut, corners: Floats | None) -> Outline:
     (line, *_) = points_on_sheet(tuple(cut.strokes)[:1], cut.sheet)
     around = line
     if corners is not None:
-        sight = sight_through(cut.sheet, cut.strokes[0].camera)
-        low, high = sight.before_eye(float(corners[:, 2].min()), float(corners[:, 2].max()))
+        view_rays = view_rays_through(cut.sheet, cut.strokes[0].camera)
+        low, high = view_rays.before_eye(float(corners[:, 2].min()), float(corners[:, 2].max()))
         held = np.column_stack([corners[:, :2], np.clip(corners[:, 2], low, high)])
-        around = np.concatenate([line, sight.drawn(held)])
+        around = np.concatenate([line, view_rays.drawn(held)])
     middle = 0.5 * (around.min(axis=0) + around.max(axis=0))
     radius = ROOM * float(np.hypot(*(around - middle).T).max())
     if not float(np.hypot(*np.ptp(line, axis=0))) > 1e-6 * radius:
@@ -106,7 +106,7 @@ def _carried_on(line: Floats) -> Floats:
 
 
 def _directions(line: Floats) -> tuple[Floats, Floats]:
-    """Where the end of a line may go on: as the ink goes, or outwards."""
+    """Return directions in which the end of a line may go on: as the ink goes, or outwards."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     start = np.array([np.interp((1.0 - END) * arc[-1], arc, axis) for axis in line.T])
     along, out = line[-1] - start, line[-1]
@@ -114,7 +114,7 @@ def _directions(line: Floats) -> tuple[Floats, Floats]:
 
 
 def _exit(start: Floats, direction: Floats) -> Floats:
-    """Where a ray from inside the unit circle leaves it."""
+    """Return where a ray from inside the unit circle leaves it."""
     size = float(np.hypot(*direction))
     toward = direction / size if size > 0.0 else np.array([1.0, 0.0])
     half = float(start @ toward)
@@ -122,7 +122,7 @@ def _exit(start: Floats, direction: Floats) -> Floats:
 
 
 def _arc(begin: float, end: float) -> Floats:
-    """Inner points of the unit circle's arc, counter-clockwise from one angle to another."""
+    """Return inner points of the unit circle's arc, counter-clockwise between two angles."""
     turn = (end - begin) % (2.0 * np.pi)
     count = max(2, int(np.ceil(turn / ARC_STEP)) + 1)
     angle = begin + np.linspace(0.0, turn, count)[1:-1]

@@ -60,7 +60,7 @@ class Plan:
 
 
 def _rows(rim: Rim, distance: RimDistance) -> tuple[Floats, Floats]:
-    """Points of the rim's rows, and for each rim sample the depth of its last row."""
+    """Return the points of the rim's rows, and for each rim sample the depth of its last row."""
     angle = np.clip(rim.step / rim.radius, _FIRST_ANGLE, _COARSEST_ANGLE)
     count = np.maximum(1, np.floor(_LAST_ANGLE / angle)).astype(np.intp)
     angle = np.minimum(angle, _LAST_ANGLE / count)
@@ -92,7 +92,7 @@ def _rows(rim: Rim, distance: RimDistance) -> tuple[Floats, Floats]:
 
 
 def _apart(xy: Floats, spacing: Floats, fixed: Floats, fixed_spacing: Floats) -> Flags:
-    """Which points keep at least their spacing from fixed ones."""
+    """Mark the points that keep at least their spacing from fixed ones."""
     from scipy.spatial import cKDTree
 
     if not len(xy) or not len(fixed):
@@ -112,23 +112,23 @@ def _lattice(rim: Rim, distance: RimDistance, last: Floats, step: float) -> Floa
         inside = scanline_inside(rim.points, rim.after, start, pitch, (shape[0], shape[1]))
         nodes.append(start + pitch * np.argwhere(inside))
     xy = np.concatenate(nodes)
-    feet = distance(xy)
+    closest = distance(xy)
     # Where rows were cut short (at convex corners) the lattice comes closer to the rim.
     room = np.maximum(
-        last[feet.segment] + 0.55 * rim.step[feet.segment], 0.6 * rim.step[feet.segment]
+        last[closest.segment] + 0.55 * rim.step[closest.segment], 0.6 * rim.step[closest.segment]
     )
-    return xy[feet.distance > room]
+    return xy[closest.distance > room]
 
 
 def _ridge(ridge: Floats, rim: Rim, distance: RimDistance, taken: Floats, step: float) -> Floats:
-    """Points along the medial axis where limbs are too thin for the lattice."""
+    """Return points along the medial axis where limbs are too thin for the lattice."""
     from scipy.spatial import cKDTree
 
     if not len(ridge):
         return ridge[:, :2]
-    feet = distance(ridge[:, :2])
-    spacing = np.minimum(rim.step[feet.segment], step)
-    thin = (feet.distance > 0.45 * spacing) & (feet.distance < 2.5 * step)
+    closest = distance(ridge[:, :2])
+    spacing = np.minimum(rim.step[closest.segment], step)
+    thin = (closest.distance > 0.45 * spacing) & (closest.distance < 2.5 * step)
     xy, spacing = ridge[thin, :2], spacing[thin]
     if not len(xy):
         return xy
@@ -160,7 +160,7 @@ def _edge_keys(a: Indices, b: Indices, n: int) -> Indices:
 
 
 def _tile(points: Floats, after: Indices, distance: RimDistance) -> tuple[Indices, Indices]:
-    """Delaunay triangles inside, and the rim samples whose outgoing edge is missing."""
+    """Return Delaunay triangles inside, and the rim samples whose outgoing edge is missing."""
     from scipy.spatial import Delaunay
 
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
@@ -187,7 +187,7 @@ def _tile(points: Floats, after: Indices, distance: RimDistance) -> tuple[Indice
 def _rim_triangles_inside(
     points: Floats, triangles: Indices, after: Indices, distance: RimDistance
 ) -> Flags:
-    """Side of triangles whose corners all lie on the rim."""
+    """Mark which triangles, whose corners all lie on the rim, are inside."""
     inside = distance(points[triangles].mean(axis=1)).distance > 0
     # A rim edge run forwards by a counter-clockwise triangle has it on its left: inside,
     # beyond any rounding. Run backwards: outside.

@@ -1,4 +1,4 @@
-"""What was drawn over an outline since it was drawn, in order.
+"""Edits of an outline: strokes drawn over it since it was drawn, in order.
 
 Rings keep their numbers through all edits: one that is gone leaves None in its place, and what
 was drawn over it later has no effect any more.
@@ -19,7 +19,7 @@ Rings = tuple[Floats | None, ...]
 
 
 def size_of(rings: Rings) -> float:
-    """Longest side of the box around rings, in their own unit."""
+    """Return the longest side of the box around rings, in their own unit."""
     there = [ring for ring in rings if ring is not None]
     return float(np.ptp(np.concatenate(there), axis=0).max()) if there else 0.0
 
@@ -80,7 +80,7 @@ def _simple(ring: Floats, size: float) -> Floats:
 
 
 def _without_lost(rings: Rings, old: Floats, new: Floats) -> Rings:
-    """Without the rings that lay inside a ring before it changed, and lie outside it now.
+    """Remove the rings that lay inside a ring before it changed, and lie outside it now.
 
     A hole in a piece that was cut off goes with that piece; it is no body of its own.
     """

@@ -1,4 +1,4 @@
-"""From ink on a sheet to a checked outline, with mistakes pointed out where they were drawn."""
+"""A checked outline from ink on a sheet; mistakes are pointed out where they were drawn."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _rings: Memory[Rings] = Memory(limit=512)
 
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
-    """Every stroke's samples on the sheet, shape (n, 2) each, mm.
+    """Project every stroke's samples onto the sheet, shape (n, 2) each, mm.
 
     Raises
     ------

@@ -20,7 +20,7 @@ from bozzetto_silhouette.outline.triangulation import Triangulation, constrained
 
 STUB = 0.06
 """A leaf is pruned when its disc sticks out of a larger one by less than this share of the
-larger radius. (The paper compares with the neighbour on the axis; then the outcome hangs on
+larger radius. (The paper compares with the neighbour on the axis; then the outcome depends on
 how densely the axis is sampled.)"""
 
 INSCRIBED = 0.15
@@ -66,14 +66,14 @@ class Skeleton:
         return Skeleton(nodes, self.edges)
 
     def heights(self, xy: Floats) -> Floats:
-        """Height of the union of the balls above points (k, 2); 0 outside of all."""
+        """Return the height of the union of the balls above points (k, 2); 0 outside of all."""
         gap2 = ((xy[:, None, :] - self.nodes[None, :, :2]) ** 2).sum(axis=2)
         best: Floats = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
         return best
 
 
 def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Floats, Floats]:
-    """One ball for every triangle: centre (t, 2) and radius (t,).
+    """Return one ball for every triangle: centre (t, 2) and radius (t,).
 
     The circumcentre is a point of the medial axis as long as its circle is inscribed. On
     sparse samples it may not be; then a sleeve takes the middle of its two chords, a
@@ -120,7 +120,7 @@ def _merged(nodes: Floats, edges: Indices, closer: float) -> tuple[Floats, Indic
 
 
 def _hidden(nodes: Floats) -> Flags:
-    """Balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
+    """Mark balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
     x, y, radius = nodes.T
     hidden = np.zeros(len(nodes), dtype=bool)
     # One ball at a time: a table of all pairs would not fit for a hundred thousand samples.
@@ -240,7 +240,7 @@ def _tip(row: Floats, end: int, inwards: int) -> int:
 
 
 def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
-    """Fewer, longer edges: Douglas-Peucker in (x, y, r), then long edges split.
+    """Simplify an axis by Douglas-Peucker in (x, y, r), then split long edges.
 
     Parameters
     ----------

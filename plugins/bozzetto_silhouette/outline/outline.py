@@ -1,7 +1,7 @@
 """The drawn outline as a value: closed rings, nested by the even-odd rule.
 
 An `Outline` is what the rest of the modeler works on. How pen strokes become one
-is told in `bozzetto_silhouette.ink.rings_from_strokes`; `outline_from_strokes` is its front door.
+is described in `bozzetto_silhouette.ink.rings_from_strokes`; call `outline_from_strokes`.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def outline_from_strokes(
     """Turn pen strokes into filtered, closed, nested rings.
 
     Gaps are closed, overlapping ends trimmed at their crossing, hooks cut off, repeated
-    samples dropped, tremor filtered without rounding corners, and an outline drawn in
+    samples dropped, jitter filtered without rounding corners, and an outline drawn in
     several strokes is joined, whatever their order and direction. Exact polygons pass
     through unchanged.
 
@@ -178,7 +178,7 @@ def outline_from_strokes(
     strokes : sequence of (n, 2) array_like
         Samples of each stroke, in canvas units (any unit).
     tolerance : float, optional
-        Deviation from the ink that counts as tremor, in the same unit. By default it is
+        Deviation from the ink that counts as jitter, in the same unit. By default it is
         measured on the ink itself.
 
     Returns

@@ -1,4 +1,4 @@
-"""Exact signed distance and foot points on a densely sampled outline."""
+"""Exact signed distance and closest points on a densely sampled outline."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ the lengths of neighbouring segments change gradually."""
 
 
 def ring_links(counts: list[int]) -> tuple[Indices, Indices]:
-    """Successor and predecessor of every vertex when rings are stored one after another.
+    """Return successor and predecessor of every vertex of rings stored one after another.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def ring_links(counts: list[int]) -> tuple[Indices, Indices]:
 
 
 @dataclass(frozen=True)
-class Feet:
-    """Foot points of queries on the rim.
+class ClosestPoints:
+    """Closest points on the rim, one for each query.
 
     Attributes
     ----------
@@ -81,8 +81,8 @@ class RimDistance:
         object.__setattr__(self, "_edge", edge)
         object.__setattr__(self, "_length2", np.maximum((edge**2).sum(axis=1), 1e-300))
 
-    def __call__(self, xy: Floats, *, reach: float = np.inf) -> Feet:
-        """Feet of points (n, 2); farther than `reach` only the sign is not to be trusted.
+    def __call__(self, xy: Floats, *, reach: float = np.inf) -> ClosestPoints:
+        """Find the closest points to points (n, 2); beyond `reach` the sign cannot be trusted.
 
         Points without any rim vertex within `reach` get a distance of ``inf``.
         """
@@ -102,7 +102,7 @@ class RimDistance:
         best = distance2.argmin(axis=1)
         row = np.arange(len(xy))
         segment, along = segment[row, best], along[row, best]
-        # At a vertex the side is told by the sum of the two unit normals, which in the
+        # At a vertex the side is given by the sum of the two unit normals, which in the
         # plane is the angle-weighted pseudo-normal of Baerentzen and Aanaes (2005).
         left = np.stack([-self._edge[:, 1], self._edge[:, 0]], axis=1)
         left /= np.sqrt(self._length2)[:, None]
@@ -113,13 +113,13 @@ class RimDistance:
         side = np.where((away[row, best] * normal).sum(axis=1) >= 0.0, 1.0, -1.0)
         distance = np.sqrt(distance2[row, best]) * side
         distance[missing] = np.inf
-        return Feet(distance, segment, along)
+        return ClosestPoints(distance, segment, along)
 
 
 def scanline_inside(
     points: Floats, after: Indices, low: Floats, step: Floats, shape: tuple[int, int]
 ) -> Flags:
-    """Even-odd inside test on a lattice, by counting crossings along its rows.
+    """Test by even-odd which nodes of a lattice lie inside, counting crossings along its rows.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def paper_skeleton(outline: Outline) -> Skeleton:
 
 
 def _balls(mesh: Triangulation, distance: RimDistance) -> Floats:
-    """One ball for every triangle: x, y and radius, (t, 3)."""
+    """Return one ball for every triangle: x, y and radius, (t, 3)."""
     corners = mesh.points[mesh.triangles]
     around, wide = circumcircles(corners)
     inside, narrow = incircles(corners)
@@ -101,7 +101,7 @@ def _without_redundant(nodes: Floats, edges: Indices) -> tuple[Floats, Indices]:
 
 
 def _least_covered(discs: Floats, others: Floats) -> Floats:
-    """For each of the other balls (k, 3) the least share of any disc (n, 3) that it covers."""
+    """Return for each of the other balls (k, 3) the least share of any disc (n, 3) it covers."""
     one, two = discs[:, None, :], others[None, :, :]
     gap = np.hypot(one[..., 0] - two[..., 0], one[..., 1] - two[..., 1])
     shape = gap.shape

@@ -99,7 +99,7 @@ class Armature:
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """A piece of a part before it hangs on anything."""
+    """A piece of a part before it is attached to another."""
 
     part: Part
     placement: Placement
@@ -126,8 +126,8 @@ _armatures: Memory[Armature | None] = Memory(limit=64)
 def armature_of(state: SilhouetteState) -> Armature | None:
     """Return the joints of all parts that add to the shape; None where there are none.
 
-    The largest piece has its root at its thickest joint. Every other one hangs on the largest
-    of those it touches: there, its joint nearest to one of that piece becomes its root. What
+    The largest piece has its root at its thickest joint. Every other one is attached to the
+    largest of those it touches: there, its joint nearest to one of that piece becomes its root. What
     touches nothing has a root of its own.
 
     Parameters
@@ -277,7 +277,7 @@ def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
 
 
 def _names(runs: list[tuple[str, int]]) -> tuple[str, ...]:
-    """Names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
+    """Return names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
     taken: dict[str, None] = {}
     counts: dict[str, int] = {}
     for name, count in runs:

@@ -3,9 +3,9 @@
 A bone is the stretch between a joint and its parent, and turns with the parent. At a joint a
 point follows the bones on both sides alike; the change takes a radius to either side. Beyond
 a free end it follows the last bone. So all bones at a junction agree there, and which of them
-a point belongs to matters only where limbs have parted. That is told by the gap to the nearest
-ball on the axis of the limb, which bends where the bone is straight: with x the point, c the
-ball's centre and r its radius,
+a point belongs to matters only where limbs have parted. The gap to the
+nearest ball on the axis of the limb decides there, for the axis bends where the bone is straight:
+with x the point, c the ball's centre and r its radius,
 
     |x - c| - r,
 
@@ -34,13 +34,13 @@ THINNEST = 1e-3
 
 
 def eased(x: Array) -> Singles:
-    """From 0 to 1 with no slope at either end; beyond them level."""
+    """Ease from 0 to 1 with no slope at either end; constant beyond them."""
     x = np.clip(x, 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x), np.float32)
 
 
 class Gaps(NamedTuple):
-    """How far n points are from the nearest ball of each of m bones.
+    """Distances of n points from the nearest ball of each of m bones.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class Gaps(NamedTuple):
     radius: Singles
 
     def nearest(self) -> Gaps:
-        """Of the nearest bone, (n,)."""
+        """Return the distance to the nearest bone, (n,)."""
         own, row = self.gap.argmin(axis=0), np.arange(self.gap.shape[1])
         return Gaps(self.gap[own, row], self.radius[own, row])
 
     def widths(self, nearest: Gaps) -> Array:
-        """How much farther than the nearest each bone may be.
+        """Return how much farther than the nearest each bone may be.
 
         Far outside of all balls, as in a spike that the skeleton left out, gaps differ more.
         """
@@ -81,7 +81,7 @@ class _Axis(NamedTuple):
 
     @classmethod
     def of(cls, path: Floats, least: float) -> _Axis:
-        """From x, y and radius along it, (n, 3); nothing is shorter or thinner than `least`."""
+        """Make a bone from x, y and radius along it, (n, 3), at least `least` long and thick."""
         steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
         kept = path[np.concatenate([[True], steps[:-1] > least, [True]])]
         radii = np.maximum(kept[:, 2], least)
@@ -111,7 +111,7 @@ class _Axis(NamedTuple):
 
 
 def _projected(x: Singles, y: Singles, ux: Singles, uy: Singles, length: Singles) -> Singles:
-    """How far along a stretch in a unit direction places are, as seen from its start; 0 to 1."""
+    """Return how far along a stretch in a unit direction places lie; 0 to 1."""
     return np.clip((x * ux + y * uy) / length, np.float32(0.0), np.float32(1.0))
 
 
@@ -137,7 +137,7 @@ class Bones:
         self._degrees = np.bincount(self._links.ravel(), minlength=count)
 
     def shares(self, points: Floats) -> tuple[Singles, Gaps]:
-        """How much each joint moves points.
+        """Return how much each joint moves points.
 
         Parameters
         ----------
@@ -195,7 +195,7 @@ class Bones:
         return np.maximum(part, THINNEST)
 
     def _split(self, bone: int, along: Singles) -> list[tuple[int, Singles]]:
-        """Which joints a bone's places follow, and how much; sum 1."""
+        """Return which joints a bone's places follow, and how much; sum 1."""
         a, b = (int(joint) for joint in self._links[bone])
         at_a = self._change(bone, a, along)
         at_b = self._change(bone, b, 1.0 - along)
@@ -218,7 +218,7 @@ class Bones:
         return split
 
     def _change(self, bone: int, joint: int, away: Singles) -> Singles:
-        """How far the change at a joint has come: one half at it, 0 a radius away from it."""
+        """Return the progress of the change at a joint: one half at it, 0 a radius away from it."""
         if self._degrees[joint] == 1:
             return np.zeros_like(away)
         length = self._lengths[bone]

@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto_silhouette.arrays import Faces, Floats
 
 ROUNDS = 30
-"""How often a limb is gone over, back and forth."""
+"""Passes over a limb, back and forth."""
 
 BEND = 1e-3
 """Sideways share of a straight limb's length that lets it fold."""
@@ -33,7 +33,7 @@ def limb_of(parents: Faces, number: int) -> list[int]:
 
 
 def reached(row: Floats, target: Floats, sideways: Floats) -> Floats:
-    """Places of a row of joints whose first stays, whose last is at the target, or towards it."""
+    """Place a row of joints whose first stays and whose last is at the target, or towards it."""
     lengths = np.linalg.norm(np.diff(row, axis=0), axis=1)
     first = row[0].copy()
     towards = target - first

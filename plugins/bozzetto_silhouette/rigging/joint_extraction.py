@@ -1,4 +1,4 @@
-"""From the skeleton of a part to joints for animators: few, and where limbs bend.
+"""Joints for animators from the skeleton of a part: few, and where limbs bend.
 
 The skeleton that the surface is built around has a node wherever that takes one. Here it is
 read as limbs between ends and junctions: limbs that hardly stick out of the body are dropped,
@@ -17,7 +17,7 @@ import numpy as np
 from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chains
 
-PROUD = 0.5
+STANDOFF = 0.5
 """A limb is one if it sticks out of the ball that it starts in by more than this share of that
 ball's radius. The corners of a square (0.41) are none."""
 
@@ -36,7 +36,7 @@ SHORTEST = 0.12
 bends in a few places, not in forty."""
 
 ALIKE = 0.95
-"""Radii that are at least this share of the largest are as good: else the tremor of the hand
+"""Radii that are at least this share of the largest are as good: else the jitter of the hand
 would choose among them."""
 
 BOW = 0.75
@@ -95,7 +95,7 @@ class _Limb:
         return _Limb(self.path[::-1], self.end, self.start)
 
     def beyond(self, size: float) -> float:
-        """How far its end sticks out of the ball at its start; above 1 it is a limb.
+        """Return how far its end sticks out of the ball at its start; above 1 it is a limb.
 
         Parameters
         ----------
@@ -103,7 +103,7 @@ class _Limb:
             Longest side of the part.
         """
         away = np.hypot(*(self.path[:, :2] - self.path[0, :2]).T) + self.path[:, 2]
-        least = max(PROUD * self.path[0, 2], SMALLEST * size)
+        least = max(STANDOFF * self.path[0, 2], SMALLEST * size)
         return float((away.max() - self.path[0, 2]) / least)
 
 
@@ -140,7 +140,7 @@ def _pieces(limbs: list[_Limb]) -> list[list[_Limb]]:
 
 
 def _degrees(limbs: list[_Limb]) -> dict[int, int]:
-    """How many limbs start at each end or junction; a ring counts twice."""
+    """Count the limbs that start at each end or junction; a ring counts twice."""
     found: dict[int, int] = {}
     for limb in limbs:
         for end in (limb.start, limb.end):
@@ -149,7 +149,7 @@ def _degrees(limbs: list[_Limb]) -> dict[int, int]:
 
 
 def _proud(limbs: list[_Limb], size: float) -> list[_Limb]:
-    """Without the limbs that hardly stick out, the least of them first."""
+    """Remove the limbs that hardly stick out, the least of them first."""
     limbs = list(limbs)
     while True:
         degrees = _degrees(limbs)
@@ -167,7 +167,7 @@ def _proud(limbs: list[_Limb], size: float) -> list[_Limb]:
 
 
 def _through(limbs: list[_Limb], node: int) -> list[_Limb]:
-    """Where only two limbs are left at a junction they become one."""
+    """Join limbs where only two are left at a junction."""
     here = [limb for limb in limbs if node in (limb.start, limb.end)]
     if len(here) != 2 or any(limb.start == limb.end for limb in here):
         return limbs
@@ -179,7 +179,7 @@ def _through(limbs: list[_Limb], node: int) -> list[_Limb]:
 
 
 def _joined(limbs: list[_Limb]) -> list[_Limb]:
-    """With junctions that lie within one another made one, at the place of the larger."""
+    """Merge junctions that lie within one another, at the place of the larger."""
     limbs = list(limbs)
     while True:
         degrees = _degrees(limbs)
@@ -207,7 +207,7 @@ def _led(limb: _Limb, gone: int, kept: int, place: Floats) -> _Limb:
 
 
 def _parted(limbs: list[_Limb]) -> list[_Limb]:
-    """One limb alone is parted where it is thickest, so that there can be a root there."""
+    """Split a limb that is alone where it is thickest, to have a root there."""
     (only,) = limbs if len(limbs) == 1 else (None,)
     if only is None or only.start == only.end:
         return limbs
@@ -223,17 +223,17 @@ def _parted(limbs: list[_Limb]) -> list[_Limb]:
 
 
 def most_central(radii: Floats, away: Floats) -> int:
-    """Which of the thickest places, nearly equal ones, is the least far away from the middle."""
+    """Choose, among places nearly as thick as the thickest, the one nearest to the middle."""
     return int(np.where(radii >= ALIKE * radii.max(), away, np.inf).argmin())
 
 
 def _share(limb: _Limb) -> float:
-    """Length in radii of the larger end."""
+    """Return the length in radii of the larger end."""
     return limb.length / max(float(limb.path[[0, -1], 2].max()), 1e-300)
 
 
 def _graph(limbs: list[_Limb], size: float) -> Joints:
-    """Joints at ends, junctions and in between, of a part with its longest side."""
+    """Make joints at ends, junctions and in between, of a part with its longest side."""
     degrees = _degrees(limbs)
     number: dict[int, int] = {}
     nodes: list[Floats] = []
@@ -275,7 +275,7 @@ def _graph(limbs: list[_Limb], size: float) -> Joints:
 def _between(
     limb: _Limb, degrees: dict[int, int], size: float, least: int
 ) -> tuple[list[Floats], list[tuple[float, Floats]]]:
-    """Joints between the ends of a limb; the smallest radius and the axis of each stretch.
+    """Return the joints within a limb, and the smallest radius and the axis of each stretch.
 
     A limb with one free end gets its first joint where it leaves the ball of its junction.
     The rest are evenly spread, a stretch being `SPACING` radii long; and one in each bend.

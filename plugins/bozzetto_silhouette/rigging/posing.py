@@ -1,7 +1,7 @@
 """Posing: joints that were turned, joints that are dragged, and the skin that follows.
 
 A free end draws its whole limb along, up to where that leaves the body (`inverse_kinematics`). Any
-other joint turns the bone that it ends, and with it all that hangs on the joint before.
+other joint turns the bone that it ends, and with it all joints beyond it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from bozzetto_silhouette.rigging.skinning import followed
 from bozzetto_silhouette.solids.body import Body
 
 JOINT = "joint:"
-"""What the handles of joints begin with; their number in the rig follows."""
+"""Beginning of the names of joints' handles; their number in the rig follows."""
 
 SAME = 0.5
 """A turn belongs to a joint that is nearer to its place than this share of the radius there:
@@ -45,7 +45,7 @@ class Posed(NamedTuple):
     mesh, shown : Mesh
         For files and for the screen.
     skin : Skin or None
-        What `mesh` hangs on; None without joints.
+        The joints and weights of `mesh`; None without joints.
     """
 
     mesh: Mesh
@@ -68,7 +68,7 @@ _weights: Memory[tuple[NDArray[np.uint16], NDArray[np.float32]]] = Memory(limit=
 """By the nodes of the state and the body."""
 
 _rests: Memory[_Rest] = Memory(limit=16)
-"""What was shown last, by the nodes of the state: a drag does not change them."""
+"""The shape shown last, by the nodes of the state: a drag does not change them."""
 
 
 def rig_of(state: SilhouetteState) -> Rig | None:
@@ -115,13 +115,13 @@ def skinned(
 
 
 def rig_facts(rig: Rig) -> dict[str, Any]:
-    """How many joints there are, and between which of them loops were cut."""
+    """Return the number of joints, and the pairs of joints between which loops were cut."""
     cuts = [] if rig.cuts is None else rig.cuts.tolist()
     return {"joints": len(rig.joints), "cuts": [[rig.names[a], rig.names[b]] for a, b in cuts]}
 
 
 def joints_layer(state: SilhouetteState) -> Layer | None:
-    """Bones as lines and joints as handles; None without joints."""
+    """Return bones as lines and joints as handles; None without joints."""
     rig = rig_of(state)
     if rig is None:
         return None
@@ -154,9 +154,9 @@ def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
     digits = drag.handle.removeprefix(JOINT)
     number = int(digits) if digits.isdecimal() and digits.isascii() else -1
     if armature is None or rig is None or not 0 <= number < len(rig.joints):
-        raise UserError("This joint is not there any more. Take hold of another one.")
+        raise UserError("This joint is not there any more. Drag another one.")
     if rig.parents[number] < 0:
-        raise UserError("Everything hangs on this joint. Drag another one.")
+        raise UserError("All other joints follow this one. Drag another one.")
     rotations, places = rig.posed()
     axes = drag.camera.axes
     target = drag.camera.on_plane(drag.path.points[-1:], places[number], axes[2])[0]
@@ -209,7 +209,7 @@ def _carried_axis(placement: Placement, axis: Floats) -> Floats:
 
 
 def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
-    """Which joint has which turn: the nearest pairs first, each once."""
+    """Match joints and turns: the nearest pairs first, each once."""
     if not turns:
         return {}
     joints = armature.rig.joints

@@ -1,4 +1,4 @@
-"""What every vertex follows: weights of joints, smooth across the surface.
+"""Skinning: weights of joints for every vertex, smooth across the surface.
 
 A vertex follows the bones of the part that it came from (`bones`); at a seam between two parts
 both have half a say.
@@ -46,7 +46,7 @@ class Table(NamedTuple):
 
 
 Follower = Callable[[Floats], Table]
-"""What points of one part follow; (n, 3), in the model's frame."""
+"""Gives the joints that points (n, 3) of one part, in the model's frame, follow."""
 
 
 def followed(
@@ -85,7 +85,7 @@ def followed(
 
 
 def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int) -> Follower:
-    """How the vertices of one part move.
+    """Return a function that says how points of one part follow its joints.
 
     With bones of its own, by those. A part that adds to the shape without bones, as one that
     goes straight through, follows as a whole what it is nearest to. The walls of what was cut
@@ -105,7 +105,7 @@ def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int
 
 
 def _mixed(bones: Sequence[Bones], points: Floats) -> Table:
-    """Shares of the joints of several pieces: of those that are near."""
+    """Mix the shares of the joints of several pieces, of those that are near."""
     found = [one.shares(points) for one in bones]
     joints = [one.limbs.first + np.arange(len(one.limbs.nodes)) for one in bones]
     if len(found) == 1:
@@ -181,7 +181,7 @@ def _sew(
 
 
 def _near(points: Floats, others: Floats, width: float) -> tuple[Indices, Floats]:
-    """Which points have another within a width, and how far it is."""
+    """Find the points that have another one within a width, and its distance."""
     from scipy.spatial import cKDTree
 
     low, high = others.min(axis=0) - width, others.max(axis=0) + width

@@ -26,7 +26,7 @@ VERTEX = 320
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What parts and groups are put together from.
+    """A closed solid: a part, a group, or all of them combined.
 
     Attributes
     ----------

@@ -159,7 +159,7 @@ def _blended(sharp: Body, fillet: Fillet, known: Manifold) -> Body:
 
 
 def _found(vertices: Floats, before: Floats) -> Indices:
-    """Index of each vertex among those before, -1 for new ones; booleans keep coordinates."""
+    """Find the index of each vertex among those before, -1 for new ones."""
     keys = before @ _KEY
     order = np.argsort(keys, kind="stable")
     at = np.minimum(np.searchsorted(keys[order], vertices @ _KEY), len(before) - 1)
@@ -168,7 +168,7 @@ def _found(vertices: Floats, before: Floats) -> Indices:
 
 
 def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
-    """Origins of new vertices taken from neighbours, as far as there are any."""
+    """Take the origins of new vertices from neighbours, as far as there are any."""
     origins = np.where(new, np.int32(-1), origins)
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     while True:
@@ -179,7 +179,7 @@ def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
 
 
 def _crease_normals(vertices: Floats, faces: Faces, on_crease: Indices) -> Floats:
-    """Means over the faces around some vertices."""
+    """Return the mean normals of the faces around some vertices."""
     chosen = np.zeros(len(vertices), dtype=bool)
     chosen[on_crease] = True
     return vertex_normals(vertices, faces[chosen[faces].any(axis=1)])[on_crease]

@@ -23,7 +23,7 @@ _moved: Memory[Body] = Memory(limit=16)
 
 
 class Tree(NamedTuple):
-    """All nodes that are switched on, put together.
+    """The nodes that are switched on, combined.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class _Making:
     resolution: int
     checkpoint: Checkpoint
     begun: int = 0
-    told: float = 0.0
+    shown: float = 0.0
     solids: dict[str, SilhouetteSolid] = field(default_factory=dict)
 
     def part(self, part: Part, before: Body | None) -> Body:
@@ -91,5 +91,5 @@ class _Making:
     def _step(self, fraction: float, words: str) -> None:
         # A leaf and what is made of it are both a part's work: the bar never goes back.
         share = (self.begun - 1 + fraction) / self.parts
-        self.told = max(self.told, min(1.0, share))
-        self.checkpoint(self.told, words)
+        self.shown = max(self.shown, min(1.0, share))
+        self.checkpoint(self.shown, words)

@@ -19,7 +19,7 @@ from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.model.state import Cut, Part
-from bozzetto_silhouette.model.view_rays import Sight, sight_through
+from bozzetto_silhouette.model.view_rays import ViewRays, view_rays_through
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.cut_line import cut_side
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of
@@ -66,29 +66,29 @@ class Sweep:
     ----------
     rim : RimDistance
         The outline on the sheet.
-    sight : Sight
+    view_rays : ViewRays
     low, high : float
         Heights of the caps.
     """
 
     rim: RimDistance
-    sight: Sight
+    view_rays: ViewRays
     low: float
     high: float
 
     @property
     def bounds(self) -> Floats:
         """The box around both caps."""
-        caps = [self.sight.above(self.rim.points, z) for z in (self.low, self.high)]
+        caps = [self.view_rays.above(self.rim.points, z) for z in (self.low, self.high)]
         corners = np.concatenate(caps)
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
     def value(self, points: Floats) -> Floats:
-        """Values at points (n, 3)."""
+        """Return the values at points (n, 3)."""
         return self.sample(points).value
 
     def sample(self, points: Floats) -> Sample:
-        """Values and gradients at points (n, 3)."""
+        """Return the values and gradients at points (n, 3)."""
         wall, slope, _ = self._wall(points)
         z = points[:, 2]
         below_high, above_low = self.high - z, z - self.low
@@ -106,24 +106,24 @@ class Sweep:
         return Sample(value, gradient)
 
     def _wall(self, points: Floats) -> Sample:
-        """Distance from the walls, which beyond the caps go on upright."""
+        """Return the distance from the walls, which go on upright beyond the caps."""
         held = points.copy()
         held[:, 2] = np.clip(points[:, 2], self.low, self.high)
-        seen = self.sight.drawn(held)
-        feet = self.rim(seen)
+        seen = self.view_rays.drawn(held)
+        closest = self.rim(seen)
         rim, after = self.rim.points, self.rim.after
-        start = rim[feet.segment]
-        edge = rim[after[feet.segment]] - start
-        foot = start + feet.along[:, None] * edge
+        start = rim[closest.segment]
+        edge = rim[after[closest.segment]] - start
+        foot = start + closest.along[:, None] * edge
         left = np.column_stack([-edge[:, 1], edge[:, 0]])
         left /= np.maximum(np.hypot(left[:, 0], left[:, 1]), 1e-300)[:, None]
-        distance = feet.distance[:, None]
+        distance = closest.distance[:, None]
         # Near the rim the direction to the foot is only rounding.
         far = np.abs(distance) > 1e-9 * self._size
         away = np.where(far, (seen - foot) / np.where(far, distance, 1.0), left)
-        lean = (away * (self.sight.narrowing * foot - self.sight.slant)).sum(axis=1)
+        lean = (away * (self.view_rays.narrowing * foot - self.view_rays.slant)).sum(axis=1)
         steep = np.sqrt(1.0 + lean**2)
-        value = feet.distance * self.sight.width(held[:, 2]) / steep
+        value = closest.distance * self.view_rays.width(held[:, 2]) / steep
         return Sample(value, np.column_stack([away, lean]) / steep[:, None])
 
     @property
@@ -167,7 +167,7 @@ def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
     if around is not None:
         corners = part.placement.inverse().points(corners_of(around))
     outline = cut_side(part, corners) if isinstance(part, Cut) else outline_of(part)
-    sight = sight_through(part.sheet, part.strokes[0].camera)
+    view_rays = view_rays_through(part.sheet, part.strokes[0].camera)
     radius = _inscribed_radius(outline)
     size = outline.size
     if corners is not None:
@@ -176,12 +176,12 @@ def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
     plan = _plan(outline, step)
     if corners is None:
         half = part.inflation * radius
-        low, high = sight.before_eye(-half, half)
+        low, high = view_rays.before_eye(-half, half)
     else:
         z = corners[:, 2]
         reach = CLEARANCE * size
-        low, high = sight.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
-    vertices, faces = _prism(plan, sight, low, high, WALL_PITCH * size / resolution)
+        low, high = view_rays.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
+    vertices, faces = _prism(plan, view_rays, low, high, WALL_PITCH * size / resolution)
     soundness = soundness_of(vertices, faces, outline)
     if not soundness.ok:
         raise UserError(
@@ -194,7 +194,7 @@ def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
         vertex_normals(vertices, faces),
         np.zeros(len(vertices), np.int32),
         (part.id,),
-        Sweep(RimDistance(plan.points[:rim], plan.after), sight, low, high),
+        Sweep(RimDistance(plan.points[:rim], plan.after), view_rays, low, high),
         radius,
         step,
     )
@@ -229,8 +229,10 @@ def _plan(outline: Outline, step: float) -> Plan:
     return replace(plan, points=plan.points * scale + middle)
 
 
-def _prism(plan: Plan, sight: Sight, low: float, high: float, pitch: float) -> tuple[Floats, Faces]:
-    """Two caps and the walls between them, oriented outwards.
+def _prism(
+    plan: Plan, view_rays: ViewRays, low: float, high: float, pitch: float
+) -> tuple[Floats, Faces]:
+    """Make two caps and the walls between them, oriented outwards.
 
     Rows of the walls lie from the bottom to the top; the caps' rims are the first and the
     last of them.
@@ -238,8 +240,8 @@ def _prism(plan: Plan, sight: Sight, low: float, high: float, pitch: float) -> t
     rim, count = len(plan.after), len(plan.points)
     rows = max(1, int(np.ceil(min((high - low) / pitch, MOST_ROWS))))
     heights = np.linspace(low, high, rows + 1)
-    rings = [sight.above(plan.points[:rim], z) for z in heights[1:-1]]
-    bottom, top = (sight.above(plan.points, z) for z in (low, high))
+    rings = [view_rays.above(plan.points[:rim], z) for z in heights[1:-1]]
+    bottom, top = (view_rays.above(plan.points, z) for z in (low, high))
     vertices = np.concatenate([bottom, top, *rings])
     starts = [0, *(2 * count + rim * k for k in range(rows - 1)), count]
     here, there = np.arange(rim), plan.after

@@ -1,7 +1,7 @@
 """The fillet: around the crease of a sharp mesh the surface of the blended solid.
 
-The sharp mesh has the topology and all detail. Only where the blend tells are its triangles
-made anew, fine enough for the fillet, and moved onto the zero set of the blended solid. Where
+The sharp mesh has the topology and all detail. Only where the blend matters are its triangles
+remeshed, fine enough for the fillet, and moved onto the zero set of the blended solid. Where
 that fails the blend is held back, in the function as in the mesh, and tried again.
 """
 
@@ -30,7 +30,7 @@ _ATTEMPTS = 5
 """How often a crease is tried, each time with less of the blend where the last one failed."""
 
 _RETREAT = 0.4
-"""What is left of the blend at a place that failed, each time."""
+"""Share of the blend that is left at a place that failed, each time."""
 
 _LEAST = 0.1
 """Shares of the blend below this are not tried: there the crease stays sharp."""
@@ -64,8 +64,8 @@ _COLLAPSES = 2
 _FLIPS = 1
 """Rounds of flipping edges before every relaxation."""
 
-_TELLING = 1e-3
-"""What the blend adds, as a share of the reach, from which on vertices are set free."""
+_NOTICEABLE = 1e-3
+"""Least amount that the blend adds, as a share of the reach, where vertices are set free."""
 
 _NEWTON = 3
 """Steps of Newton's method at the end of the last stage; the others need not be exact."""
@@ -92,7 +92,7 @@ _COMBINGS = 6
 """Relaxations of what is around such faces in every round."""
 
 _LEFT = 0.02
-"""What may be left of the blended value at a vertex, as a share of the reach."""
+"""Largest blended value that may be left at a vertex, as a share of the reach."""
 
 _OVERTURNED = -0.2
 """Cosine between a face and the gradient below which it counts as turned over."""
@@ -196,7 +196,7 @@ def _set_in(
     rows: list[Indices] = [rest]
     points: list[Floats] = [vertices]
     parents: list[Indices] = [np.arange(count)]
-    taming = solid.taming
+    limiter = solid.limiter
     for numbers, part in parts:
         number = numbers[part.parents]
         number[part.moved] = count + np.arange(part.moved.sum())
@@ -204,7 +204,7 @@ def _set_in(
         rows.append(number[part.faces])
         points.append(part.vertices[part.moved])
         parents.append(numbers[part.parents[part.moved]])
-        taming = taming.joined(part.solid.taming)
+        limiter = limiter.joined(part.solid.limiter)
     every, parent = np.concatenate(rows), np.concatenate(parents)
     place: Floats = np.concatenate(points)
     used = np.zeros(count, dtype=bool)
@@ -212,7 +212,7 @@ def _set_in(
     rank = np.cumsum(used) - 1
     moved = np.arange(count) >= len(vertices)
     return Fillet(
-        place[used], rank[every], parent[used], moved[used], replace(solid, taming=taming)
+        place[used], rank[every], parent[used], moved[used], replace(solid, limiter=limiter)
     )
 
 
@@ -243,13 +243,13 @@ def _in_place(solid: Composite, vertices: Floats) -> Composite:
 
 
 def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
-    """For every vertex that the blend may move the number of its crease, else -1."""
+    """Return for every vertex that the blend may move the number of its crease, else -1."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     felt = np.flatnonzero(solid.felt(vertices))
     may = np.zeros(len(vertices), dtype=bool)
-    may[felt] = _told(solid, solid.sides(vertices[felt]))
+    may[felt] = _blend_matters(solid, solid.sides(vertices[felt]))
     for _ in range(_RINGS):
         may[faces[may[faces].any(axis=1)]] = True
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -282,15 +282,15 @@ def _rounded(patch: Patch, may: Flags, solid: Composite, step: float) -> Patch:
     for share in _STAGES:
         stage = solid.scaled(share)
         sides = stage.sides(patch.vertices)
-        held = solid.taming.share(patch.vertices) < _LEAST
+        held = solid.limiter.share(patch.vertices) < _LEAST
         patch = replace(
             patch,
-            free=patch.free | (_told(stage, sides) & may[patch.parents] & ~held),
+            free=patch.free | (_blend_matters(stage, sides) & may[patch.parents] & ~held),
             spacing=np.maximum(_FINENESS / share * sides.reach, _FINEST * step),
         )
         patch = split(patch)
         for _ in range(_SMOOTHINGS):
-            patch = _bettered(stage, patch, step)
+            patch = _improved(stage, patch, step)
         for _ in range(_NEWTON if share == _STAGES[-1] else 1):
             patch = _projected(stage, patch)
         if np.mean(patch.facing() < _OVERTURNED) > _HOPELESS:
@@ -298,7 +298,7 @@ def _rounded(patch: Patch, may: Flags, solid: Composite, step: float) -> Patch:
     for _ in range(_REPAIRS):
         if patch.facing().min(initial=1.0) > 0.0:
             break
-        patch = _bettered(solid, patch, step)
+        patch = _improved(solid, patch, step)
         for _ in range(_COMBINGS):
             patch = relaxed(patch, _near_folds(patch))
         patch = _projected(solid, patch)
@@ -306,7 +306,7 @@ def _rounded(patch: Patch, may: Flags, solid: Composite, step: float) -> Patch:
 
 
 def _near_folds(patch: Patch) -> Flags:
-    """Vertices of faces turned over, and those around them."""
+    """Mark the vertices of faces turned over, and those around them."""
     near = np.zeros(len(patch.vertices), dtype=bool)
     near[patch.faces[patch.facing() < 0.0]] = True
     for _ in range(_RINGS):
@@ -314,21 +314,21 @@ def _near_folds(patch: Patch) -> Flags:
     return near
 
 
-def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
+def _improved(solid: Composite, patch: Patch, step: float) -> Patch:
     """Project the patch, collapse its slivers, and relax it."""
     patch = collapsed(_projected(solid, patch), _SLIVER, _SLIVER * step, _COLLAPSES)
     return relaxed(flipped_edges(patch, _FLIPS))
 
 
-def _told(solid: Composite, sides: Sides) -> Flags:
+def _blend_matters(solid: Composite, sides: Sides) -> Flags:
     """Return where the blend makes a difference, (n,)."""
     added = np.abs(solid.blended(sides).value - solid.sharp(sides))
-    told: Flags = added > _TELLING * sides.reach
-    return told
+    matters: Flags = added > _NOTICEABLE * sides.reach
+    return matters
 
 
 def _projected(solid: Composite, patch: Patch) -> Patch:
-    """Free vertices after a damped step of Newton's method; normals from the gradient."""
+    """Move free vertices by a damped Newton step; normals come from the gradient."""
     sides = solid.sides(patch.vertices)
     value, gradient, _ = solid.blended(sides)
     square = np.maximum(dot(gradient, gradient), _FLATTEST**2)
@@ -341,7 +341,7 @@ def _projected(solid: Composite, patch: Patch) -> Patch:
 
 
 def _bad(solid: Composite, patch: Patch) -> Flags:
-    """Vertices that did not arrive, or of faces that are turned over."""
+    """Mark vertices that did not arrive, or belong to faces turned over."""
     sides = solid.sides(patch.vertices)
     reach = np.maximum(sides.reach, _LEFT * solid.reach)
     bad = patch.free & ~(np.abs(solid.blended(sides).value) <= _LEFT * reach)
@@ -352,9 +352,9 @@ def _bad(solid: Composite, patch: Patch) -> Flags:
 
 def _held_back(solid: Composite, places: Floats, step: float, retreat: float) -> Composite:
     """Return the solid with only a share of its blend around places (n, 3)."""
-    left = solid.taming.share(places)
+    left = solid.limiter.share(places)
     whole = solid.sides(places).reach / np.maximum(left, 1e-300)
     share = retreat * left
     share[share < _LEAST] = _NONE
     radii = np.maximum(_AROUND * whole, 2.0 * step)
-    return replace(solid, taming=solid.taming.also(places, radii, share))
+    return replace(solid, limiter=solid.limiter.also(places, radii, share))

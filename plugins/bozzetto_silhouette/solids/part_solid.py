@@ -1,4 +1,4 @@
-"""From a part's recipe to its solid, remembered; and to a body that can be combined."""
+"""The solid of a part, remembered by its recipe, and the body that can be combined."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.inflation.heightfield import Relief
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
-from bozzetto_silhouette.inflation.membrane import InflationSwelling
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
+from bozzetto_silhouette.inflation.membrane import MembraneHeights
 from bozzetto_silhouette.inflation.pen_pressure import PenPressure
 from bozzetto_silhouette.inflation.profile import profile_of
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore, solidify
 from bozzetto_silhouette.inflation.thickness import InTurn, Thickness, Uniform
-from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.inflation.variational import VariationalHeights
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body
@@ -43,7 +43,7 @@ def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Si
         return solidify(
             outline_of(part),
             resolution=resolution,
-            swelling=_swelling(part),
+            height_model=_height_model(part),
             thickness=_thickness(part),
             rule=part.skeleton,
             checkpoint=checkpoint,
@@ -82,12 +82,12 @@ def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
     )
 
 
-def _swelling(part: Part) -> Swelling:
+def _height_model(part: Part) -> HeightModel:
     if part.surface == "variational":
-        return VariationalSwelling()
+        return VariationalHeights()
     if part.surface == "inflation":
-        return InflationSwelling()
-    return ConvolutionSwelling(part.softness, part.kernel)
+        return MembraneHeights()
+    return ConvolutionHeights(part.softness, part.kernel)
 
 
 def _thickness(part: Part) -> Thickness:

@@ -1,4 +1,4 @@
-"""Where the parts are: moved since they were drawn, in groups that were moved, under the pen.
+"""Placements of the parts: moved since they were drawn, in groups that were moved too.
 
 Everything the pen does to a part is done where the part stands now and kept where it was drawn:
 strokes are carried back by `stroke_in`, outlines are carried out by `placement_of`.
@@ -44,7 +44,7 @@ def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
 
 
 def carried(state: SilhouetteState, node: Part | Group) -> Placement:
-    """Where a node was moved since it was drawn, groups and all, in the model's frame."""
+    """Return the motion of a node since it was drawn, groups included, in the model's frame."""
     moved = node.pose
     for group in groups_around(state, node):
         moved = group.pose.after(moved)
@@ -52,7 +52,7 @@ def carried(state: SilhouetteState, node: Part | Group) -> Placement:
 
 
 def placement_of(state: SilhouetteState, part: Part) -> Placement:
-    """From a part's object frame to the model's frame."""
+    """Return the placement from a part's object frame to the model's frame."""
     return carried(state, part).after(part.sheet.placement)
 
 

@@ -24,7 +24,7 @@ BLOCK = 16
 """Cells along the edge of the largest blocks. Larger ones save nothing more."""
 
 SLACK = 1.15
-"""What values that are not quite distances are forgiven."""
+"""Tolerance for values that are not exactly distances."""
 
 NEAREST_CORNER = 0.866 * SLACK
 """Farthest that a place in a block can be from the nearest corner, in edges of the block."""
@@ -33,7 +33,7 @@ MEAN_CORNER = 1.122 * SLACK
 """The same for the mean of the distances from all eight corners, greatest at a corner."""
 
 MOST_NODES = 12_000_000
-"""Nodes of the lattice, all told: 48 MB. Beyond it the step is made coarser."""
+"""Nodes of the whole lattice: 48 MB. Beyond it the step is made coarser."""
 
 CHUNK = 16_384
 """Points evaluated between two checkpoints."""
@@ -107,7 +107,7 @@ def extract(
 def _narrow_band(
     implicit: Implicit, origin: Floats, step: float, blocks: Nodes, checkpoint: Checkpoint
 ) -> NDArray[np.float32]:
-    """Values in cells on the lattice's nodes, exact where the surface may be; border negative."""
+    """Return values in cells at the nodes: exact near the surface, negative at the border."""
     shape = BLOCK * blocks + 1
     strides = np.array([shape[1] * shape[2], shape[2], 1])
     lattice = np.full(int(np.prod(shape)), np.nan, np.float32)
@@ -166,7 +166,7 @@ def _polished(
     border: Flags,
     checkpoint: Checkpoint,
 ) -> tuple[Floats, Floats]:
-    """Vertices brought onto the zero surface, but for those on the border; and normals."""
+    """Move vertices onto the zero surface, except those on the border; return normals, too."""
     gradient = np.zeros_like(vertices)
     for turn in range(NEWTON_ROUNDS + 1):
         for first in range(0, len(vertices), CHUNK):

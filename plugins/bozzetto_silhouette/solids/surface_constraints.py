@@ -73,7 +73,7 @@ def constraints_on(solid: SilhouetteSolid, implicit: Implicit) -> Constraints:
 
 
 def _farthest(points: Floats, scale: Floats, rim: int) -> Indices:
-    """Vertices far apart in their own radii: of the first `rim`, then of all."""
+    """Choose vertices far apart in their own radii: of the first `rim`, then of all."""
     gap = np.full(len(points), np.inf)
     chosen: list[int] = []
     for candidates, most in ((rim, RIM_POINTS), (len(points), ALL_POINTS)):

@@ -1,4 +1,4 @@
-"""In which order the nodes of the tree are put together, whatever stands for their solids."""
+"""The order in which the nodes of the tree are combined, for any type of solid."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def put_together(
     """Combine the nodes of a group that are switched on, from first to last; None for nothing.
 
     The first node is the shape that the others act on, whatever its own operation. Where it
-    is switched off, or nothing is left, the next node that adds begins anew.
+    is switched off, or nothing is left, the next node that adds is the first.
 
     Parameters
     ----------

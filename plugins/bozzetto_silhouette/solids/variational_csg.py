@@ -44,7 +44,7 @@ FEWEST = 12
 is narrowed."""
 
 ROOM = 0.08
-"""How far the surface may swell out of the box of the bodies, as a share of its diagonal."""
+"""Margin of the surface beyond the box of the bodies, as a share of its diagonal."""
 
 COARSER = 1.4
 """Cells of the extraction in steps of the finer body: Newton's method and normals from the
@@ -56,8 +56,8 @@ FINEST = 1 / 160
 HELD = 4.0
 """A component holds a constraint that lies within so many cells of it."""
 
-EXORCISMS = 3
-"""Rounds in which blobs that hold no constraint are driven out."""
+BLOB_ROUNDS = 3
+"""Rounds in which blobs that hold no constraint are removed."""
 
 
 def variational_combined(
@@ -161,7 +161,7 @@ def _kept(
     other_depth: Floats,
     band: float,
 ) -> tuple[Flags, Flags]:
-    """Which constraints stay; the band is narrowed where it would swallow a body."""
+    """Mark the constraints that stay; the band is narrowed where it would hide a body."""
     narrowest = min(band, NARROWEST * min(one.size, other.size))
     side = -other_depth if operation == "carve" else other_depth
     while True:
@@ -188,16 +188,16 @@ def _surface(
     points: Floats, value: Floats, bounds: Floats, step: float, checkpoint: Checkpoint
 ) -> tuple[VariationalSurface, Surface]:
     """Return the function through the constraints and its surface, without blobs far from them."""
-    for turn in range(EXORCISMS):
+    for turn in range(BLOB_ROUNDS):
         checkpoint(0.2, "solve")
         held = interpolated(points, value, bounds)
         mesh = extract(held, bounds, step, checkpoint)
         if not len(mesh.faces):
             return held, mesh
         mesh, blobs = _without_blobs(mesh, points[value == 0.0], HELD * step)
-        if not len(blobs) or turn == EXORCISMS - 1:
+        if not len(blobs) or turn == BLOB_ROUNDS - 1:
             break
-        # Where a blob was the function is told to have the sign of its surroundings.
+        # Where a blob was the function gets the sign of its surroundings.
         from scipy.spatial import cKDTree
 
         middles, signs = blobs[:, :3], blobs[:, 3]
@@ -234,7 +234,7 @@ def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Fl
 
 
 def _origins(first: Body, second: Body, points: Floats, part: Indices, vertices: Floats) -> Faces:
-    """For every vertex the source of the vertex of its own body that is nearest."""
+    """Return for every vertex the source of the nearest vertex of its own body."""
     from scipy.spatial import cKDTree
 
     origins = np.empty(len(vertices), np.int32)

@@ -1,4 +1,4 @@
-"""What the pen can do, one tool in a module."""
+"""The tools. Imports everything below."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.solids.coarse_draft import draft_surface
 from bozzetto_silhouette.solids.placements import carried, groups_around
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
 from bozzetto_silhouette.view.handles import ARRANGE, grip_of, handles_layer
 from bozzetto_silhouette.view.picking import touched_part
@@ -26,7 +26,7 @@ LIVE_CELLS = 48
 """Resolution of the shape while a part is dragged."""
 
 
-class Arrange(TellsOfJoints):
+class Arrange(PoseAwareTool):
     """Tap a part to choose it, drag its handles; beside all parts nothing is chosen."""
 
     id = ARRANGE
@@ -85,10 +85,10 @@ class Arrange(TellsOfJoints):
             motion = turned(grip.middle, camera, start, end, stepped=gesture.shift)
         else:
             motion = resized(grip.middle, camera, start, end)
-        return state.with_node(placed_anew(state, node, motion))
+        return state.with_node(after_motion(state, node, motion))
 
 
-def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:
+def after_motion(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:
     """Return a node after a motion in the model's frame.
 
     Raises

@@ -16,14 +16,14 @@ from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.tools.erase import erased, without
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 OPEN_GAP = 0.2
 """Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
 as meant to be closed."""
 
 
-class DrawOutline(TellsOfJoints):
+class DrawOutline(PoseAwareTool):
     """One closed outline makes a part; drawn inside a part on its sheet, a hole in it."""
 
     id = "draw"
@@ -33,13 +33,13 @@ class DrawOutline(TellsOfJoints):
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show the shape that the ink so far inflates to."""
-        from bozzetto_silhouette.inflation.live_preview import swollen
+        from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
         points = np.concatenate([sheet.from_pixels(s.points, s.camera) for s in gesture.strokes])
-        return swollen(points, sheet) if np.isfinite(points).all() else Scene()
+        return inflated_scene(points, sheet) if np.isfinite(points).all() else Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add a part or a hole.

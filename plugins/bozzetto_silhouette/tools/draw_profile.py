@@ -11,10 +11,10 @@ from bozzetto_silhouette.inflation.profile import understood
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import shown_parts, stroke_in
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 
-class DrawProfile(TellsOfJoints):
+class DrawProfile(PoseAwareTool):
     """The ink becomes the profile of the chosen part, in place of the one that it had."""
 
     id = "profile"

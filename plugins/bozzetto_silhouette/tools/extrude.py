@@ -23,8 +23,13 @@ from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import NOTHING, check_that_it_carves, landed, volume_left
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.insert_node import (
+    NOTHING,
+    check_that_it_carves,
+    insert_node,
+    volume_left,
+)
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import parts_at, trace_of
 from bozzetto_silhouette.view.picking import Touch, shape_seen
 
@@ -79,7 +84,7 @@ class _Base:
     parts: tuple[Part, ...]
 
 
-class Extrude(TellsOfJoints):
+class Extrude(PoseAwareTool):
     """Two strokes: where something grows, and what grows there."""
 
     id = "extrude"
@@ -89,7 +94,7 @@ class Extrude(TellsOfJoints):
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show the ring on the surface, and the shape that the second stroke inflates to so far."""
-        from bozzetto_silhouette.inflation.live_preview import swollen
+        from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
@@ -102,7 +107,7 @@ class Extrude(TellsOfJoints):
             if not more:
                 return shown
             strokes, sheet = _drawn_so_far(state, _base(state, ring), more[0])
-            return shown + swollen(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
+            return shown + inflated_scene(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
         except UserError:
             return Scene()
 
@@ -135,7 +140,7 @@ class Extrude(TellsOfJoints):
             check_that_it_carves(state, after)
         elif volume_left(after) <= (1.0 + NOTHING) * volume_left(state):
             raise UserError("This lies inside the shape. Draw it outwards from the ring.")
-        return landed(state, part, base.parts)
+        return insert_node(state, part, base.parts)
 
 
 def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
@@ -162,7 +167,7 @@ def _loop(stroke: Stroke) -> Floats:
 
 
 def _room(touch: Touch, points: Floats, middle: Floats, outwards: Floats) -> float:
-    """How far the shape goes on inwards from the middle of the ring."""
+    """Measure how far the shape goes on inwards from the middle of the ring."""
     depth = (points - middle) @ outwards
     start = middle + (depth.min() - 1e-3 * np.ptp(points, axis=0).max()) * outwards
     found = touch.hits(Rays(start[None], -outwards[None]))
@@ -245,7 +250,7 @@ def _check_ends(line: Floats, ring: Floats, width: float) -> None:
 def _root_stroke(
     line: Floats, middle: Floats, root: Floats, sheet: Sheet, camera: Camera
 ) -> Stroke:
-    """Half an ellipse from the end of a line to its start, as far as `root` beyond."""
+    """Return half an ellipse from the end of a line to its start, as far as `root` beyond."""
     angle = np.linspace(0.0, np.pi, ROOT_STEPS + 1)
     places = middle + np.outer(np.cos(angle), line[-1] - middle) + np.outer(np.sin(angle), root)
     pixels, _ = camera.project(sheet.to_world(places))

@@ -20,7 +20,7 @@ NOTHING = 1e-6
 
 
 def volume_left(state: SilhouetteState) -> float:
-    """Volume of the whole shape, mm³; 0 where there is none."""
+    """Return the volume of the whole shape, mm³; 0 where there is none."""
     touch = shape_seen(state)
     return 0.0 if touch is None else volume_of(touch.body.vertices, touch.body.faces)
 
@@ -44,7 +44,7 @@ def check_that_it_carves(before: SilhouetteState, after: SilhouetteState) -> flo
     return left
 
 
-def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> SilhouetteState:
+def insert_node(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> SilhouetteState:
     """Add a node, drawn in the model's frame, to the group of the parts that it acts on.
 
     It is the last of the innermost group around all of them in which it does to the shape what

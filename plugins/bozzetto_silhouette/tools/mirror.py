@@ -11,8 +11,8 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Tap
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.part_solid import body_of
-from bozzetto_silhouette.tools.arrange import placed_anew
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.arrange import after_motion
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.view.drag_motion import mirrored
 from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
 
@@ -24,7 +24,7 @@ SAME = 0.02
 part's size: the meshes of two like halves differ by less."""
 
 
-class MirrorCopy(TellsOfJoints):
+class MirrorCopy(PoseAwareTool):
     """A twin across the plane of symmetry, right after the part itself.
 
     With Shift, and for a part that is its own mirror image there, across the upright plane
@@ -55,7 +55,7 @@ class MirrorCopy(TellsOfJoints):
         planes = [across] if gesture.shift else [normal, across]
         twins = (
             replace(
-                placed_anew(state, part, mirrored(point, plane)),
+                after_motion(state, part, mirrored(point, plane)),
                 id=state.unused_id(),
                 name=_name_of_twin(state, part),
             )

@@ -25,7 +25,7 @@ from bozzetto_silhouette.solids.placements import (
     stroke_in,
 )
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 ChooseRing = Callable[[Rings, Floats, float], int]
 MakeEdit = Callable[[Stroke, int], Edit]
@@ -103,7 +103,7 @@ def _as_seen(problem: UserError, mirrored: bool, stroke: Stroke) -> UserError:
     return UserError(problem.message, places=[(width - x, y) for x, y in problem.places])
 
 
-class _EditsOutline(TellsOfJoints):
+class _EditsOutline(PoseAwareTool):
     """A tool that changes the outline of the part that a stroke is drawn over.
 
     Attributes
@@ -160,7 +160,7 @@ class SketchOver(_EditsOutline):
     id = "oversketch"
     title = "Sketch over"
     icon = "icons/oversketch.svg"
-    hint = "Draw a piece of the outline anew, from the line back to the line."
+    hint = "Draw a piece of the outline again, from the line back to the line."
     refusal = "Draw over the outline with the pen."
     choose = staticmethod(ring_drawn_over)
     make = Oversketch

@@ -1,4 +1,4 @@
-"""What a tool says of the next gesture: its own words, or how joints are dragged."""
+"""The base of the tools: while the shape is posed their hint says how to drag joints."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NO_JOINTS: Final = (
 )
 
 
-class TellsOfJoints:
+class PoseAwareTool:
     """A tool whose hint gives way to the joints while the shape is posed.
 
     Without a preview of its own: there the ink, or the result, shows everything.
@@ -39,6 +39,6 @@ class TellsOfJoints:
         try:
             layer = joints_layer(state)
         except UserError:
-            return self.hint  # the ink is no outline, which the solve has told
+            return self.hint  # the ink is no outline, which the solve has reported
         # Besides the handles there may be roots, which stay where they are.
         return DRAG_A_JOINT if layer is not None and len(layer.items) > 1 else NO_JOINTS

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 MOST_PIXELS = 2048
 """Longest side of the picture that is kept: beyond, files grow and nothing more shows."""
 
 
-class ProjectPicture(TellsOfJoints):
+class ProjectPicture(PoseAwareTool):
     """The underlay colours the shape, front and back; without an underlay it comes off."""
 
     id = "picture"

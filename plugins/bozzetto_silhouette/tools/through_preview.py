@@ -1,4 +1,4 @@
-"""Where lines of sight go through the shape: what is shown before anything is cut."""
+"""Lines of sight through the shape, shown before anything is cut."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.view.picking import Touch
 
 RULED = 8
-"""Every which line of sight is drawn from where it goes in to where it comes out."""
+"""Of so many lines of sight one is drawn, from where it goes in to where it comes out."""
 
 WIDTHS = (2.0, 1.0)
-"""Of what runs on the surface and of lines of sight inside, px."""
+"""Widths of lines on the surface and of lines of sight inside, px."""
 
 
 class Trace(NamedTuple):
-    """Where n lines of sight go into the shape, and where they come out for good.
+    """The places where n lines of sight enter the shape, and where they leave it for good.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def _runs(line: Floats, hit: Flags) -> list[Floats]:
 
 
 def _lines(runs: Sequence[Floats] | Floats, width: float) -> Lines:
-    """Polylines (n, 3) each, as one item."""
+    """Join polylines (n, 3) into one item."""
     starts = np.cumsum([0, *(len(run) for run in runs[:-1])])
     points = np.concatenate([*runs, np.zeros((0, 3))]).astype(np.float32)
     return Lines(points, starts.astype(np.int32), color="accent", width=width)

@@ -14,8 +14,8 @@ from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import check_that_it_carves, landed
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import Trace, trace_of
 from bozzetto_silhouette.view.picking import shape_seen
 
@@ -23,7 +23,7 @@ LOOKS = 96
 """Lines of sight along the outline."""
 
 
-class DrawTunnel(TellsOfJoints):
+class DrawTunnel(PoseAwareTool):
     """A closed outline goes straight through what lies under it; the eraser takes parts away."""
 
     id = "tunnel"
@@ -32,7 +32,7 @@ class DrawTunnel(TellsOfJoints):
     hint = "Draw a closed outline over the shape; it goes straight through."
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Where the tunnel goes in and comes out, and lines of sight through it."""
+        """Show where the tunnel goes in and comes out, and lines of sight through it."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         try:
@@ -69,7 +69,9 @@ class DrawTunnel(TellsOfJoints):
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
         trace = _trace(state, gesture.strokes, part.sheet)
-        return state.with_node(part) if trace is None else landed(state, part, trace.parts(state))
+        return (
+            state.with_node(part) if trace is None else insert_node(state, part, trace.parts(state))
+        )
 
 
 def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:

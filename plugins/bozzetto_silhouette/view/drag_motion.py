@@ -17,14 +17,14 @@ SIZES = (1e-3, 1e3)
 """Bounds of how much smaller or larger than drawn a thing may become."""
 
 TURN_STEP = np.deg2rad(15.0)
-"""What a turn is rounded to with Shift."""
+"""Angle that a turn is rounded to with Shift."""
 
 END_ON = 0.2
 """Sine of the angle to the line of sight below which an axis is not to be followed: a pixel
 would be a long way."""
 
 AIM = 4.0
-"""Distance from the middle, px, below which a direction or a size cannot be told."""
+"""Distance from the middle, px, below which a direction or a size cannot be found."""
 
 
 def moved(
@@ -116,14 +116,14 @@ def _nearest_axis(shift: Floats, camera: Camera) -> Floats:
 
 
 def _along(middle: Floats, axis: Floats, camera: Camera, pixel: Floats) -> float:
-    """How far along an axis through the middle its point nearest to a line of sight lies."""
+    """Return how far along an axis through the middle its point nearest to a line of sight lies."""
     rays = camera.rays([pixel])
-    between, sight = rays.origins[0] - middle, rays.directions[0]
-    slope = float(axis @ sight)
+    between, direction = rays.origins[0] - middle, rays.directions[0]
+    slope = float(axis @ direction)
     rest = 1.0 - slope**2
     if rest < 1e-9:
         return float("nan")
-    return float((axis @ between - slope * (sight @ between)) / rest)
+    return float((axis @ between - slope * (direction @ between)) / rest)
 
 
 def _rotation(axis: Floats, angle: float) -> Floats:

@@ -26,7 +26,7 @@ from the middle also where the ring is seen edge-on."""
 
 @dataclass(frozen=True, eq=False)
 class Grip:
-    """Where a node is held, in the model's frame, mm.
+    """The ring by which a node is held, in the model's frame, mm.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Grip:
     radius: float
 
     def on_ring(self, angles: Floats) -> Floats:
-        """Places on the ring, (n, 3)."""
+        """Return places on the ring, (n, 3)."""
         circle = np.outer(np.cos(angles), self.right) + np.outer(np.sin(angles), self.up)
         return np.asarray(self.middle + self.radius * circle, np.float64)
 
@@ -60,7 +60,7 @@ def members(state: SilhouetteState, node: Part | Group) -> tuple[Part, ...]:
 
 
 def grip_of(state: SilhouetteState, node: Part | Group) -> Grip | None:
-    """Where a node is held; None where it has no ink that can be seen on its sheet."""
+    """Return where a node is held; None where it has no ink that can be seen on its sheet."""
     parts = members(state, node)
     found = [places for part in parts if len(places := _inked(state, part))]
     if not found:

@@ -1,4 +1,4 @@
-"""What is shown of a drawing beside its shape: ink, outlines drawn over, profiles, deviations."""
+"""Layers beside the shape: ink, outlines drawn over, profiles, deviations."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def ink_layer(state: SilhouetteState) -> Layer:
 
 
 def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) -> Layer | None:
-    """Where the silhouette of a part leaves its outline by what can be seen; None nowhere."""
+    """Show where a part's silhouette visibly leaves its outline; None where it does not."""
     outline = outline_of(part)
     known = _deviations.recall(
         (solid, outline), lambda: [deviation_along(solid, ring) for ring in outline.rings]
@@ -113,7 +113,7 @@ def _joined(
     width: float | NDArray[np.float32],
     hidden: Literal["faint", "dashed", "show"],
 ) -> Lines:
-    """Polylines as one item."""
+    """Join polylines into one item."""
     starts = np.cumsum([0, *(len(line) for line in lines[:-1])])
     points = np.concatenate([*lines, np.zeros((0, 3))])
     return Lines(points, starts, color=color, width=width, hidden=hidden)

@@ -38,7 +38,7 @@ class Touch:
     scene: Scene
 
     def hits(self, rays: Rays) -> Hits:
-        """Where rays first meet the shape."""
+        """Return where rays first meet the shape."""
         return cast_rays(self.scene, rays)
 
     def under(self, pixels: ArrayLike, camera: Camera) -> Hits:
