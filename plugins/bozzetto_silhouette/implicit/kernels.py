@@ -37,7 +37,7 @@ class Kernel(Protocol):
     """A falling function h of the distance, and what belongs to it."""
 
     def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
-        """Return I0 and I1 over ``a <= s <= b`` at squared distances d2 from the line; (n,) each."""
+        """Return I0 and I1 over ``a <= s <= b`` at squared distances d2 from the line, (n,)."""
         ...
 
     def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:

@@ -185,7 +185,7 @@ class Part(Node):
         Parameter(
             "Kernel",
             advanced=True,
-            help="The function that makes round limbs; the default keeps thin ones as thin as drawn.",
+            help="The function that makes limbs round; the default keeps thin ones thin.",
             choices=(
                 ("scalis", "Scale-invariant (default)"),
                 ("cauchy", "Cauchy"),

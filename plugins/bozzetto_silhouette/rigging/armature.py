@@ -127,7 +127,7 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     """Return the joints of all parts that add to the shape; None where there are none.
 
     The largest piece has its root at its thickest joint. Every other one is attached to the
-    largest of those it touches: there, its joint nearest to one of that piece becomes its root. What
+    largest of those it touches: its joint nearest to one of that piece becomes its root. What
     touches nothing has a root of its own.
 
     Parameters

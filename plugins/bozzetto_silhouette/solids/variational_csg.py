@@ -108,24 +108,9 @@ def variational_combined(
         return None
     if operation == "carve" and not theirs.any():
         return first
-    if operation == "merge":
-        values = np.maximum(one.values, depth), np.maximum(other.values, other_depth)
-    else:
-        values = np.minimum(one.values, -depth), np.minimum(-other.values, other_depth)
-    points = np.concatenate([one.points[mine], other.points[theirs]])
-    value = np.concatenate([values[0][mine], values[1][theirs]])
-    part = np.repeat([0, 1], [int(mine.sum()), int(theirs.sum())])
-    # What lies on the surface goes first: of two that are too close the earlier one stays.
-    order = np.argsort(np.abs(value), kind="stable")
-    keep = order[apart(points[order], SPACING * size)]
-    points, value, part = points[keep], value[keep], part[keep]
-    both = (first,) if operation == "carve" else (first, second)
-    corners = np.concatenate([body.bounds for body in both])
-    bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
-    bounds += ROOM * float(np.linalg.norm(bounds[1] - bounds[0])) * np.array([[-1.0], [1.0]])
-    step = max(
-        COARSER * min(first.step, second.step), FINEST * float((bounds[1] - bounds[0]).max())
-    )
+    points, value, part = _joined(operation, one, other, depth, other_depth, mine, theirs)
+    bounds = _bounds((first,) if operation == "carve" else (first, second))
+    step = max(COARSER * min(first.step, second.step), FINEST * float(np.ptp(bounds, axis=0).max()))
     held, mesh = _surface(points, value, bounds, step, checkpoint)
     if not len(mesh.faces):
         return None
@@ -151,6 +136,37 @@ def variational_combined(
         constraints=Constraints(points, value, max(one.size, other.size)),
         known=whole,
     )
+
+
+def _joined(
+    operation: str,
+    one: Constraints,
+    other: Constraints,
+    depth: Floats,
+    other_depth: Floats,
+    mine: Flags,
+    theirs: Flags,
+) -> tuple[Floats, Floats, Indices]:
+    """Return the constraints that stay: their points, their values, and whose (0 or 1) they were."""
+    if operation == "merge":
+        values = np.maximum(one.values, depth), np.maximum(other.values, other_depth)
+    else:
+        values = np.minimum(one.values, -depth), np.minimum(-other.values, other_depth)
+    points = np.concatenate([one.points[mine], other.points[theirs]])
+    value = np.concatenate([values[0][mine], values[1][theirs]])
+    part = np.repeat([0, 1], [int(mine.sum()), int(theirs.sum())])
+    # What lies on the surface goes first: of two that are too close the earlier one stays.
+    order = np.argsort(np.abs(value), kind="stable")
+    keep = order[apart(points[order], SPACING * min(one.size, other.size))]
+    return points[keep], value[keep], part[keep]
+
+
+def _bounds(bodies: tuple[Body, ...]) -> Floats:
+    """Return the box of some bodies with room for the surface to bulge, (2, 3)."""
+    corners = np.concatenate([body.bounds for body in bodies])
+    box = np.stack([corners.min(axis=0), corners.max(axis=0)])
+    margin = ROOM * float(np.linalg.norm(box[1] - box[0]))
+    return box + margin * np.array([[-1.0], [1.0]])
 
 
 def _kept(
