@@ -147,7 +147,7 @@ def _joined(
     mine: Flags,
     theirs: Flags,
 ) -> tuple[Floats, Floats, Indices]:
-    """Return the constraints that stay: their points, their values, and whose (0 or 1) they were."""
+    """Return the constraints that stay: points, values, and whose (0 or 1) they were."""
     if operation == "merge":
         values = np.maximum(one.values, depth), np.maximum(other.values, other_depth)
     else:
