@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
 from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
 
 Index = NDArray[np.int64]
 
@@ -119,14 +120,9 @@ def _labels(corners: Floats, beside: Index) -> Index:
 
 def _components(beside: Index, kind: Index) -> Index:
     """Return for each face the number of the connected region of one kind that it is in."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     face, side = np.nonzero((beside >= 0) & (kind[beside] == kind[:, None]))
-    links = coo_matrix(
-        (np.ones(len(face), np.int8), (face, beside[face, side])), shape=(len(kind), len(kind))
-    )
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
+    _, number = connected_pieces(face, beside[face, side], len(kind))
+    return number.astype(np.int64)
 
 
 def _flat(corners: Floats, label: Index) -> Floats:

@@ -12,6 +12,7 @@ import numpy as np
 
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
+from bozzetto_silhouette.numerics.isotropic_remeshing import dot
 
 ORDER = 3.5
 """Power to which the potential of the scale-invariant kernel falls off around a tube (Zanni
@@ -38,8 +39,8 @@ def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Samp
     the radius of curvature.
     """
     a, b = first.value, second.value
-    lengths = np.sqrt(_dot(first.gradient, first.gradient) * _dot(second.gradient, second.gradient))
-    cosine = _dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
+    lengths = np.sqrt(dot(first.gradient, first.gradient) * dot(second.gradient, second.gradient))
+    cosine = dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
     k = reach * np.clip(1.0 - cosine, 0.0, 1.0)
     excess = np.maximum(k - np.abs(a - b), 0.0)
     k = np.maximum(k, 1e-300)
@@ -79,8 +80,3 @@ def _mixed(value: Floats, one: Floats, first: Sample, other: Floats, second: Sam
     total = np.maximum(one + other, 1e-300)
     curvature = (one * first.curvature + other * second.curvature) / total
     return Sample(value, gradient, curvature)
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    product: Floats = np.einsum("ij,ij->i", a, b)
-    return product

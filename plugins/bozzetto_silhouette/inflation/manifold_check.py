@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
 from bozzetto_silhouette.outline.outline import Outline
 
 if TYPE_CHECKING:
@@ -101,14 +102,10 @@ def topology_of(vertices: Floats, faces: Faces) -> Topology:
     Counted from the faces themselves, which takes a fifth of the time that manifold3d needs
     to build its solid: this runs while a person waits. Exports ask manifold3d.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     # Two edges join the three corners of a face.
     a, b = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    links = coo_array((np.ones(len(a), dtype=np.int32), (a, b)), shape=(len(vertices),) * 2)
     used = np.bincount(faces.ravel(), minlength=len(vertices)) > 0
-    pieces, label = connected_components(links, directed=False)
+    pieces, label = connected_pieces(a, b, len(vertices))
     components = pieces - int((~used).sum())
     # Euler's formula, summed over the bodies; of three half edges each face owns one and a half.
     euler = int(used.sum()) - 3 * len(faces) // 2 + len(faces)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
@@ -84,11 +85,5 @@ class MembraneHeights:
 
 def _bodies(plan: Plan) -> Faces:
     """Return for each point the number of the connected piece of the plan it is in, (n,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     a, b, c = plan.triangles.T
-    rows, columns = np.concatenate([a, b]), np.concatenate([b, c])
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(plan.points),) * 2)
-    labels: Faces = connected_components(graph, directed=False)[1]
-    return labels
+    return connected_pieces(np.concatenate([a, b]), np.concatenate([b, c]), len(plan.points))[1]

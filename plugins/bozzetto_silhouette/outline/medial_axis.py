@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
+from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
@@ -104,13 +105,9 @@ def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Floats, Floats
 
 def _merged(nodes: Floats, edges: Indices, closer: float) -> tuple[Floats, Indices]:
     """Contract edges shorter than `closer`; the larger ball of each cluster stays."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     a, b = edges.T
     short = np.hypot(*(nodes[a] - nodes[b])[:, :2].T) < closer
-    graph = coo_array((np.ones(short.sum()), (a[short], b[short])), shape=(len(nodes),) * 2)
-    count, label = connected_components(graph, directed=False)
+    count, label = connected_pieces(a[short], b[short], len(nodes))
     order = np.argsort(nodes[:, 2])
     keeper = np.zeros(count, dtype=np.intp)
     keeper[label[order]] = order

@@ -16,6 +16,7 @@ from bozzetto.plugin import Memory
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     collapsed,
@@ -244,9 +245,6 @@ def _in_place(solid: Composite, vertices: Floats) -> Composite:
 
 def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
     """Return for every vertex that the blend may move the number of its crease, else -1."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     felt = np.flatnonzero(solid.felt(vertices))
     may = np.zeros(len(vertices), dtype=bool)
     may[felt] = _blend_matters(solid, solid.sides(vertices[felt]))
@@ -254,10 +252,7 @@ def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
         may[faces[may[faces].any(axis=1)]] = True
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     inner = may[a] & may[b]
-    links = coo_array(
-        (np.ones(inner.sum(), np.int32), (a[inner], b[inner])), shape=(len(vertices),) * 2
-    )
-    _, number = connected_components(links, directed=False)
+    _, number = connected_pieces(a[inner], b[inner], len(vertices))
     return np.where(may, number, -1)
 
 

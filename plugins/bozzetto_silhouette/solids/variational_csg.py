@@ -28,6 +28,7 @@ from bozzetto_silhouette.implicit.variational import (
 )
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 
@@ -225,14 +226,11 @@ def _surface(
 
 def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Floats]:
     """Drop components without constraints; return the mesh, their middles and signs (k, 4)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     vertices, faces, normals = mesh
     a, b = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    links = coo_array((np.ones(len(a)), (a, b)), shape=(len(vertices),) * 2)
-    count, label = connected_components(links, directed=False)
+    count, label = connected_pieces(a, b, len(vertices))
     gap, nearest = cKDTree(vertices).query(on, distance_upper_bound=reach)
     held = np.zeros(count, bool)
     held[label[np.asarray(nearest)[np.isfinite(gap)]]] = True
