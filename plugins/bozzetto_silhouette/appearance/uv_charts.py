@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
 from bozzetto_silhouette.arrays import Faces, Floats
-from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 
 Index = NDArray[np.int64]
 

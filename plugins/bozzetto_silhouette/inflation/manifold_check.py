@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bozzetto_silhouette.arrays import Faces, Floats
-from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.outline.outline import Outline
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bozzetto_silhouette.arrays import Faces, Floats
-from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
-from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links

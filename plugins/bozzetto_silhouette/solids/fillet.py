@@ -16,7 +16,7 @@ from bozzetto.plugin import Memory
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
-from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     collapsed,

@@ -28,7 +28,7 @@ from bozzetto_silhouette.implicit.variational import (
 )
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
-from bozzetto_silhouette.numerics.connected_pieces import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 

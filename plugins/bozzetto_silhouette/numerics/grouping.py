@@ -1,4 +1,4 @@
-"""Connected pieces of a graph."""
+"""Grouping of nodes: the connected pieces of a graph."""
 
 from __future__ import annotations
 
