@@ -8,7 +8,7 @@ from bozzetto_silhouette.arrays import Faces, Indices
 
 
 def connected_pieces(one: Indices | Faces, other: Indices | Faces, count: int) -> tuple[int, Faces]:
-    """Number the connected pieces of an undirected graph.
+    """Find the connected pieces of an undirected graph, and number them.
 
     Parameters
     ----------
